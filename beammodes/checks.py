@@ -1,0 +1,89 @@
+"""Argument checks whose messages name the argument, the value received and what is allowed."""
+
+from __future__ import annotations
+
+import difflib
+import math
+import numbers
+from collections.abc import Iterable
+
+__all__ = ["choice", "positive_real", "real", "shown", "whole_number"]
+
+_SHOWN_CHARACTERS = 60
+
+
+def shown(value: object) -> str:
+    """Return `value` as an error message may carry it: one line, never longer than a screen line."""
+    if isinstance(value, int) and value.bit_length() > 200:
+        # Python itself refuses to print integers of more than 4300 digits.
+        return f"an integer of about 10**{int(value.bit_length() * math.log10(2))}"
+    text = repr(value).replace("\n", " ")
+    return text if len(text) <= _SHOWN_CHARACTERS else text[: _SHOWN_CHARACTERS - 3] + "..."
+
+
+def real(name: str, value: object) -> float:
+    """Return `value` as a finite float.
+
+    Raises
+    ------
+    TypeError
+        If `value` is not a real number (a bool or a string is not).
+    ValueError
+        If it is not finite, or too large for a float.
+    """
+    if isinstance(value, bool) or not isinstance(value, numbers.Real):
+        raise TypeError(f"{name} must be a real number, got {shown(value)}")
+    try:
+        number = float(value)
+    except OverflowError:
+        number = math.inf
+    if not math.isfinite(number):
+        raise ValueError(f"{name} must be finite, got {shown(value)}")
+    return number
+
+
+def positive_real(name: str, value: object) -> float:
+    """Return `value` as a finite float above zero; raises as `real` does."""
+    number = real(name, value)
+    if number <= 0.0:
+        raise ValueError(f"{name} must be greater than 0, got {shown(value)}")
+    return number
+
+
+def whole_number(name: str, value: object, *, least: int = 1, most: int | None = None) -> int:
+    """Return `value` as an int in `least..most`.
+
+    Raises
+    ------
+    TypeError
+        If `value` is not an integer (2.5, "six" and True are not; NumPy integers are).
+    ValueError
+        If it lies outside the range.
+    """
+    allowed = f"a whole number of at least {least}" + (f" and at most {most}" if most is not None else "")
+    if isinstance(value, bool) or not isinstance(value, numbers.Integral):
+        raise TypeError(f"{name} must be {allowed}, got {shown(value)}")
+    number = int(value)
+    if number < least or (most is not None and number > most):
+        raise ValueError(f"{name} must be {allowed}, got {shown(number)}")
+    return number
+
+
+def choice(name: str, value: object, allowed: Iterable[str]) -> str:
+    """Return `value` if it is one of the words in `allowed`.
+
+    Raises
+    ------
+    TypeError
+        If `value` is not a string.
+    ValueError
+        If it is another word; the message offers the nearest allowed one.
+    """
+    words = list(allowed)
+    if not isinstance(value, str):
+        raise TypeError(f"{name} must be one of {', '.join(words)}, got {shown(value)}")
+    if value in words:
+        return value
+    near = difflib.get_close_matches(value.strip().lower(), words, n=1)
+    hint = f' (did you mean "{near[0]}"?)' if near else ""
+    raise ValueError(f"{name} must be one of {', '.join(words)}, got {shown(value)}{hint}")

@@ -1,0 +1,213 @@
+"""The ends of a beam: four ways to hold one, ten pairs of two."""
+
+from __future__ import annotations
+
+import difflib
+import re
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from beammodes.checks import choice, shown
+
+__all__ = ["BOUNDARIES", "ENDS", "Boundary", "BoundaryLike", "End", "boundary_codes"]
+
+
+@dataclass(frozen=True, slots=True)
+class End:
+    """One way to hold the end of a beam.
+
+    Parameters
+    ----------
+    name : str
+        The field's word: clamped, pinned, guided or free.
+    holds_deflection : bool
+        True where the end's deflection is zero (clamped, pinned).
+    holds_rotation : bool
+        True where the end's rotation is zero (clamped, guided).
+
+    Examples
+    --------
+    >>> ENDS["guided"].holds_rotation
+    True
+    """
+
+    name: str
+    holds_deflection: bool
+    holds_rotation: bool
+
+    def __str__(self) -> str:
+        return self.name
+
+
+#: The four ends, the firmer first: this order makes the canonical names of pairs.
+ENDS: dict[str, End] = {
+    "clamped": End("clamped", True, True),
+    "pinned": End("pinned", True, False),
+    "guided": End("guided", False, True),
+    "free": End("free", False, False),
+}
+_ALIASES = {"cantilever": "clamped", "fixed": "clamped", "hinged": "pinned", "sliding": "guided"}
+_FIRMNESS = {name: rank for rank, name in enumerate(ENDS)}
+
+
+@dataclass(frozen=True, slots=True)
+class Boundary:
+    """The two ends of a beam, in the order in which its arrays run.
+
+    Parameters
+    ----------
+    left, right : End
+        The end at x = 0 and the end at x = L.
+
+    Examples
+    --------
+    >>> Boundary.of("free/cantilever")
+    Boundary('free-clamped')
+    >>> Boundary.of("free/cantilever").canonical
+    Boundary('clamped-free')
+    """
+
+    left: End
+    right: End
+
+    def __post_init__(self) -> None:
+        for name, end in (("left", self.left), ("right", self.right)):
+            if not isinstance(end, End):
+                raise TypeError(f"{name} must be an End, got {shown(end)}; Boundary.of() reads names")
+
+    @classmethod
+    def of(cls, value: BoundaryLike) -> Boundary:
+        """Return the boundary that a name, a pair of names or ends, or a `Boundary` stands for.
+
+        Parameters
+        ----------
+        value : str, pair of str or End, or Boundary
+            Such as "clamped-free", "cantilever/free" or ("clamped", "free"); either order.
+
+        Raises
+        ------
+        TypeError, ValueError
+            If it is none of these; the message lists the words and offers the nearest.
+
+        Examples
+        --------
+        >>> Boundary.of(("pinned", "free")).name
+        'pinned-free'
+        """
+        if isinstance(value, Boundary):
+            return value
+        parts: tuple[object, ...] = _split(value) if isinstance(value, str) else _pair(value)
+        return cls(*(_end(part, value) for part in parts))
+
+    @property
+    def name(self) -> str:
+        """The two words in this boundary's own order, such as "clamped-free"."""
+        return f"{self.left.name}-{self.right.name}"
+
+    @property
+    def canonical(self) -> Boundary:
+        """The same pair with the firmer end first: how datasets and tables name it."""
+        if _FIRMNESS[self.left.name] <= _FIRMNESS[self.right.name]:
+            return self
+        return Boundary(self.right, self.left)
+
+    @property
+    def rigid_body_modes(self) -> int:
+        """How many independent transverse motions leave the beam straight (0, 1 or 2).
+
+        Two held quantities fix a straight line, unless both are rotations: those fix its slope twice.
+        """
+        ends = (self.left, self.right)
+        held_deflections = sum(end.holds_deflection for end in ends)
+        slope_held = any(end.holds_rotation for end in ends)
+        return 2 - min(2, held_deflections + slope_held)
+
+    def __str__(self) -> str:
+        return self.name
+
+    def __repr__(self) -> str:
+        return f"Boundary({self.name!r})"
+
+
+BoundaryLike = str | tuple[str | End, str | End] | Boundary
+
+#: The ten pairs under their canonical names, in the order of their integer codes.
+BOUNDARIES: tuple[Boundary, ...] = tuple(
+    Boundary(left, right) for i, left in enumerate(ENDS.values()) for right in list(ENDS.values())[i:]
+)
+_CODES = {pair.name: code for code, pair in enumerate(BOUNDARIES)}
+
+
+def boundary_codes(value: BoundaryLike | Iterable[BoundaryLike] | NDArray[Any]) -> NDArray[np.intp]:
+    """Return indices into `BOUNDARIES`, of the shape of `value`.
+
+    Parameters
+    ----------
+    value : boundary, or array or list of boundaries
+        A tuple is read as a sequence here, never as one pair of ends: that form is for places
+        where exactly one boundary is expected.
+
+    Raises
+    ------
+    TypeError, ValueError
+        As `Boundary.of`.
+
+    Examples
+    --------
+    >>> boundary_codes(["clamped-free", "free-clamped"])
+    array([3, 3])
+    """
+    if isinstance(value, str | Boundary):
+        return np.asarray(_code(value), dtype=np.intp)
+    if isinstance(value, np.ndarray) and value.dtype.kind == "U":
+        names, inverse = np.unique(value, return_inverse=True)
+        return np.array([_code(str(name)) for name in names], dtype=np.intp)[inverse].reshape(value.shape)
+    items = np.asarray(value, dtype=object)
+    return np.array([_code(item) for item in items.ravel()], dtype=np.intp).reshape(items.shape)
+
+
+def _code(value: BoundaryLike) -> int:
+    return _CODES[Boundary.of(value).canonical.name]
+
+
+def _split(value: str) -> tuple[str, ...]:
+    parts = tuple(part.strip().lower() for part in re.split(r"[-/,]", value))
+    if len(parts) != 2:
+        _refuse(value)
+    return parts
+
+
+def _pair(value: object) -> tuple[object, ...]:
+    if not isinstance(value, tuple | list) or len(value) != 2:
+        raise TypeError(
+            'boundary must be a name such as "clamped-free", a pair of ends or a Boundary, '
+            f"got {shown(value)}"
+        )
+    return tuple(value)
+
+
+def _end(part: object, whole: object) -> End:
+    if isinstance(part, End):
+        return part
+    if not isinstance(part, str):
+        return ENDS[choice("end", part, ENDS)]
+    word = _ALIASES.get(part, part)
+    if word not in ENDS:
+        _refuse(whole)
+    return ENDS[word]
+
+
+def _refuse(value: object) -> None:
+    """Raise the error for an unreadable boundary, with the nearest readable name."""
+    either_order = [f"{a}-{b}" for a in ENDS for b in ENDS]
+    text = "-".join(map(str, value)) if isinstance(value, tuple | list) else str(value)
+    near = difflib.get_close_matches(text.strip().lower().replace("/", "-"), either_order, n=1)
+    hint = f' (did you mean "{near[0]}"?)' if near else ""
+    raise ValueError(
+        f'boundary must name two of the ends {", ".join(ENDS)}, such as "clamped-free", '
+        f"got {shown(value)}{hint}"
+    )

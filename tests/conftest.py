@@ -1,0 +1,32 @@
+"""Shared by the tests: exact matrices of a chain as mpmath sees them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from fractions import Fraction
+
+import mpmath
+import pytest
+
+from beammodes.chain import Chain
+from beammodes.linear import nodal_matrices
+
+
+def exact_frequencies(chain: Chain, digits: int = 50) -> list[mpmath.mpf]:
+    """All natural frequencies in the chain's own units, ascending, from its exact rational nodal matrices."""
+    _, mass, stiffness = nodal_matrices(chain, Fraction)
+    if not mass:
+        return []
+    with mpmath.workdps(digits):
+        matrices = [
+            mpmath.matrix([[mpmath.mpf(v.numerator) / v.denominator for v in row] for row in rows])
+            for rows in (mass, stiffness)
+        ]
+        root = mpmath.inverse(mpmath.cholesky(matrices[0]))
+        squares = mpmath.eigsy(root * matrices[1] * root.T, eigvals_only=True)
+        return [mpmath.sqrt(max(square, 0)) for square in squares]
+
+
+@pytest.fixture
+def frequencies_in_50_digits() -> Callable[[Chain], list[mpmath.mpf]]:
+    return exact_frequencies

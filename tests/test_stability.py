@@ -1,0 +1,137 @@
+"""The C-table as published, what its 8 is, and the chain's own limit."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from beammodes.beam import Beam
+from beammodes.chain import Chain
+from beammodes.ends import BOUNDARIES
+from beammodes.rules import RULES
+from beammodes.stability import (
+    INTEGRATORS,
+    exact_constants,
+    highest_angular_frequency,
+    published_constants,
+    published_time_step,
+    stable_time_step,
+)
+
+
+def runge_kutta_amplification(z: complex) -> float:
+    return abs(1 + z + z**2 / 2 + z**3 / 6 + z**4 / 24)
+
+
+def test_published_constants_have_the_reports_digits() -> None:
+    # The report's table "Number of Modes / Constant K".
+    assert published_constants().tolist() == [0.357, 0.130, 0.066, 0.040, 0.027]
+    # physics.md section 1: with exact roots the first entry would print 0.358, the others as published.
+    assert np.round(exact_constants(5), 3).tolist() == [0.358, 0.130, 0.066, 0.040, 0.027]
+
+
+def test_the_eight_is_a_missing_square_root() -> None:
+    limit = INTEGRATORS["rk4"]
+    assert limit**2 == pytest.approx(8)
+    assert runge_kutta_amplification(0.999 * limit * 1j) < 1 < runge_kutta_amplification(1.001 * limit * 1j)
+    # physics.md section 1: |R(8i)| = 160 per step at the published step.
+    assert runge_kutta_amplification(8j) == pytest.approx(160, rel=0.01)
+
+
+def semi_implicit_euler_growth(z: float, steps: int) -> float:
+    """Largest state of q'' = -z² q, unit step, from q = 1."""
+    q, u, largest = 1.0, 0.0, 1.0
+    for _ in range(steps):
+        u -= z * z * q
+        q += u
+        largest = max(largest, abs(q))
+    return largest
+
+
+def test_semi_implicit_euler_is_stable_up_to_two() -> None:
+    limit = INTEGRATORS["semi_implicit_euler"]
+    assert semi_implicit_euler_growth(0.99 * limit, 2000) < 10
+    assert semi_implicit_euler_growth(1.01 * limit, 2000) > 1e10
+
+
+@pytest.mark.parametrize(("modes", "constant"), list(enumerate([0.357, 0.130, 0.066, 0.040, 0.027], start=1)))
+def test_published_step_scales_as_the_report_says(modes: int, constant: float) -> None:
+    beam = Beam(length=3.0, bending_stiffness=5.0, mass_per_length=0.2)
+    assert published_time_step(beam, modes) == pytest.approx(constant * 9 * math.sqrt(0.2 / 5), rel=1e-14)
+
+
+@pytest.mark.parametrize(
+    ("boundary", "segments", "constant"),
+    # physics.md section 6.
+    [
+        ("clamped-free", 4, 0.0305),
+        ("clamped-free", 10, 0.00424),
+        ("clamped-clamped", 4, 0.0324),
+        ("clamped-clamped", 10, 0.00427),
+    ],
+)
+def test_a_chains_own_constant(boundary: str, segments: int, constant: float) -> None:
+    step = stable_time_step(Chain(Beam.unit(), boundary, segments), "rk4")
+    assert float(f"{step:.3g}") == constant
+    assert stable_time_step(Chain(Beam.unit(), boundary, segments), "leapfrog") == pytest.approx(
+        step / math.sqrt(2), rel=1e-14
+    )
+
+
+@pytest.mark.parametrize("boundary", [pair.name for pair in BOUNDARIES])
+@pytest.mark.parametrize("rule", ["mitiguy", "naive", "double_wall"])
+def test_no_chain_exceeds_the_band_edge(boundary: str, rule: str) -> None:
+    # physics.md section 6: ω_max ≤ √48 N², equal for guided-guided with its 2 EI/ell.
+    for segments in (1, 2, 3, 8, 40):
+        highest = highest_angular_frequency(Chain(Beam.unit(), boundary, segments, rule))
+        assert highest <= math.sqrt(48) * segments**2 * (1 + 1e-12)
+    if boundary == "guided-guided" and rule != "naive":
+        assert highest == pytest.approx(math.sqrt(48) * segments**2, rel=1e-12)
+
+
+@pytest.mark.parametrize("boundary", [pair.name for pair in BOUNDARIES])
+def test_the_bound_of_long_chains_is_just_above_their_highest_frequency(
+    boundary: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for rule in RULES:
+        chain = Chain(Beam(1.3, 2.0, 0.7), boundary, 120, rule)
+        solved = highest_angular_frequency(chain)
+        with monkeypatch.context() as patch:
+            patch.setattr("beammodes.stability.MAX_DENSE", 50)
+            bound = highest_angular_frequency(chain)
+        assert solved * (1 - 1e-12) <= bound
+        if rule in ("mitiguy", "naive", "double_wall"):
+            assert bound <= 1.006 * solved
+
+
+def test_the_bound_holds_for_uneven_chains(monkeypatch: pytest.MonkeyPatch) -> None:
+    generator = np.random.default_rng(4)
+    for trial in range(100):
+        pieces = int(generator.integers(2, 9))
+        chain = Chain.from_pieces(
+            length=generator.uniform(0.1, 1, pieces),
+            mass=np.exp(generator.normal(0, 2, pieces)),
+            rotary_inertia=generator.uniform(0.001, 0.1, pieces),
+            joint_stiffness=np.exp(generator.normal(0, 2, pieces - 1)),
+            boundary=BOUNDARIES[trial % 10],
+        )
+        solved = highest_angular_frequency(chain)
+        with monkeypatch.context() as patch:
+            patch.setattr("beammodes.stability.MAX_DENSE", 0)
+            assert solved <= highest_angular_frequency(chain) * (1 + 1e-12)
+
+
+def test_nothing_to_integrate_and_bad_arguments() -> None:
+    rigid = Chain(Beam.unit(), "pinned-pinned", 1)
+    assert stable_time_step(rigid) == math.inf
+    with pytest.raises(ValueError, match=r"integrator.*'rk5'.*did you mean \"rk4\""):
+        stable_time_step(rigid, "rk5")
+    for modes in (0, 6, -1):
+        with pytest.raises(ValueError, match="modes"):
+            published_time_step(Beam.unit(), modes)
+    with pytest.raises(TypeError, match="beam"):
+        published_time_step(1.0, 1)  # type: ignore[arg-type]
+    with pytest.raises(TypeError, match="chain"):
+        stable_time_step("clamped-free")  # type: ignore[arg-type]
