@@ -33,7 +33,7 @@ from numpy.typing import NDArray
 from beammodes.beam import Beam
 from beammodes.checks import real, shown, whole_number
 from beammodes.ends import Boundary, BoundaryLike
-from beammodes.rules import Rule, RuleLike, rule_named
+from beammodes.rules import AnyRule, Layout, layout_of
 
 __all__ = ["MAX_PIECES", "Chain", "Number", "Units"]
 
@@ -69,7 +69,7 @@ class Chain:
         Its two ends, such as "clamped-free"; arrays run from the end named first.
     segments : int
         N, how many equal segments the beam is cut into (1 to 10 million).
-    rule : str or Rule
+    rule : str, Rule, or a record from `mode_tuned` or `matched`
         Where the hinges sit and how stiff they are.
 
     Raises
@@ -92,12 +92,12 @@ class Chain:
     units: Units
     beam: Beam | None
     segments: int | None
-    rule: Rule | None
+    rule: Layout | None
 
-    def __init__(self, beam: Beam, boundary: BoundaryLike, segments: int, rule: RuleLike = "mitiguy") -> None:
+    def __init__(self, beam: Beam, boundary: BoundaryLike, segments: int, rule: AnyRule = "mitiguy") -> None:
         if not isinstance(beam, Beam):
             raise TypeError(f"beam must be a Beam, got {shown(beam)}")
-        boundary, record = Boundary.of(boundary), rule_named(rule)
+        boundary, record = Boundary.of(boundary), layout_of(rule)
         count = whole_number("segments", segments, most=MAX_PIECES)
         lengths = record.piece_lengths(boundary, count)
         weights = record.hinge_weights(boundary, count)
@@ -105,16 +105,16 @@ class Chain:
             raise ValueError(
                 f"rule {record.name} has no positive springs for {boundary.name} with {count} segments"
             )
-        ell = beam.length / count
+        units = _units(beam, count)
         inertia = {length: record.rotary_inertia * length**3 for length in set(lengths)}
-        stiffness = {weight: Fraction(1) / weight for weight in set(weights)}
+        stiffness = {weight: 1 / weight for weight in set(weights)}
         self._fill(
             boundary=boundary,
             piece_length=tuple(lengths),
             piece_mass=tuple(lengths),
             piece_rotary_inertia=tuple(inertia[length] for length in lengths),
             hinge_stiffness=tuple(stiffness[weight] for weight in weights),
-            units=Units(ell, beam.mass_per_length * ell, beam.bending_stiffness / ell),
+            units=units,
             beam=beam,
             segments=count,
             rule=record,
@@ -158,8 +158,8 @@ class Chain:
         columns = {"length": length, "mass": mass, "rotary_inertia": rotary_inertia}
         pieces = {name: _numbers(name, values) for name, values in columns.items()}
         springs = _numbers("joint_stiffness", joint_stiffness)
-        _check_pieces(pieces, springs)
         pair = Boundary.of(boundary)
+        _check_pieces(pair, pieces, springs)
         keep = _not_idle(pair, *pieces.values())
         chain = cls.__new__(cls)
         chain._fill(
@@ -236,6 +236,18 @@ class Chain:
         return f"<Chain {self.boundary.name}: {self.pieces} pieces{by}>"
 
 
+def _units(beam: Beam, segments: int) -> Units:
+    ell = beam.length / segments
+    units = Units(ell, beam.mass_per_length * ell, beam.bending_stiffness / ell)
+    floats = (units.mass * ell**2, units.stiffness, 1 / units.mass)
+    if not all(0.0 < value < math.inf for value in floats) or not 0.0 < units.angular_frequency < math.inf:
+        raise ValueError(
+            f"beam must suit {segments} segments: with {beam} their masses, inertias or springs leave the "
+            "range of floating-point numbers"
+        )
+    return units
+
+
 def _scaled(values: Sequence[Number], unit: float) -> NDArray[np.float64]:
     floats = {value: float(value) for value in set(values)}
     array = np.array([floats[value] for value in values], dtype=np.float64) * unit
@@ -262,20 +274,28 @@ def _numbers(name: str, values: Iterable[Number] | NDArray[np.float64]) -> tuple
         if values.dtype.kind not in "fiu" or values.ndim != 1 or not np.isfinite(values).all():
             raise ValueError(f"{name} must be a one-dimensional array of finite numbers, got {shown(values)}")
         return tuple(values.astype(float).tolist())
-    if isinstance(values, str) or not isinstance(values, Iterable):
+    if isinstance(values, str | bytes) or not isinstance(values, Iterable):
         raise TypeError(f"{name} must be a sequence of numbers, got {shown(values)}")
-    return tuple(v if isinstance(v, Fraction) else real(f"{name}[{i}]", v) for i, v in enumerate(values))
+    return tuple(_number(f"{name}[{i}]", value) for i, value in enumerate(values))
 
 
-def _check_pieces(pieces: dict[str, tuple[Number, ...]], springs: tuple[Number, ...]) -> None:
-    count = len(pieces["length"])
+def _number(name: str, value: Number) -> Number:
+    number = real(name, value)
+    if value and not number:
+        raise ValueError(f"{name} must be within the range of floating-point numbers, got {shown(value)}")
+    return value if isinstance(value, Fraction) else number
+
+
+def _check_pieces(
+    boundary: Boundary, pieces: dict[str, tuple[Number, ...]], springs: tuple[Number, ...]
+) -> None:
+    count = whole_number("number of pieces", len(pieces["length"]), most=MAX_PIECES)
     for name, values in {**pieces, "joint_stiffness": springs}.items():
         expected = count - 1 if name == "joint_stiffness" else count
         if len(values) != expected:
             raise ValueError(f"{name} must have {expected} entries for {count} pieces, got {len(values)}")
         if values and min(values) < 0:
             raise ValueError(f"{name} must not be negative, got {shown(min(values))}")
-    whole_number("number of pieces", count, most=MAX_PIECES)
     if springs and min(springs) == 0:
         raise ValueError("joint_stiffness must be greater than 0, got 0")
     for name in ("length", "mass"):
@@ -284,3 +304,9 @@ def _check_pieces(pieces: dict[str, tuple[Number, ...]], springs: tuple[Number, 
     for i in {0, count - 1}:
         if pieces["length"][i] and not pieces["mass"][i]:
             raise ValueError(f"mass[{i}] must be greater than 0 for a piece that has a length")
+    held = {0} if boundary.left.holds_rotation else set()
+    held |= {count - 1} if boundary.right.holds_rotation else set()
+    for i, (mass, inertia) in enumerate(zip(pieces["mass"], pieces["rotary_inertia"], strict=True)):
+        if mass and not inertia and i not in held:
+            # Its angle would cost no energy: a mode of infinite frequency.
+            raise ValueError(f"rotary_inertia[{i}] must be greater than 0 for a piece that turns, got 0")

@@ -15,9 +15,13 @@ _SHOWN_CHARACTERS = 60
 def shown(value: object) -> str:
     """Return `value` as an error message may carry it: one line, never longer than a screen line."""
     if isinstance(value, int) and value.bit_length() > 200:
-        # Python itself refuses to print integers of more than 4300 digits.
-        return f"an integer of about 10**{int(value.bit_length() * math.log10(2))}"
-    text = repr(value).replace("\n", " ")
+        sign = "-" if value < 0 else ""
+        return f"an integer of about {sign}10**{int(value.bit_length() * math.log10(2))}"
+    try:
+        text = repr(value).replace("\n", " ")
+    except ValueError:
+        # Python refuses to print integers of more than 4300 digits, also inside other values.
+        text = f"a {type(value).__name__} of very many digits"
     return text if len(text) <= _SHOWN_CHARACTERS else text[: _SHOWN_CHARACTERS - 3] + "..."
 
 

@@ -166,7 +166,8 @@ def boundary_codes(value: BoundaryLike | Iterable[BoundaryLike] | NDArray[Any]) 
     if isinstance(value, np.ndarray) and value.dtype.kind == "U":
         names, inverse = np.unique(value, return_inverse=True)
         return np.array([_code(str(name)) for name in names], dtype=np.intp)[inverse].reshape(value.shape)
-    items = np.asarray(value, dtype=object)
+    listed = list(value) if isinstance(value, Iterable) and not isinstance(value, np.ndarray) else value
+    items = np.asarray(listed, dtype=object)
     return np.array([_code(item) for item in items.ravel()], dtype=np.intp).reshape(items.shape)
 
 
@@ -175,7 +176,7 @@ def _code(value: BoundaryLike) -> int:
 
 
 def _split(value: str) -> tuple[str, ...]:
-    parts = tuple(part.strip().lower() for part in re.split(r"[-/,]", value))
+    parts = tuple(re.split(r"[-/,]", value))
     if len(parts) != 2:
         _refuse(value)
     return parts
@@ -195,7 +196,8 @@ def _end(part: object, whole: object) -> End:
         return part
     if not isinstance(part, str):
         return ENDS[choice("end", part, ENDS)]
-    word = _ALIASES.get(part, part)
+    word = part.strip().lower()
+    word = _ALIASES.get(word, word)
     if word not in ENDS:
         _refuse(whole)
     return ENDS[word]
@@ -205,7 +207,7 @@ def _refuse(value: object) -> None:
     """Raise the error for an unreadable boundary, with the nearest readable name."""
     either_order = [f"{a}-{b}" for a in ENDS for b in ENDS]
     text = "-".join(map(str, value)) if isinstance(value, tuple | list) else str(value)
-    near = difflib.get_close_matches(text.strip().lower().replace("/", "-"), either_order, n=1)
+    near = difflib.get_close_matches(text[:60].strip().lower().replace("/", "-"), either_order, n=1)
     hint = f' (did you mean "{near[0]}"?)' if near else ""
     raise ValueError(
         f'boundary must name two of the ends {", ".join(ENDS)}, such as "clamped-free", '

@@ -106,7 +106,7 @@ def linearize(chain: Chain) -> LinearModel:
     --------
     >>> from beammodes.beam import Beam
     >>> linearize(Chain(Beam.unit(), "clamped-free", segments=2)).stiffness_matrix
-    array([[51.2, -16. ],
+    array([[ 51.2, -16. ],
            [-16. ,   8. ]])
     """
     if not isinstance(chain, Chain):

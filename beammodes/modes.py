@@ -76,7 +76,7 @@ def solve_modes(model: LinearModel, modes: int | None = None) -> Modes:
     >>> from beammodes.chain import Chain
     >>> from beammodes.linear import linearize
     >>> solve_modes(linearize(Chain(Beam.unit(), "clamped-free", segments=6)), modes=2).angular_frequency
-    array([ 3.50364788, 21.28022653])
+    array([ 3.50364768, 21.28034888])
     """
     if not isinstance(model, LinearModel):
         raise TypeError(f"model must be a LinearModel from linearize(), got {shown(model)}")

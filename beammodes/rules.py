@@ -11,18 +11,16 @@ special case: the third-order end weights of Gregory become Simpson's rules on t
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, fields
 from fractions import Fraction
 from types import MappingProxyType
-from typing import TypeVar
+from typing import Any, Protocol, runtime_checkable
 
 from beammodes.checks import choice, shown
 from beammodes.ends import Boundary, End
 
-__all__ = ["RULES", "Rule", "RuleLike", "Weight", "rule_named"]
-
-Number = TypeVar("Number")
+__all__ = ["RULES", "AnyRule", "Layout", "Rule", "RuleLike", "Weight", "layout_of", "rule_named"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,9 +36,11 @@ class Weight:
     constant: Fraction
     per_segment: Fraction = Fraction(0)
 
-    def at(self, segments: Number) -> Number:
-        """Return the weight for N segments, in whatever algebra N belongs to."""
-        return self.constant + self.per_segment / segments  # type: ignore[operator,no-any-return]
+    def at(self, segments: Any) -> Any:
+        """Return the weight for N segments, in whatever algebra N belongs to; floats for an array."""
+        if hasattr(segments, "dtype"):
+            return float(self.constant) + float(self.per_segment) / segments
+        return self.constant + self.per_segment / segments
 
 
 @dataclass(frozen=True)
@@ -88,6 +88,11 @@ class Rule:
             raise ValueError(f"order must declare inside and the four ends, got {shown(dict(self.order))}")
         object.__setattr__(self, "order", MappingProxyType(dict(self.order)))
 
+    def __reduce__(self) -> tuple[type[Rule], tuple[object, ...]]:
+        # Copies are made from the dict: its read-only view cannot be copied.
+        values = {field.name: getattr(self, field.name) for field in fields(self)}
+        return Rule, tuple((values | {"order": dict(self.order)}).values())
+
     def __hash__(self) -> int:
         return hash((self.name, self.clamped, self.guided, self.stub, self.rotary_inertia))
 
@@ -124,7 +129,38 @@ class Rule:
         return weights
 
 
+@runtime_checkable
+class Layout(Protocol):
+    """What a chain needs of a rule; records that need spectra to be made (tuned, matched) offer it too."""
+
+    @property
+    def name(self) -> str:
+        """How errors and tables name it."""
+
+    @property
+    def rotary_inertia(self) -> Fraction:
+        """Central rotary inertia of a piece over its mass times length²."""
+
+    def piece_lengths(self, boundary: Boundary, segments: int) -> list[Fraction]:
+        """Return the pieces' lengths in segments, left to right."""
+
+    def hinge_weights(self, boundary: Boundary, segments: int) -> Sequence[Fraction | float]:
+        """Return the flexibility weights of the chain's hinges, left to right."""
+
+
 RuleLike = str | Rule
+AnyRule = str | Layout
+
+
+def layout_of(rule: AnyRule) -> Layout:
+    """Return `rule` if it can lay out a chain, else the rule of that name; raises as `rule_named`.
+
+    Examples
+    --------
+    >>> layout_of("naive").name
+    'naive'
+    """
+    return rule if isinstance(rule, Layout) else rule_named(rule)
 
 
 def rule_named(rule: RuleLike) -> Rule:
@@ -147,7 +183,11 @@ def _order(*, inside: int = 4, clamped: int, guided: int = 4) -> dict[str, int]:
     return {"inside": inside, "clamped": clamped, "pinned": 4, "guided": guided, "free": 4}
 
 
-_HALF = (Weight(Fraction(1, 2)),)
+def _weights(*fractions: str) -> tuple[Weight, ...]:
+    return tuple(Weight(Fraction(text)) for text in fractions)
+
+
+_HALF = _weights("1/2")
 
 #: Every rule by name.
 RULES: dict[str, Rule] = {
@@ -178,9 +218,85 @@ RULES: dict[str, Rule] = {
             summary="Hinge at the wall with EI/ell, as everywhere: the wall is twice too soft.",
             used_by="a common first try",
             source="equal springs at all hinges",
-            clamped=(Weight(Fraction(1)),),
-            guided=(Weight(Fraction(1)),),
+            clamped=_weights("1"),
+            guided=_weights("1"),
             order=_order(clamped=1, guided=1),
+        ),
+        Rule(
+            name="gregory",
+            summary="Hinge at the wall with 8/3 EI/ell, then 6/7 and 24/23 EI/ell, EI/ell inside: "
+            "third-order end weights, the clamp's error gone up to 1/N⁴.",
+            used_by="nobody yet",
+            source="Gregory's third-order end correction of the trapezoidal rule, as flexibilities",
+            clamped=_weights("3/8", "7/6", "23/24"),
+            guided=_HALF,
+            order=_order(clamped=4),
+        ),
+        Rule(
+            name="gregory2",
+            summary="Hinge at the wall with 12/5 EI/ell, then 12/13 EI/ell, EI/ell inside: two changed "
+            "springs, order 3.",
+            used_by="nobody yet",
+            source="Gregory's second-order end correction of the trapezoidal rule, as flexibilities",
+            clamped=_weights("5/12", "13/12"),
+            guided=_HALF,
+            order=_order(clamped=3),
+        ),
+        Rule(
+            name="hencky",
+            summary="Massless bars with point masses at the hinges (half at the ends), 2 EI/ell at the wall, "
+            "EI/ell inside.",
+            used_by="Hencky bar-chain papers",
+            source="H. Hencky, Über die angenäherte Lösung von Stabilitätsproblemen im Raum mittels der "
+            "elastischen Gelenkkette, Der Eisenbau 11 (1920), with masses",
+            clamped=_HALF,
+            guided=_HALF,
+            order=_order(inside=2, clamped=2),
+            rotary_inertia=Fraction(1, 4),
+        ),
+        Rule(
+            name="half_stub",
+            summary="Every hinge at the middle of its segment with EI/ell, so that half a segment is rigid "
+            "with the wall and half a segment ends the chain.",
+            used_by="Simscape lumped flexible beams, rigid finite element method, Modelica",
+            source="midpoint weights of the flexibility integral",
+            clamped=(),
+            guided=(),
+            order=_order(clamped=2),
+            stub=Fraction(1, 2),
+        ),
+        Rule(
+            name="half_stub_corrected",
+            summary="The half_stub layout with its first three springs 12/13, 8/7, 24/25 EI/ell: the clamp's "
+            "error gone up to 1/N⁴.",
+            used_by="nobody yet: a fix for half_stub that moves nothing",
+            source="third-order end correction of the midpoint rule",
+            clamped=_weights("13/12", "7/8", "25/24"),
+            guided=(),
+            order=_order(clamped=4),
+            stub=Fraction(1, 2),
+        ),
+        Rule(
+            name="rigid_stub",
+            summary="The whole first segment rigid with the wall, no spring there, EI/ell at the other "
+            "hinges.",
+            used_by='MuJoCo cables (initial="none"); Adams links attached "rigid" fix their first segment so',
+            source="N segments, N - 1 hinges",
+            clamped=(),
+            guided=(),
+            order=_order(clamped=1, guided=1),
+            stub=Fraction(1),
+        ),
+        Rule(
+            name="rigid_stub_corrected",
+            summary="The rigid_stub layout with its first two springs 12/23 and 12/7 EI/ell, order 3 (5/3 "
+            "and 5/6 as flexibilities at a guided end, order 4).",
+            used_by="nobody yet: a fix for rigid_stub that moves nothing",
+            source="second-order open end correction of the trapezoidal rule",
+            clamped=_weights("23/12", "7/12"),
+            guided=_weights("5/3", "5/6"),
+            order=_order(clamped=3),
+            stub=Fraction(1),
         ),
     )
 }

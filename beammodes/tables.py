@@ -45,11 +45,11 @@ def tidy_rows(dataset: xarray.Dataset, columns: Sequence[str]) -> list[list[Any]
     ]
     measured = [i for i, name in enumerate(columns) if name in full]
     rows = [list(row) for row in zip(*(array.tolist() for array in arrays), strict=True)]
-    return [row for row in rows if not all(_missing(row[i]) for i in measured)]
+    return [row for row in rows if not measured or not all(_missing(row[i]) for i in measured)]
 
 
 def csv_table(columns: Sequence[str], rows: Sequence[Sequence[Any]]) -> str:
-    """Return rows as CSV with a heading, numbers to twelve significant digits.
+    """Return rows as CSV with a heading, numbers to twelve significant digits, missing ones empty.
 
     Examples
     --------
@@ -60,7 +60,7 @@ def csv_table(columns: Sequence[str], rows: Sequence[Sequence[Any]]) -> str:
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow(columns)
     for row in rows:
-        writer.writerow([_digits(value, SIGNIFICANT_DIGITS) for value in row])
+        writer.writerow(["" if _missing(value) else _digits(value, SIGNIFICANT_DIGITS) for value in row])
     return text.getvalue()
 
 
@@ -79,7 +79,7 @@ def markdown_table(columns: Sequence[str], rows: Sequence[Sequence[Any]], *, dig
     lines = [
         _line(columns),
         "|" + "|".join("--:" if right else "--" for right in numeric) + "|",
-        *(_line([_digits(value, digits) for value in row]) for row in rows),
+        *(_line(["–" if _missing(value) else _digits(value, digits) for value in row]) for row in rows),
     ]
     return "\n".join(lines) + "\n"
 
@@ -89,8 +89,6 @@ def _line(cells: Sequence[str]) -> str:
 
 
 def _digits(value: Any, digits: int) -> str:
-    if _missing(value):
-        return "–"
     return f"{value:.{digits}g}" if isinstance(value, float) else str(value)
 
 

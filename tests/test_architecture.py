@@ -1,0 +1,207 @@
+"""The plan of the house: which file may import which, what no file may contain, what is public."""
+
+from __future__ import annotations
+
+import ast
+import graphlib
+import os
+import re
+import shutil
+import subprocess
+import sys
+from collections.abc import Iterator
+from functools import cache
+from importlib import import_module
+from pathlib import Path
+from types import ModuleType
+
+import pytest
+
+import beammodes
+
+PACKAGE = Path(beammodes.__file__).parent
+ROOT = Path(__file__).parents[1]
+FILES = {path.stem: path for path in sorted(PACKAGE.glob("*.py"))}
+EVERY_FILE = pytest.mark.parametrize("stem", FILES)
+HEAVY = {"matplotlib", "xarray", "sympy", "casadi", "scipy"}
+# Modules that exist for the sake of these libraries; all others load them when they are first needed.
+MAY_IMPORT = {
+    "symbolic": {"sympy"},
+    "numeric": {"casadi"},
+    "derivation": {"sympy", "casadi", "scipy"},
+}
+
+
+@cache
+def tree(stem: str) -> ast.Module:
+    return ast.parse(FILES[stem].read_text(encoding="utf-8"))
+
+
+def nodes(node: ast.AST, *, inside_functions: bool) -> Iterator[ast.AST]:
+    """Everything that can run, so without the bodies of `if TYPE_CHECKING`."""
+    for child in ast.iter_child_nodes(node):
+        if isinstance(child, ast.If) and "TYPE_CHECKING" in ast.unparse(child.test):
+            continue
+        if isinstance(child, ast.FunctionDef | ast.AsyncFunctionDef | ast.Lambda) and not inside_functions:
+            continue
+        yield child
+        yield from nodes(child, inside_functions=inside_functions)
+
+
+def imports(stem: str, *, inside_functions: bool = True) -> set[str]:
+    """Dotted names of all that a file imports; `from beammodes import x` counts as beammodes.x."""
+    found = set()
+    for node in nodes(tree(stem), inside_functions=inside_functions):
+        if isinstance(node, ast.Import):
+            found |= {alias.name for alias in node.names}
+        elif isinstance(node, ast.ImportFrom):
+            assert node.level == 0, f"{stem}.py line {node.lineno}: a relative import"
+            whole = node.module == "beammodes"
+            found |= {f"beammodes.{alias.name}" for alias in node.names} if whole else {str(node.module)}
+    return found
+
+
+def rooms(stem: str) -> set[str]:
+    """The files of the package that a file imports; a name of the package itself comes from __init__."""
+    names = {name.split(".")[1] for name in imports(stem) if name.startswith("beammodes.")}
+    return {name if name in FILES else "__init__" for name in names}
+
+
+def test_the_reader_of_imports_reads_imports() -> None:
+    assert {"beam", "chain", "ends", "exact_beam", "rules", "__init__", "__main__"} <= set(FILES)
+    assert rooms("beam") == {"checks"}
+    assert {"chain", "beam", "__init__"} <= rooms("__main__")  # the first two inside functions
+    assert "numpy" in imports("chain", inside_functions=False)
+
+
+def test_no_import_cycle() -> None:
+    graph = {stem: rooms(stem) for stem in FILES}
+    order = list(graphlib.TopologicalSorter(graph).static_order())  # raises CycleError and names the cycle
+    assert order.index("beam") < order.index("chain") < order.index("linear") < order.index("__main__")
+
+
+def test_the_exact_beam_shares_no_code_with_the_chain() -> None:
+    # design.md, "Rooms": exact_beam imports only beam and ends (and the argument checks).
+    assert rooms("exact_beam") <= {"beam", "ends", "checks"}
+
+
+@pytest.mark.parametrize("stem", ["exact_beam", "beam", "ends", "checks"])
+def test_the_judge_reaches_no_further(stem: str) -> None:
+    assert rooms(stem) <= {"beam", "ends", "checks"}
+
+
+@EVERY_FILE
+def test_nothing_imports_the_command_line(stem: str) -> None:
+    assert "__main__" not in rooms(stem)
+
+
+@EVERY_FILE
+def test_heavy_libraries_stay_in_their_rooms(stem: str) -> None:
+    loaded = {name.split(".")[0] for name in imports(stem, inside_functions=False)}
+    assert loaded & HEAVY <= MAY_IMPORT.get(stem, set())
+
+
+@EVERY_FILE
+@pytest.mark.parametrize(
+    "pattern",
+    [r"\beval\(", r"\bexec\(", "pickle", "sympify", r"shell\s*=\s*True", r"plt\.show", "rcParams"],
+)
+def test_what_no_file_contains(stem: str, pattern: str) -> None:
+    text = FILES[stem].read_text(encoding="utf-8")
+    found = [line for line in text.splitlines() if re.search(pattern, line)]
+    assert found == []
+
+
+@EVERY_FILE
+def test_every_file_says_what_it_owns_and_what_is_public(stem: str) -> None:
+    module = beammodes if stem == "__init__" else import_module(f"beammodes.{stem}")
+    assert ast.get_docstring(tree(stem))
+    assert module.__all__
+    assert all(hasattr(module, name) for name in module.__all__)
+
+
+def test_no_public_name_is_a_files_name() -> None:
+    # design.md seam 7: with lazy imports the second access would return the module.
+    assert set(beammodes.__all__) & set(FILES) == set()
+
+
+@pytest.mark.parametrize("name", beammodes.__all__)
+def test_public_names_read_twice(name: str) -> None:
+    first = getattr(beammodes, name)
+    second = getattr(beammodes, name)
+    assert first is second
+    assert not isinstance(first, ModuleType)
+
+
+def test_public_names_are_listed() -> None:
+    assert dir(beammodes) == sorted(beammodes.__all__)
+    assert len(set(beammodes.__all__)) == len(beammodes.__all__)
+    assert {"Beam", "Chain", "frequency_error", "__version__"} <= set(beammodes.__all__)
+
+
+def test_unknown_names_are_an_error() -> None:
+    with pytest.raises(AttributeError, match="'beammodes' has no attribute 'absent'"):
+        beammodes.absent  # noqa: B018
+
+
+def test_lazy_names_are_those_that_type_checkers_see() -> None:
+    (block,) = (node for node in tree("__init__").body if isinstance(node, ast.If))
+    assert ast.unparse(block.test) == "TYPE_CHECKING"
+    seen = {}
+    for node in block.body:
+        assert isinstance(node, ast.ImportFrom)
+        for alias in node.names:
+            assert alias.asname == alias.name  # only so is it re-exported
+            seen[alias.name] = str(node.module).removeprefix("beammodes.")
+    assert seen == beammodes._HOME
+
+
+@pytest.mark.parametrize(("name", "stem"), beammodes._HOME.items())
+def test_lazy_names_are_public_at_home(name: str, stem: str) -> None:
+    module = import_module(f"beammodes.{stem}")
+    assert name in module.__all__
+    assert getattr(beammodes, name) is getattr(module, name)
+
+
+def test_importing_changes_no_matplotlib_settings(tmp_path: Path) -> None:
+    modules = [f"beammodes.{stem}" for stem in FILES if not stem.startswith("__")]
+    program = (
+        "import importlib, matplotlib\n"
+        "before = dict(matplotlib.rcParams.copy())\n"
+        "import beammodes\n"
+        f"for name in {modules!r}: importlib.import_module(name)\n"
+        "for name in beammodes.__all__: getattr(beammodes, name)\n"
+        "after = dict(matplotlib.rcParams)\n"
+        "print([name for name in before.keys() | after.keys() if before[name] != after[name]])\n"
+    )
+    ran = subprocess.run(
+        [sys.executable, "-c", program],
+        capture_output=True,
+        text=True,
+        cwd=tmp_path,
+        env={**os.environ, "MPLBACKEND": "Agg"},
+        timeout=120,
+        check=False,
+    )
+    assert ran.stderr == ""
+    assert ran.stdout == "[]\n"
+
+
+def tracked_files() -> list[str]:
+    git = shutil.which("git")
+    if git is None or not (ROOT / ".git").exists():
+        return []
+    listed = subprocess.run(
+        [git, "ls-files", "-z"], cwd=ROOT, capture_output=True, text=True, encoding="utf-8", check=False
+    )
+    return [name for name in listed.stdout.split("\0") if name]
+
+
+def test_top_level_of_the_repository() -> None:
+    # design.md, "Top level (fixed)".
+    allowed = {"pyproject.toml", "beammodes", "studies", "tests", "figures", "README.md"}
+    allowed |= {"LICENSE", ".ci", ".gitignore"}  # what tools require
+    tracked = tracked_files()
+    if not tracked:
+        pytest.skip("not a git checkout with tracked files")
+    assert {name.split("/")[0] for name in tracked} - allowed == set()

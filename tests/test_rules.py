@@ -1,0 +1,294 @@
+"""Rules: what holds for every record of the registry, and the numbers of the report."""
+
+from __future__ import annotations
+
+import dataclasses
+from fractions import Fraction
+from typing import Any
+
+import numpy as np
+import pytest
+import sympy
+from hypothesis import given
+from hypothesis import strategies as st
+
+from beammodes.ends import BOUNDARIES, ENDS, Boundary
+from beammodes.rules import RULES, Rule, Weight, rule_named
+
+PAIRS = [f"{a}-{b}" for a in ENDS for b in ENDS]
+SEGMENTS = (1, 2, 3, 4, 5, 7, 12, 50)
+EVERY_RULE = pytest.mark.parametrize("name", RULES)
+
+# physics.md section 4: third-order Gregory end weights.
+GREGORY = tuple(Weight(Fraction(a, b)) for a, b in ((3, 8), (7, 6), (23, 24)))
+
+
+def made(**changes: Any) -> Rule:
+    fields: dict[str, Any] = {
+        "name": "made",
+        "summary": "",
+        "used_by": "",
+        "source": "",
+        "clamped": GREGORY,
+        "guided": (Weight(Fraction(1, 2)),),
+        "order": dict.fromkeys(["inside", *ENDS], 4),
+    }
+    return Rule(**{**fields, **changes})
+
+
+def bernoulli(k: int, x: Fraction) -> Fraction:
+    """Bernoulli polynomials B_1, B_2, B_3; Abramowitz and Stegun, table 23.1."""
+    return {1: x - Fraction(1, 2), 2: x**2 - x + Fraction(1, 6), 3: x**3 - 3 * x**2 / 2 + x / 2}[k]
+
+
+def vanishing_end_terms(rule: Rule, weights: tuple[Weight, ...]) -> list[bool]:
+    """Whether the quadrature's end errors of orders 1, 2, 3 vanish at an end whose hinges sit at stub + j.
+
+    The weight 1 everywhere misses  -B_k(stub)/k  of the (k-1)-th moment (Hurwitz's zeta function at 1 - k,
+    Abramowitz and Stegun 23.2), which the corrections must make up.
+    """
+    found = []
+    for k in (1, 2, 3):
+        at = [rule.stub + j for j in range(len(weights))]
+        made_up = sum(
+            ((w.constant - 1) * x ** (k - 1) for w, x in zip(weights, at, strict=True)), Fraction(0)
+        )
+        slipped = sum(w.per_segment * x ** (k - 2) for w, x in zip(weights, at, strict=True)) if k > 1 else 0
+        found.append(made_up == bernoulli(k, rule.stub) / k and slipped == 0)
+    return found
+
+
+@EVERY_RULE
+def test_records_are_complete(name: str) -> None:
+    rule = RULES[name]
+    assert rule.name == name
+    assert all(text.strip() for text in (rule.summary, rule.used_by, rule.source))
+    assert all(1 <= order <= 4 for order in rule.order.values())
+    for number in (rule.stub, rule.rotary_inertia):
+        assert isinstance(number, int | Fraction)
+    for weight in rule.clamped + rule.guided:
+        assert isinstance(weight.constant, int | Fraction)
+        assert isinstance(weight.per_segment, int | Fraction)
+
+
+@EVERY_RULE
+@pytest.mark.parametrize("pair", PAIRS)
+def test_pieces_make_the_whole_beam(name: str, pair: str) -> None:
+    rule, boundary = RULES[name], Boundary.of(pair)
+    for segments in SEGMENTS:
+        lengths = rule.piece_lengths(boundary, segments)
+        assert sum(lengths) == segments
+        assert len(rule.hinge_weights(boundary, segments)) == len(lengths) - 1
+        assert all(length > 0 for length in lengths[1:-1])
+        assert min(lengths) >= 0
+        # A piece of length zero is for an end that holds its rotation: anywhere else it would do nothing.
+        assert lengths[0] > 0 or boundary.left.holds_rotation
+        assert lengths[-1] > 0 or boundary.right.holds_rotation
+
+
+@EVERY_RULE
+@pytest.mark.parametrize("pair", PAIRS)
+def test_exchanged_ends_mirror_the_chain(name: str, pair: str) -> None:
+    rule, boundary = RULES[name], Boundary.of(pair)
+    mirrored = Boundary(boundary.right, boundary.left)
+    for segments in SEGMENTS:
+        assert rule.hinge_weights(mirrored, segments) == rule.hinge_weights(boundary, segments)[::-1]
+        assert rule.piece_lengths(mirrored, segments) == rule.piece_lengths(boundary, segments)[::-1]
+    assert rule.declared_order(mirrored) == rule.declared_order(boundary)
+
+
+@EVERY_RULE
+def test_weights_are_one_inside_and_at_ends_without_moment(name: str) -> None:
+    rule, size = RULES[name], 40
+    reach = max(len(rule.clamped), len(rule.guided))
+    for boundary in BOUNDARIES:
+        weights = rule.hinge_weights(boundary, size)
+        assert set(weights[reach : len(weights) - reach]) == {1}
+        for end, weights_from_end in ((boundary.left, weights), (boundary.right, weights[::-1])):
+            if not end.holds_rotation:  # pinned, free: no bending moment there, design.md seam 2
+                assert weights_from_end[:reach] == [1] * reach
+            else:
+                prescribed = rule.clamped if end.name == "clamped" else rule.guided
+                assert weights_from_end[: len(prescribed)] == [w.at(Fraction(size)) for w in prescribed]
+
+
+@EVERY_RULE
+def test_clamped_order_is_that_of_the_quadrature(name: str) -> None:
+    # physics.md section 4: the error of a clamped end is the end error of a quadrature of M², all of whose
+    # derivatives there depend on the mode; order p needs the first p - 1 terms to vanish.
+    rule = RULES[name]
+    vanishing = vanishing_end_terms(rule, rule.clamped)
+    order = 1 + (vanishing.index(False) if False in vanishing else len(vanishing))
+    assert min(rule.order["clamped"], rule.order["inside"]) == min(order, rule.order["inside"])
+
+
+@EVERY_RULE
+def test_guided_order_is_one_unless_constants_are_integrated(name: str) -> None:
+    # physics.md section 4, "any end with its rotation held".
+    rule = RULES[name]
+    assert (rule.order["guided"] == 1) == (not vanishing_end_terms(rule, rule.guided)[0])
+
+
+@EVERY_RULE
+def test_constant_curvature_between_two_walls(name: str) -> None:
+    # Rules of order 2 or more integrate a constant over N segments: sum of weights N, but for what the walls'
+    # weights owe to N itself (mitiguy: -1/(6N) at each of two walls).
+    rule = RULES[name]
+    for segments in SEGMENTS[3:]:
+        weights = rule.hinge_weights(Boundary.of("clamped-clamped"), segments)
+        owed = 2 * sum(w.per_segment for w in rule.clamped) / Fraction(segments)
+        exact = sum(weights) == segments + owed
+        assert exact == (rule.order["clamped"] >= 2)
+
+
+def test_report_sum_between_two_walls() -> None:
+    # By hand from 6N/(3N-1): (N - 1) + 2 (3N - 1)/(6N) = N - 1/(3N).
+    for segments in SEGMENTS:
+        weights = RULES["mitiguy"].hinge_weights(Boundary.of("clamped-clamped"), segments)
+        assert sum(weights) == segments - Fraction(1, 3 * segments)
+
+
+@pytest.mark.parametrize("pair", PAIRS)
+def test_declared_order_is_the_smallest(pair: str) -> None:
+    rule = made(order={"inside": 4, "clamped": 2, "pinned": 3, "guided": 1, "free": 4})
+    assert rule.declared_order(Boundary.of(pair)) == min(rule.order[end] for end in pair.split("-"))
+    below = made(order={"inside": 1, "clamped": 2, "pinned": 3, "guided": 2, "free": 4})
+    assert below.declared_order(Boundary.of(pair)) == 1
+
+
+def test_report_examples() -> None:
+    # report, N = 4: 24/11 EI/ell at a cantilevered interface, EI/ell elsewhere (physics.md section 1).
+    springs = [1 / w for w in RULES["mitiguy"].hinge_weights(Boundary.of("cantilever/free"), 4)]
+    assert springs == [Fraction(24, 11), 1, 1, 1]
+    springs = [1 / w for w in RULES["mitiguy"].hinge_weights(Boundary.of("cantilever/cantilever"), 4)]
+    assert springs == [Fraction(24, 11), 1, 1, 1, Fraction(24, 11)]
+    # physics.md section 5.
+    assert RULES["double_wall"].hinge_weights(Boundary.of("clamped-free"), 4) == [Fraction(1, 2), 1, 1, 1]
+    assert RULES["naive"].hinge_weights(Boundary.of("clamped-free"), 4) == [1, 1, 1, 1]
+
+
+@pytest.mark.parametrize("name", ["mitiguy", "double_wall"])
+def test_guided_wall_takes_twice_the_inner_spring(name: str) -> None:
+    # physics.md section 2: mirror symmetry, exact statics.
+    assert RULES[name].hinge_weights(Boundary.of("guided-free"), 3) == [Fraction(1, 2), 1, 1]
+
+
+def test_end_weights_by_kind_of_end() -> None:
+    rule = made()
+    assert rule.end_weights(ENDS["clamped"]) == GREGORY
+    assert rule.end_weights(ENDS["guided"]) == (Weight(Fraction(1, 2)),)
+    assert rule.end_weights(ENDS["pinned"]) == rule.end_weights(ENDS["free"]) == ()
+
+
+@pytest.mark.parametrize("segments", [1, 2, 4, 10**30])
+def test_report_wall_weight_in_every_algebra(segments: int) -> None:
+    weight = RULES["mitiguy"].clamped[0]
+    exact = Fraction(3 * segments - 1, 6 * segments)  # of 6N/(3N-1)
+    assert weight.at(Fraction(segments)) == exact
+    assert type(weight.at(Fraction(segments))) is Fraction
+    assert weight.at(float(segments)) == pytest.approx(float(exact), rel=1e-15)
+    size = sympy.Symbol("N")
+    formula: sympy.Expr = weight.at(size)
+    assert sympy.simplify(formula - (3 * size - 1) / (6 * size)) == 0
+    assert formula.subs(size, segments) == sympy.Rational(exact.numerator, exact.denominator)
+
+
+def test_weight_at_arrays() -> None:
+    sizes = np.array([[1.0, 2.0], [4.0, 1e9]])
+    found = np.asarray(RULES["mitiguy"].clamped[0].at(sizes), dtype=float)
+    assert found.shape == sizes.shape
+    # Source: 6N/(3N-1) upside down; 11/24 is the report's N = 4.
+    np.testing.assert_allclose(found, (3 * sizes - 1) / (6 * sizes), rtol=1e-15)
+    assert found[1, 0] == pytest.approx(11 / 24, rel=1e-15)
+
+
+@pytest.mark.parametrize(
+    ("segments", "thirds"),
+    [
+        (2, [Fraction(1, 3), Fraction(4, 3), Fraction(1, 3)]),  # Simpson's first rule
+        (3, [Fraction(3, 8), Fraction(9, 8), Fraction(9, 8), Fraction(3, 8)]),  # Simpson's second rule
+    ],
+)
+def test_overlapping_corrections_add_to_simpsons_rules(segments: int, thirds: list[Fraction]) -> None:
+    # design.md seam 2.
+    assert made().hinge_weights(Boundary.of("clamped-clamped"), segments) == thirds
+
+
+@given(segments=st.integers(2, 60))
+def test_third_order_end_weights_integrate_squares(segments: int) -> None:
+    # Gregory's rule of this order integrates polynomials to degree 2 exactly, and on N = 2 and 3 to degree 3.
+    weights = made().hinge_weights(Boundary.of("clamped-clamped"), segments)
+    for power in range(3):
+        assert sum(w * Fraction(j) ** power for j, w in enumerate(weights)) == Fraction(
+            segments ** (power + 1), power + 1
+        )
+
+
+@pytest.mark.parametrize(
+    ("stub", "pair", "lengths"),
+    [
+        (0, "clamped-free", [0, 1, 1, 1]),
+        (0, "clamped-guided", [0, 1, 1, 1, 0]),
+        (0, "pinned-free", [1, 1, 1]),
+        (Fraction(1, 2), "clamped-free", [Fraction(1, 2), 1, 1, Fraction(1, 2)]),
+        (Fraction(1, 2), "free-free", [Fraction(1, 2), 1, 1, Fraction(1, 2)]),
+        (1, "clamped-clamped", [1, 1, 1]),
+        (1, "free-guided", [1, 1, 1]),
+    ],
+)
+def test_three_layouts_of_three_segments(stub: Any, pair: str, lengths: list[Any]) -> None:
+    # design.md seam 1: an outer piece's length may be zero (hinge at the wall), half (stub) or whole;
+    # physics.md section 5: half_stub ends in a half segment at the far end too.
+    assert made(stub=Fraction(stub)).piece_lengths(Boundary.of(pair), 3) == lengths
+
+
+@pytest.mark.parametrize("stub", [Fraction(1, 3), 2, -1, Fraction(3, 2)])
+def test_other_stubs_are_refused(stub: Any) -> None:
+    with pytest.raises(ValueError, match=r"^stub must be 0, 1/2 or 1 segment, got "):
+        made(stub=stub)
+
+
+@pytest.mark.parametrize("order", [{}, {"inside": 4}, dict.fromkeys([*ENDS, "inside", "middle"], 4)])
+def test_incomplete_orders_are_refused(order: dict[str, int]) -> None:
+    with pytest.raises(ValueError, match=r"^order must declare inside and the four ends, got "):
+        made(order=order)
+
+
+def test_frozen_through_and_through() -> None:
+    orders = dict.fromkeys(["inside", *ENDS], 4)
+    rule = made(order=orders)
+    orders["clamped"] = 1
+    assert rule.order["clamped"] == 4
+    with pytest.raises(TypeError):
+        rule.order["clamped"] = 1  # type: ignore[index]
+    with pytest.raises(dataclasses.FrozenInstanceError):
+        rule.stub = Fraction(1)  # type: ignore[misc]
+    with pytest.raises(dataclasses.FrozenInstanceError):
+        GREGORY[0].constant = Fraction(1)  # type: ignore[misc]
+
+
+def test_equal_rules_are_one_key() -> None:
+    assert made() == made()
+    assert len({made(), made()}) == 1
+    assert made() != made(name="other")
+    assert len({*RULES.values(), made()}) == len(RULES) + 1
+
+
+@EVERY_RULE
+def test_rules_by_name(name: str) -> None:
+    assert rule_named(name) is RULES[name]
+    assert rule_named(RULES[name]) is RULES[name]
+    with pytest.raises(ValueError, match=r"^rule must be one of ") as info:
+        rule_named(f"{name}x")
+    assert f'did you mean "{name}"?' in str(info.value)
+
+
+def test_a_rule_of_ones_own_is_passed_through() -> None:
+    rule = made()
+    assert rule_named(rule) is rule
+
+
+@pytest.mark.parametrize("value", [None, 3, True, ["mitiguy"], Weight(Fraction(1))])
+def test_what_is_no_rule(value: Any) -> None:
+    with pytest.raises(TypeError, match=r"^rule must be one of mitiguy, "):
+        rule_named(value)
