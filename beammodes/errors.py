@@ -1,0 +1,320 @@
+"""Frequency errors of chains: the lookup, the labelled table, and how many segments a tolerance needs."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import TYPE_CHECKING, Any, overload
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from beammodes.checks import positive_real, shown, whole_number
+from beammodes.discretization import relative_error
+from beammodes.dispersion import MAX_MODE, MAX_SEGMENTS, whole_numbers
+from beammodes.ends import BOUNDARIES, Boundary, BoundaryLike, boundary_codes
+from beammodes.exact_beam import wavenumber
+from beammodes.rules import AnyRule, Layout, Rule, layout_of
+
+if TYPE_CHECKING:
+    import xarray
+
+__all__ = ["error_dataset", "frequency_error", "labelled_errors", "segments_needed"]
+
+#: A table of more modes than this would be a mistake.
+MAX_MODES = 100_000
+
+Array = NDArray[np.float64]
+
+
+@overload
+def frequency_error(boundary: str | Boundary, *, segments: int, mode: int, rule: AnyRule = ...) -> float: ...
+
+
+@overload
+def frequency_error(
+    boundary: BoundaryLike | Iterable[BoundaryLike] | NDArray[Any],
+    *,
+    segments: ArrayLike,
+    mode: ArrayLike,
+    rule: AnyRule | Iterable[AnyRule] | NDArray[Any] = ...,
+) -> float | Array: ...
+
+
+def frequency_error(
+    boundary: BoundaryLike | Iterable[BoundaryLike] | NDArray[Any],
+    *,
+    segments: ArrayLike,
+    mode: ArrayLike,
+    rule: AnyRule | Iterable[AnyRule] | NDArray[Any] = "mitiguy",
+) -> float | Array:
+    """Return the signed relative frequency error of a uniform chain.
+
+        e = ω_chain / ω_beam - 1
+
+    It is dimensionless and needs no beam: length, stiffness and mass scale out. Arguments broadcast.
+    Relative accuracy is 1e-9 or better for modes up to N/10, also where e is far below machine
+    epsilon; beyond them, and next to an N where e changes sign, e is within 1e-14.
+
+    Parameters
+    ----------
+    boundary : str, Boundary, or array of them
+        Such as "clamped-free"; either order of the ends.
+    segments : int or array of int
+        N, from 1 to 10⁹.
+    mode : int or array of int
+        1-based index of an elastic mode.
+    rule : str, Rule, or array of them; or one record from `mode_tuned` or `matched`
+
+    Returns
+    -------
+    float or ndarray
+        NaN where the chain has no such mode. Near the chain's last mode every rule is wrong by tens of
+        percent.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If an argument is not of its kind or outside its range.
+
+    Examples
+    --------
+    >>> round(frequency_error("clamped-free", segments=6, mode=1), 7)
+    -0.0035175
+    >>> frequency_error(["clamped-free", "pinned-pinned"], segments=[[10], [20]], mode=1).round(8)
+    array([[-1.25911e-03, -6.92000e-06],
+           [-3.14010e-04, -4.30000e-07]])
+    """
+    if isinstance(rule, Layout) and not isinstance(rule, Rule):
+        return _errors_of_layout(boundary, segments, mode, rule)
+    rules: Any = rule
+    return relative_error(boundary, segments, mode, rules)
+
+
+def _errors_of_layout(boundary: Any, segments: Any, mode: Any, layout: Layout) -> float | Array:
+    """Return the errors of a record that is no `Rule`: of the rule that it makes for a boundary, if it
+    makes one, else of each of its chains, solved.
+    """
+    codes, counts, modes = np.broadcast_arrays(
+        boundary_codes(boundary),
+        whole_numbers("segments", segments, MAX_SEGMENTS),
+        whole_numbers("mode", mode, MAX_MODE),
+    )
+    found = np.full(codes.shape, np.nan)
+    rule_for = getattr(layout, "rule_for", None)
+    for code in np.unique(codes):
+        here = codes == code
+        if rule_for is not None:
+            found[here] = relative_error(
+                BOUNDARIES[code], counts[here], modes[here], rule_for(BOUNDARIES[code])
+            )
+            continue
+        for count in np.unique(counts[here]):
+            there = here & (counts == count)
+            found[there] = _solved_errors(BOUNDARIES[code], int(count), modes[there], layout)
+    return found if found.ndim else float(found)
+
+
+def _solved_errors(boundary: Boundary, segments: int, mode: NDArray[np.int64], layout: Layout) -> Array:
+    from beammodes.beam import Beam
+    from beammodes.chain import Chain
+    from beammodes.linear import linearize
+    from beammodes.modes import solve_modes
+
+    errors = np.full(mode.shape, np.nan)
+    try:
+        chain = Chain(Beam.unit(), boundary, segments, layout)
+    except ValueError:
+        # No positive springs for this boundary and N.
+        return errors
+    omega = solve_modes(linearize(chain)).angular_frequency
+    present = mode <= len(omega)
+    errors[present] = omega[mode[present] - 1] / np.asarray(wavenumber(boundary, mode[present])) ** 2 - 1
+    return errors
+
+
+def segments_needed(
+    boundary: BoundaryLike, tolerance: float, modes: int = 1, rule: AnyRule = "mitiguy"
+) -> int:
+    """Return the smallest N from which the first modes all stay within a tolerance, for every larger N too.
+
+        N = min { n : |e_k(n')| ≤ tolerance for all n' ≥ n and k = 1..modes }
+
+    Parameters
+    ----------
+    boundary : str, pair or Boundary
+    tolerance : float
+        Largest |e| allowed, as a fraction: 0.01 is one percent.
+    modes : int
+        How many modes, from the first.
+    rule : str or Rule
+
+    Raises
+    ------
+    TypeError, ValueError
+        If an argument is not of its kind, or more than 10⁹ segments would be needed.
+
+    Examples
+    --------
+    >>> segments_needed("clamped-clamped", tolerance=0.01, modes=3, rule="mitiguy")
+    26
+    """
+    ends, limit = Boundary.of(boundary), positive_real("tolerance", tolerance)
+    record, mode = layout_of(rule), np.arange(1, whole_number("modes", modes, most=MAX_MODES) + 1)
+
+    if not isinstance(record, Rule) and not hasattr(record, "rule_for"):
+        raise ValueError(
+            f"rule must be one whose errors have a closed form, got {record.name}: matched springs are exact "
+            "in their modes from the shortest chain that has them"
+        )
+
+    def fails(count: NDArray[np.int64]) -> NDArray[np.bool_]:
+        error = frequency_error(ends, segments=count[:, None], mode=mode, rule=record)
+        return np.asarray(~(np.abs(error) <= limit).all(axis=1))
+
+    grid = _segment_grid(len(mode))
+    failing = np.flatnonzero(fails(grid))
+    if not len(failing):
+        return int(grid[0])
+    if failing[-1] == len(grid) - 1:
+        raise ValueError(
+            f"tolerance must be larger: with rule {record.name}, {ends.name} and {len(mode)} modes no chain "
+            f"of up to {MAX_SEGMENTS} segments stays within {shown(tolerance)}"
+        )
+    low, high = int(grid[failing[-1]]), int(grid[failing[-1] + 1])
+    while high - low > 1:
+        middle = (low + high) // 2
+        low, high = (middle, high) if fails(np.array([middle]))[0] else (low, middle)
+    return high
+
+
+def error_dataset(
+    *,
+    boundary: BoundaryLike | Iterable[BoundaryLike],
+    segments: int | Iterable[int],
+    modes: int,
+    rule: AnyRule | Iterable[AnyRule] = "mitiguy",
+) -> xarray.Dataset:
+    """Return frequencies and errors of chains as one labelled table.
+
+    Parameters
+    ----------
+    boundary : boundary, or iterable of boundaries
+    segments : int, or iterable of int
+    modes : int
+        How many, from the first.
+    rule : rule, or iterable of rules
+
+    Returns
+    -------
+    xarray.Dataset
+        Dimensions rule, boundary, segments, mode; variables angular_frequency, exact_angular_frequency (both
+        for L = EI = ρA = 1) and relative_error; NaN where a chain has no such mode.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If an argument is not of its kind or outside its range.
+
+    Examples
+    --------
+    >>> table = error_dataset(boundary="clamped-free", segments=range(1, 4), modes=2)
+    >>> table.relative_error.sel(mode=1).squeeze().values.round(5)
+    array([-0.14676, -0.03366, -0.01443])
+    """
+    pairs = [Boundary.of(pair).canonical for pair in _listed(boundary, (str, Boundary, tuple))]
+    records = [layout_of(name) for name in _listed(rule, (str, Layout))]
+    counts = [whole_number("segments", n, most=MAX_SEGMENTS) for n in _listed(segments, (int, np.integer))]
+    mode = np.arange(1, whole_number("modes", modes, most=MAX_MODES) + 1)
+    # Lists, not tuples: a tuple of two would be one boundary.
+    rows = np.array(pairs, dtype=object)[:, None, None]
+    error = np.array(
+        [frequency_error(rows, segments=np.array(counts)[:, None], mode=mode, rule=r) for r in records]
+    )
+    exact = np.asarray(wavenumber(rows[:, :, 0], mode)) ** 2
+    return labelled_errors(
+        [record.name for record in records],
+        [pair.name for pair in pairs],
+        counts,
+        angular_frequency=exact[None, :, None, :] * (1 + error),
+        exact=exact,
+        error=error,
+        route="closed form",
+    )
+
+
+def labelled_errors(
+    rules: list[str],
+    boundaries: list[str],
+    segments: list[int],
+    *,
+    angular_frequency: Array,
+    exact: Array,
+    error: Array,
+    route: str,
+) -> xarray.Dataset:
+    """Return frequencies and errors as the Dataset that `error_dataset` describes.
+
+    Parameters
+    ----------
+    rules, boundaries, segments : list
+        Coordinates of the first three dimensions; modes count from 1.
+    angular_frequency, error : ndarray, shape (rules, boundaries, segments, modes)
+        Of the chains, for L = EI = ρA = 1.
+    exact : ndarray, shape (boundaries, modes)
+        Of the beam.
+    route : str
+        How the frequencies were computed; kept as an attribute.
+    """
+    import xarray
+
+    from beammodes import __version__
+
+    dims = ("rule", "boundary", "segments", "mode")
+    exact = np.broadcast_to(exact[None, :, None, :], error.shape)
+    frequency = {"units": "sqrt(EI / (rhoA L^4))"}
+    return xarray.Dataset(
+        {
+            "angular_frequency": (
+                dims,
+                angular_frequency,
+                {"long_name": "angular frequency of the chain", **frequency},
+            ),
+            "exact_angular_frequency": (
+                dims,
+                np.where(np.isnan(error), np.nan, exact),
+                {"long_name": "angular frequency of the Euler-Bernoulli beam", **frequency},
+            ),
+            "relative_error": (
+                dims,
+                error,
+                {"long_name": "relative frequency error of the chain", "units": "1"},
+            ),
+        },
+        coords={
+            "rule": rules,
+            "boundary": boundaries,
+            "segments": ("segments", segments, {"long_name": "number of rigid segments", "units": "1"}),
+            "mode": ("mode", np.arange(1, error.shape[3] + 1), {"long_name": "elastic mode", "units": "1"}),
+        },
+        attrs={"source": f"beammodes {__version__}", "route": route},
+    )
+
+
+def _listed(value: Any, single: tuple[type, ...]) -> list[Any]:
+    """Return `value` as a list; one that is an instance of `single` stands alone."""
+    items = [value] if isinstance(value, single) or not isinstance(value, Iterable) else list(value)
+    if not items:
+        raise ValueError("boundary, segments and rule must each name at least one value, got none")
+    return items
+
+
+def _segment_grid(modes: int) -> NDArray[np.int64]:
+    """Return every N where errors are irregular, then N in steps of one percent up to the largest.
+
+    Up to 40 times the highest mode and 400 an error may rise and fall. Above, it is a sum of a few powers
+    of 1/N with at most one change of sign and one extremum, each wider than a step.
+    """
+    dense = min(max(400, 40 * modes), MAX_SEGMENTS)
+    steps = np.arange(1, 1 + int(np.log(MAX_SEGMENTS / dense) / np.log(1.01)))
+    coarse = (dense * 1.01**steps).astype(np.int64)
+    return np.unique(np.concatenate([np.arange(1, dense + 1), coarse, [MAX_SEGMENTS]]))

@@ -1,0 +1,396 @@
+"""The command line: exit codes, one-line errors, text and JSON that agree, and what the lookup imports."""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from beammodes.__main__ import main
+
+BEAM = ["--length", "1.2", "--ei", "85", "--rho-a", "0.62"]
+# One valid call of every command.
+CALLS = {
+    "error": ["error", "clamped-free", "--segments", "6", "--mode", "1"],
+    "frequencies": ["frequencies", "clamped-free", "--segments", "6", *BEAM],
+    "springs": ["springs", "clamped-free", "--segments", "4", *BEAM],
+    "segments": ["segments", "clamped-clamped", "--tolerance", "0.01", "--modes", "3"],
+    "time-step": ["time-step", "clamped-free", "--segments", "10", *BEAM],
+}
+COUNTED = ["error", "frequencies", "springs", "time-step"]  # commands that take --segments
+SCALED = ["frequencies", "springs", "time-step"]  # commands that take a beam
+HEAVY = ["sympy", "casadi", "matplotlib", "xarray", "scipy"]
+
+
+class Ran:
+    """What one run of the command line left: exit code, stdout, stderr."""
+
+    def __init__(self, arguments: list[str], capsys: pytest.CaptureFixture[str]) -> None:
+        capsys.readouterr()
+        try:
+            self.code: Any = main(arguments)
+        except SystemExit as stop:  # argparse leaves this way
+            self.code = stop.code
+        self.out, self.err = capsys.readouterr()
+
+    @property
+    def json(self) -> Any:
+        assert self.code == 0, self.err
+        assert self.err == ""
+        return json.loads(self.out, parse_constant=lambda word: pytest.fail(f"{word} is no JSON"))
+
+    @property
+    def lines(self) -> list[str]:
+        assert self.code == 0, self.err
+        assert self.err == ""
+        return self.out.splitlines()
+
+    def refused(self, *words: str) -> None:
+        """Assert exit code 2 and one short line on stderr that has these words in it."""
+        assert self.code == 2
+        assert self.out == ""
+        assert self.err.startswith("beammodes")
+        assert self.err.count("\n") == 1
+        assert self.err.endswith("\n")
+        assert len(self.err) < 300
+        assert "Traceback" not in self.err
+        for word in words:
+            assert word in self.err
+
+
+def changed(command: str, option: str, value: str) -> list[str]:
+    """A valid call with one option set to something else; = keeps a leading minus from being an option."""
+    call = list(CALLS[command])
+    if option in call:
+        del call[call.index(option) : call.index(option) + 2]
+    return [*call, f"{option}={value}"]
+
+
+def test_error(capsys: pytest.CaptureFixture[str]) -> None:
+    # design.md, "What the user types": -0.0035175...; physics.md section 3: -0.352 %.
+    answer = Ran([*CALLS["error"], "--json"], capsys).json
+    assert answer["relative_error"] == pytest.approx(-0.0035175, abs=5e-8)
+    assert {key: answer[key] for key in ("boundary", "rule", "segments", "mode")} == {
+        "boundary": "clamped-free",
+        "rule": "mitiguy",
+        "segments": 6,
+        "mode": 1,
+    }
+    (line,) = Ran(CALLS["error"], capsys).lines
+    assert line == f"{100 * answer['relative_error']:+.6g} %"
+
+
+@pytest.mark.parametrize(
+    ("boundary", "segments", "mode", "percent"),
+    # physics.md section 3.
+    [
+        ("clamped-free", 1, 1, -14.676),
+        ("cantilever/free", 4, 2, -7.446),
+        ("free-clamped", 10, 3, -2.264),
+        ("clamped-clamped", 2, 1, -35.044),
+        ("clamped-clamped", 20, 3, -1.6422),
+    ],
+)
+def test_error_of_the_reports_figures(
+    boundary: str, segments: int, mode: int, percent: float, capsys: pytest.CaptureFixture[str]
+) -> None:
+    call = ["error", boundary, f"--segments={segments}", f"--mode={mode}"]
+    answer = Ran([*call, "--json"], capsys).json
+    assert 100 * answer["relative_error"] == pytest.approx(percent, abs=6e-4)
+    (line,) = Ran(call, capsys).lines
+    assert float(line.split(" %")[0]) == pytest.approx(100 * answer["relative_error"], rel=1e-5)
+    # physics.md section 7: at N close to the mode number every rule fails: said beside the number.
+    assert ("coarse" in line) == (abs(percent) > 10)
+
+
+def test_error_takes_another_rule(capsys: pytest.CaptureFixture[str]) -> None:
+    call = ["error", "clamped-free", "--segments", "10", "--json", "--rule"]
+    # physics.md section 5: C/F mode 1 at N = 10.
+    for rule, percent, digits in (("mitiguy", -0.126, 3), ("naive", -9.11, 2), ("double_wall", -0.457, 3)):
+        answer = Ran([*call, rule], capsys).json
+        assert round(100 * answer["relative_error"], digits) == percent
+        assert answer["rule"] == rule
+
+
+@pytest.mark.parametrize(
+    ("boundary", "segments", "mode"), [("clamped-clamped", 1, 1), ("clamped-free", 6, 7), ("free-free", 3, 3)]
+)
+@pytest.mark.parametrize("flags", [[], ["--json"]])
+def test_error_of_a_missing_mode(
+    boundary: str, segments: int, mode: int, flags: list[str], capsys: pytest.CaptureFixture[str]
+) -> None:
+    # physics.md section 2: N modes, N - 1 for clamped-clamped and free-free.
+    call = ["error", boundary, f"--segments={segments}", f"--mode={mode}", *flags]
+    Ran(call, capsys).refused(f"mode {mode} does not exist", boundary, str(segments))
+
+
+def test_frequencies(capsys: pytest.CaptureFixture[str]) -> None:
+    answer = Ran([*CALLS["frequencies"], "--json"], capsys).json
+    assert answer["rigid_body_modes"] == 0
+    # physics.md section 3, N = 6.
+    percent = [100 * row["relative_error"] for row in answer["modes"]]
+    assert percent == pytest.approx([-0.352, -3.423, -6.136], abs=6e-4)
+    # The first root of cos x cosh x = -1 is 1.87510407.
+    hertz = 1.87510407**2 / (2 * math.pi) * math.sqrt(85 / 0.62) / 1.2**2
+    assert answer["modes"][0]["exact_frequency_hz"] == pytest.approx(hertz, rel=1e-8)
+    title, columns, *rows = Ran(CALLS["frequencies"], capsys).lines
+    assert title == "clamped-free, 6 segments, mitiguy: 0 rigid-body and 6 elastic modes"
+    assert columns.split() == ["mode", "chain", "[Hz]", "exact", "[Hz]", "error", "[%]"]
+    for text, row in zip(rows, answer["modes"], strict=True):
+        mode, chain, exact, error = map(float, text.split())
+        assert mode == row["mode"]
+        assert chain == pytest.approx(row["frequency_hz"], rel=1e-5)
+        assert exact == pytest.approx(row["exact_frequency_hz"], rel=1e-5)
+        assert error == pytest.approx(100 * row["relative_error"], rel=1e-3)
+        assert row["relative_error"] == pytest.approx(
+            row["frequency_hz"] / row["exact_frequency_hz"] - 1, abs=1e-14
+        )
+
+
+@pytest.mark.parametrize(
+    ("boundary", "segments", "rigid", "elastic"),
+    # physics.md section 2.
+    [
+        ("free-free", 3, 2, 2),
+        ("clamped-clamped", 1, 0, 0),
+        ("pinned-free", 2, 1, 1),
+        ("guided-free", 2, 1, 2),
+    ],
+)
+def test_frequencies_of_the_modes_there_are(
+    boundary: str, segments: int, rigid: int, elastic: int, capsys: pytest.CaptureFixture[str]
+) -> None:
+    call = ["frequencies", boundary, f"--segments={segments}", "--modes=9"]
+    answer = Ran([*call, "--json"], capsys).json
+    assert answer["rigid_body_modes"] == rigid
+    assert [row["mode"] for row in answer["modes"]] == list(range(1, elastic + 1))
+    assert len(Ran(call, capsys).lines) == 2 + elastic
+
+
+def test_springs(capsys: pytest.CaptureFixture[str]) -> None:
+    answer = Ran([*CALLS["springs"], "--json"], capsys).json["hinges"]
+    # report, N = 4: 24/11 EI/ell at the wall, EI/ell elsewhere; EI/ell = 85/0.3.
+    expected = [85 / 0.3 * 24 / 11, 85 / 0.3, 85 / 0.3, 85 / 0.3]
+    assert [row["stiffness_n_m_per_rad"] for row in answer] == pytest.approx(expected, rel=1e-14)
+    assert [row["position_m"] for row in answer] == pytest.approx([0, 0.3, 0.6, 0.9], rel=1e-14)
+    head, *rows = Ran(CALLS["springs"], capsys).lines
+    assert re.split(r"  +", head) == ["hinge", "position [m]", "stiffness [N m/rad]"]
+    for text, row in zip(rows, answer, strict=True):
+        hinge, position, stiffness = map(float, text.split())
+        assert hinge == row["hinge"]
+        assert position == pytest.approx(row["position_m"], rel=1e-5)
+        assert stiffness == pytest.approx(row["stiffness_n_m_per_rad"], rel=1e-9)
+
+
+def test_springs_of_a_chain_without_hinges(capsys: pytest.CaptureFixture[str]) -> None:
+    call = ["springs", "pinned-pinned", "--segments", "1"]
+    assert Ran([*call, "--json"], capsys).json == {"hinges": []}
+    assert len(Ran(call, capsys).lines) == 1
+
+
+def test_segments(capsys: pytest.CaptureFixture[str]) -> None:
+    # design.md, "What the user types": 26.
+    assert Ran([*CALLS["segments"], "--json"], capsys).json == {"segments": 26}
+    assert Ran(CALLS["segments"], capsys).lines == ["26"]
+
+
+def test_time_step(capsys: pytest.CaptureFixture[str]) -> None:
+    call = ["time-step", "clamped-free", "--segments", "10"]
+    answer = Ran([*call, "--json"], capsys).json
+    # physics.md section 6: C/F N = 10: 0.00424 for rk4, 2√2/ω_max; leapfrog and semi-implicit Euler 2/ω_max.
+    assert round(answer["time_step_s"], 5) == 0.00424
+    step, highest = answer["time_step_s"], answer["highest_angular_frequency_rad_per_s"]
+    assert step * highest == pytest.approx(2 * math.sqrt(2), rel=1e-14)
+    for integrator in ("leapfrog", "semi_implicit_euler"):
+        other = Ran([*call, "--json", f"--integrator={integrator}"], capsys).json
+        assert other["time_step_s"] == pytest.approx(step / math.sqrt(2), rel=1e-14)
+    (line,) = Ran(call, capsys).lines
+    assert line == f"{step:.6g} s  (rk4, highest angular frequency {highest:.6g} rad/s)"
+
+
+def test_time_step_of_a_chain_without_elastic_mode(capsys: pytest.CaptureFixture[str]) -> None:
+    for flags in ([], ["--json"]):
+        Ran(["time-step", "clamped-clamped", "--segments", "1", *flags], capsys).refused(
+            "segments", "no elastic mode"
+        )
+
+
+def test_beam_scales_out_of_time_steps_and_frequencies(capsys: pytest.CaptureFixture[str]) -> None:
+    # design.md: EI, ρA and L scale out. The unit of frequency is √(EI/(ρA L⁴)) = √(85/0.62)/1.44.
+    unit = math.sqrt(85 / 0.62) / 1.44
+    call = ["clamped-free", "--segments", "10", "--json"]
+    steps = [Ran(["time-step", *call, *beam], capsys).json["time_step_s"] for beam in ([], BEAM)]
+    assert steps[1] == pytest.approx(steps[0] / unit, rel=1e-12)
+    plain, scaled = (Ran(["frequencies", *call, *beam], capsys).json["modes"] for beam in ([], BEAM))
+    for row, other in zip(plain, scaled, strict=True):
+        assert other["frequency_hz"] == pytest.approx(unit * row["frequency_hz"], rel=1e-12)
+
+
+@pytest.mark.parametrize("command", COUNTED)
+@pytest.mark.parametrize(
+    "value",
+    ["0", "-3", "2.5", "six", "nan", "True", "", "9" * 400, "9" * 5000],
+    ids=lambda value: value[:4] + f"[{len(value)}]",
+)
+def test_bad_segments(command: str, value: str, capsys: pytest.CaptureFixture[str]) -> None:
+    wanted = {"9" * 400: "10**400", "9" * 5000: "999"}.get(value, value)
+    Ran(changed(command, "--segments", value), capsys).refused("segments must be a whole number", wanted)
+
+
+@pytest.mark.parametrize(
+    ("command", "option"), [("error", "--mode"), ("frequencies", "--modes"), ("segments", "--modes")]
+)
+@pytest.mark.parametrize("value", ["0", "-1", "2.5", "one", "9" * 5000], ids=lambda value: value[:4])
+def test_bad_modes(command: str, option: str, value: str, capsys: pytest.CaptureFixture[str]) -> None:
+    Ran(changed(command, option, value), capsys).refused(f"{option[2:]} must be a whole number", value[:3])
+
+
+@pytest.mark.parametrize("command", SCALED)
+@pytest.mark.parametrize(
+    ("option", "argument"),
+    [("--length", "length"), ("--ei", "--ei"), ("--rho-a", "--rho-a")],
+)
+@pytest.mark.parametrize("value", ["nan", "inf", "-1", "0", "long", "1e999"])
+def test_bad_beams(
+    command: str, option: str, argument: str, value: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    Ran(changed(command, option, value), capsys).refused(f"{argument} must be ")
+
+
+@pytest.mark.parametrize("value", ["0", "-0.01", "nan", "inf", "one"])
+def test_bad_tolerances(value: str, capsys: pytest.CaptureFixture[str]) -> None:
+    Ran(changed("segments", "--tolerance", value), capsys).refused("tolerance must be ", value)
+
+
+@pytest.mark.parametrize("command", CALLS)
+def test_bad_boundaries(command: str, capsys: pytest.CaptureFixture[str]) -> None:
+    call = CALLS[command]
+    Ran([command, "clamped-freee", *call[2:]], capsys).refused(
+        'did you mean "clamped-free"?', "clamped-freee"
+    )
+    Ran([command, "", *call[2:]], capsys).refused("boundary must name two of the ends")
+
+
+@pytest.mark.parametrize("command", CALLS)
+def test_bad_rules(command: str, capsys: pytest.CaptureFixture[str]) -> None:
+    Ran([*CALLS[command], "--rule", "mitigui"], capsys).refused('did you mean "mitiguy"?')
+
+
+def test_bad_integrator(capsys: pytest.CaptureFixture[str]) -> None:
+    Ran([*CALLS["time-step"], "--integrator", "rk5"], capsys).refused('did you mean "rk4"?')
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        [],
+        ["errors", "clamped-free"],
+        ["error"],
+        ["error", "clamped-free"],
+        ["error", "clamped-free", "--segments"],
+        ["error", "clamped-free", "--segments", "6", "--modde", "1"],
+        ["springs", "clamped-free", "--segments", "6", "surplus"],
+        ["segments", "clamped-free"],
+    ],
+)
+def test_bad_usage(arguments: list[str], capsys: pytest.CaptureFixture[str]) -> None:
+    Ran(arguments, capsys).refused("--help")
+
+
+def test_help_lists_commands_and_examples(capsys: pytest.CaptureFixture[str]) -> None:
+    ran = Ran(["--help"], capsys)
+    examples = [line.split()[1:] for line in ran.lines if line.startswith("  beammodes ")]
+    assert len(examples) >= 4
+    for arguments in examples:  # and they work
+        assert Ran(arguments, capsys).lines
+    for command in CALLS:
+        assert re.search(rf"^    {command}\b", ran.out, re.MULTILINE)
+
+
+@pytest.mark.parametrize("command", CALLS)
+def test_help_of_each_command(command: str, capsys: pytest.CaptureFixture[str]) -> None:
+    text = Ran([command, "--help"], capsys).out
+    for option in (word for word in CALLS[command] if word.startswith("--")):
+        assert option in text
+    for option in ("--rule", "--json"):
+        assert option in text
+
+
+def test_version(capsys: pytest.CaptureFixture[str]) -> None:
+    import beammodes
+
+    assert Ran(["--version"], capsys).lines == [f"beammodes {beammodes.__version__}"]
+
+
+def run(*arguments: str, **options: Any) -> subprocess.CompletedProcess[str]:
+    environment = {**os.environ, "PYTHONIOENCODING": "utf-8", "PYTHONWARNINGS": "error"}
+    return subprocess.run(
+        [sys.executable, *arguments],
+        capture_output=True,
+        text=True,
+        encoding="utf-8",
+        env=environment,
+        timeout=60,
+        check=False,
+        **options,
+    )
+
+
+@pytest.mark.parametrize(
+    ("arguments", "code"),
+    [
+        (CALLS["springs"], 0),
+        (["springs", "clamped-free", "--segments", "0"], 2),
+        (["springs"], 2),
+        (["--help"], 0),
+    ],
+)
+def test_as_a_process(arguments: list[str], code: int, tmp_path: Path) -> None:
+    ran = run("-m", "beammodes", *arguments, cwd=tmp_path)
+    assert ran.returncode == code
+    assert "Traceback" not in ran.stderr
+    assert (ran.stdout == "", ran.stderr == "") == (code == 2, code == 0)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_reader_that_has_seen_enough(tmp_path: Path) -> None:
+    process = subprocess.Popen(
+        [sys.executable, "-m", "beammodes", "springs", "clamped-free", "--segments", "20000"],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        cwd=tmp_path,
+    )
+    assert process.stdout is not None
+    assert process.stderr is not None
+    with process, process.stdout, process.stderr:
+        assert process.stdout.readline().startswith(b"hinge")
+        process.stdout.close()
+        assert process.stderr.read() == b""
+        assert process.wait(60) == 0
+
+
+@pytest.mark.parametrize("command", ["error", "segments"])
+def test_lookups_import_numpy_only(command: str, tmp_path: Path) -> None:
+    # design.md, "Rooms": the lookup path needs NumPy only.
+    program = (
+        "import sys\n"
+        "from beammodes.__main__ import main\n"
+        f"assert main({CALLS[command]!r}) == 0\n"
+        f"print(sorted(set({HEAVY!r}) & set(sys.modules)), 'numpy' in sys.modules)\n"
+    )
+    ran = run("-c", program, cwd=tmp_path)
+    assert ran.stderr == ""
+    assert ran.stdout.splitlines()[1:] == ["[] True"]
+
+
+def test_plain_import_takes_nothing_along(tmp_path: Path) -> None:
+    program = f"import sys, beammodes\nprint(sorted({{*{HEAVY!r}, 'numpy'}} & set(sys.modules)))\n"
+    ran = run("-c", program, cwd=tmp_path)
+    assert (ran.stderr, ran.stdout) == ("", "[]\n")

@@ -1,0 +1,149 @@
+"""Frequencies of uniform chains: every mode up to the last, in the band and above it."""
+
+from __future__ import annotations
+
+import math
+import time
+from fractions import Fraction
+
+import numpy as np
+import pytest
+import scipy.linalg
+from numpy.typing import NDArray
+
+from beammodes.discretization import relative_error
+from beammodes.dispersion import chain_frequency
+from beammodes.ends import BOUNDARIES, Boundary
+from beammodes.exact_beam import wavenumber
+from beammodes.rules import RULES, Rule, Weight
+
+
+def rule_of(name: str, clamped: list[str], guided: list[str], stub: str = "0", inertia: str = "1/12") -> Rule:
+    clamped_weights, guided_weights = (tuple(Weight(Fraction(w)) for w in ws) for ws in (clamped, guided))
+    order = dict.fromkeys(("inside", "clamped", "pinned", "guided", "free"), 2)
+    return Rule(name, "", "", "", clamped_weights, guided_weights, order, Fraction(stub), Fraction(inertia))
+
+
+def tuned(name: str, sigma_beta: str) -> Rule:
+    plain = rule_of(name, [], ["1/2"])
+    wall = (Weight(Fraction(1, 2), -Fraction(sigma_beta) / 6),)
+    return Rule(name, "", "", "", wall, plain.guided, plain.order)
+
+
+RECORDS = [
+    *RULES.values(),
+    tuned("tuned low", "1.376"),
+    tuned("tuned high", "31.4"),
+    tuned("tuned higher", "95.9"),
+    # Walls near the weight 0.067 at which a mode leaves the band, and beyond.
+    *(rule_of(f"wall {w}", [w], [w]) for w in ("0.01", "0.066", "0.067", "0.0672", "0.08", "20")),
+    rule_of("rough", ["0.3", "2", "0.2", "1.4"], ["0.7", "0.1"], "1/2"),
+    rule_of("rough stub", ["0.3", "2", "0.2", "1.4"], ["0.7", "0.1"], "1"),
+    rule_of("rough points", ["0.1", "0.1", "0.1", "3"], ["0.1", "0.1"], inertia="1/5"),
+]
+BY_NAME = {rule.name: rule for rule in RECORDS}
+
+
+def dense_frequencies(rule: Rule, pair: Boundary, segments: int) -> NDArray[np.float64]:
+    """All elastic ω for L = EI = ρA = 1 from dense matrices in y(0), θ(0) and the joint rotations."""
+    lengths = [float(length) for length in rule.piece_lengths(pair, segments)]
+    weights = np.array([float(weight) for weight in rule.hinge_weights(pair, segments)])
+    count = len(lengths)
+    angle = np.column_stack([np.zeros(count), np.ones(count), np.tri(count, count - 1, -1)])
+    node = np.zeros((count + 1, count + 1))
+    node[0, 0] = 1.0
+    for k, length in enumerate(lengths):
+        node[k + 1] = node[k] + length * angle[k]
+    rows = []
+    for k, length in enumerate(lengths):
+        rows.append(math.sqrt(length) * (node[k] + node[k + 1]) / 2)
+        rows.append(math.sqrt(float(rule.rotary_inertia) * length**3) * angle[k])
+    held = []
+    for end, deflection, rotation in ((pair.left, node[0], angle[0]), (pair.right, node[-1], angle[-1])):
+        held += [deflection] * end.holds_deflection + [rotation] * end.holds_rotation
+    basis = scipy.linalg.null_space(np.array(held)) if held else np.eye(count + 1)
+    factor = np.array(rows) @ basis
+    spring = basis[2:].T / weights @ basis[2:]
+    values = scipy.linalg.eigh(spring, factor.T @ factor, eigvals_only=True)
+    return np.sqrt(values[pair.rigid_body_modes :]) * segments**2
+
+
+@pytest.mark.parametrize("rule", RECORDS, ids=lambda rule: rule.name)
+@pytest.mark.parametrize("segments", [1, 2, 3, 5, 8, 9, 12, 21, 40])
+def test_every_mode_up_to_the_last(rule: Rule, segments: int) -> None:
+    for pair in BOUNDARIES:
+        weights = rule.hinge_weights(pair, segments)
+        asked = np.arange(1, segments + 2)
+        omega = chain_frequency(pair, segments, asked, rule)
+        if not weights or min(weights) <= 0:
+            assert np.isnan(omega).all()
+            continue
+        exact = dense_frequencies(rule, pair, segments)
+        assert np.isnan(omega[len(exact) :]).all()
+        np.testing.assert_allclose(omega[: len(exact)], exact, rtol=5e-9, err_msg=pair.name)
+
+
+def test_both_routes_to_the_frequency_agree() -> None:
+    """The error's power series and the direct root share nothing but the ends' polynomials."""
+    rules = np.array(list(RULES.values()), dtype=object)[:, None, None, None]
+    pairs = np.array(BOUNDARIES, dtype=object)[:, None, None]
+    segments, mode = np.array([[24], [57], [400], [10**5], [10**9]]), np.array([1, 2, 3, 7, 12])
+    omega = chain_frequency(pairs, segments, mode, rules)
+    error = relative_error(pairs, segments, mode, rules)
+    beta = wavenumber(pairs, mode)
+    np.testing.assert_allclose(omega, beta**2 * (1 + error), rtol=3e-15)
+
+
+def test_closed_forms() -> None:
+    """Pinned-pinned: q = nπ/N; guided-guided with mirror ends too, up to the top of the band, √48 N²."""
+    segments = np.array([[8], [50], [1000]])
+    mode = np.arange(1, 8)
+    q = mode * np.pi / segments
+    exact = np.sqrt(12 * (1 - np.cos(q)) ** 2 / (2 + np.cos(q))) * segments**2
+    for pair in ("pinned-pinned", "guided-guided"):
+        np.testing.assert_allclose(chain_frequency(pair, segments, mode), exact, rtol=1e-11)
+    assert chain_frequency("guided-guided", 1000, 1000) == pytest.approx(math.sqrt(48) * 1e6, rel=1e-15)
+    points = rule_of("points", ["1/2"], ["1/2"], inertia="1/4")
+    assert chain_frequency("guided-guided", 9, 9, points) == pytest.approx(4 * 81, rel=1e-15)
+
+
+def test_modes_above_the_band() -> None:
+    """A free half-length end vibrates by itself: ω → 8.868 N², once per free end, and 13.9 N² for N = 1."""
+    half = BY_NAME["half_stub"]
+    for segments in (50, 10**4, 10**9):
+        one = chain_frequency("clamped-free", segments, segments, half) / segments**2
+        two = chain_frequency("free-free", segments, [segments - 1, segments], half) / segments**2
+        assert round(one, 3) == 8.868
+        np.testing.assert_allclose(two, one, rtol=1e-12)
+        below = chain_frequency("free-free", segments, segments - 2, half) / segments**2
+        assert below < math.sqrt(48)
+    assert round(chain_frequency("free-free", 1, 1, half), 1) == 13.9
+
+
+def test_last_modes_of_a_long_chain_stay_in_order() -> None:
+    """The last ten of N = 10⁶ follow the long-wave pattern of the band's edge: π - q grows by about π/N."""
+    segments = 10**6
+    mode = np.arange(segments - 10, segments + 1)
+    for name in ("mitiguy", "gregory", "rigid_stub_corrected", "half_stub", "tuned high"):
+        for pair in BOUNDARIES:
+            omega = chain_frequency(pair, segments, mode, BY_NAME[name])
+            inside = omega[~np.isnan(omega)] / segments**2
+            inside = inside[inside < math.sqrt(48) * (1 - 1e-15)]
+            assert np.all(np.diff(inside) > 0)
+            # ω²/48 = s⁴/(3 - 2 s²), so 1 - ω²/48 → 4 (1 - s²) = (π - q)².
+            distance = np.sqrt(1 - inside**2 / 48) * segments / math.pi
+            np.testing.assert_allclose(np.diff(distance[:6]), -1.0, atol=5e-3)
+
+
+def test_a_million_lookups_take_seconds() -> None:
+    draw = np.random.default_rng(5)
+    count = 200_000
+    pairs = np.array(BOUNDARIES, dtype=object)[draw.integers(0, 10, count)]
+    rules = np.array(list(RULES.values()), dtype=object)[draw.integers(0, len(RULES), count)]
+    segments, mode = draw.integers(1, 10**6, count), draw.integers(1, 6, count)
+    relative_error(pairs[:2000], segments[:2000], mode[:2000], rules[:2000])
+    start = time.perf_counter()
+    error = relative_error(pairs, segments, mode, rules)
+    elapsed = time.perf_counter() - start
+    assert np.isfinite(error[segments > 20]).all()
+    assert elapsed < 4.0  # A fifth of a million in 5 s would be 1 s; other processes may run.

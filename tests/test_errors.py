@@ -1,0 +1,188 @@
+"""The lookup, the labelled table and the number of segments."""
+
+from __future__ import annotations
+
+import itertools
+import math
+
+import numpy as np
+import pytest
+import xarray
+from hypothesis import given
+from hypothesis import strategies as st
+
+import beammodes as bm
+from beammodes.ends import BOUNDARIES
+from beammodes.rules import RULES
+
+PAIRS = [pair.name for pair in BOUNDARIES]
+
+
+def test_lookup_scalar_and_broadcasting() -> None:
+    # physics.md and design.md: C/F, mitiguy, N = 6, mode 1.
+    error = bm.frequency_error("clamped-free", segments=6, mode=1)
+    assert isinstance(error, float)
+    assert error == pytest.approx(-0.0035175, abs=5e-8)
+    table = bm.frequency_error(["clamped-free", "free-clamped"], segments=[[6], [12], [24]], mode=1)
+    assert isinstance(table, np.ndarray)
+    assert table.shape == (3, 2)
+    assert table[0, 0] == table[0, 1] == error
+    mixed = bm.frequency_error("clamped-free", segments=6, mode=1, rule=["mitiguy", bm.RULES["naive"]])
+    assert mixed[0] == error
+    # physics.md section 4: naive is -1/N to first order.
+    assert mixed[1] == pytest.approx(-1 / 6, abs=0.03)
+
+
+@pytest.mark.parametrize("boundary", PAIRS)
+@pytest.mark.parametrize("rule", RULES)
+def test_lookup_equals_the_eigen_solve(boundary: str, rule: str) -> None:
+    for segments in (1, 2, 3, 7, 30):
+        weights = RULES[rule].hinge_weights(bm.Boundary.of(boundary), segments)
+        found = bm.frequency_error(boundary, segments=segments, mode=np.arange(1, segments + 2), rule=rule)
+        if min(weights, default=1) <= 0:
+            assert np.isnan(found).all()
+            continue
+        chain = bm.Chain(bm.Beam.unit(), boundary, segments, rule)
+        omega = bm.solve_modes(bm.linearize(chain)).angular_frequency
+        expected = np.full(segments + 1, np.nan)
+        exact = np.asarray(bm.wavenumber(boundary, np.arange(1, segments + 2))) ** 2
+        expected[: len(omega)] = omega / exact[: len(omega)] - 1
+        np.testing.assert_allclose(found, expected, rtol=1e-11, atol=3e-14)
+
+
+def test_dataset_round_trips_through_a_file(tmp_path: object) -> None:
+    table = bm.error_dataset(
+        boundary=["free-clamped", "clamped-clamped"],
+        segments=range(1, 6),
+        modes=3,
+        rule=["mitiguy", "gregory"],
+    )
+    assert table.relative_error.dims == ("rule", "boundary", "segments", "mode")
+    assert table.boundary.values.tolist() == ["clamped-free", "clamped-clamped"]
+    assert table.segments.dtype == np.int64
+    point = table.sel(rule="mitiguy", boundary="clamped-free", segments=4, mode=2)
+    assert float(point.relative_error) == bm.frequency_error("clamped-free", segments=4, mode=2)
+    assert float(point.angular_frequency / point.exact_angular_frequency - 1) == pytest.approx(
+        float(point.relative_error), abs=1e-15
+    )
+    assert math.isnan(
+        table.sel(rule="mitiguy", boundary="clamped-clamped", segments=1, mode=1).relative_error
+    )
+    for variable in table.data_vars.values():
+        assert {"units", "long_name"} <= set(variable.attrs)
+    assert bm.__version__ in table.attrs["source"]
+    path = f"{tmp_path}/errors.nc"
+    table.to_netcdf(path, engine="h5netcdf")
+    with xarray.open_dataset(path, engine="h5netcdf") as read:
+        xarray.testing.assert_identical(read.load(), table)
+        assert read.segments.dtype == np.int64
+
+
+def stays_within(boundary: str, rule: str, modes: int, tolerance: float, around: int) -> int:
+    """The smallest N by scanning: every N up to twice the answer, and a coarse sample beyond."""
+    scan = np.arange(1, min(2 * around + 50, 30_000))
+    tail = np.unique(np.geomspace(scan[-1], 10**9, 300).astype(np.int64))
+    every = np.concatenate([scan, tail[1:]])
+    errors = bm.frequency_error(boundary, segments=every[:, None], mode=np.arange(1, modes + 1), rule=rule)
+    bad = np.flatnonzero(~(np.abs(errors) <= tolerance).all(axis=1))
+    return int(every[bad[-1] + 1]) if len(bad) else 1
+
+
+@pytest.mark.parametrize("boundary", PAIRS)
+@pytest.mark.parametrize("rule", RULES)
+def test_segments_needed_by_scanning(boundary: str, rule: str) -> None:
+    for tolerance in (1e-2, 1e-3, 1e-4):
+        answer = bm.segments_needed(boundary, tolerance, modes=3, rule=rule)
+        if answer < 14_000:
+            assert answer == stays_within(boundary, rule, 3, tolerance, answer)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("boundary", PAIRS)
+@pytest.mark.parametrize("rule", RULES)
+def test_segments_needed_around_the_answer(boundary: str, rule: str) -> None:
+    for exponent in range(2, 9):
+        tolerance = 10.0**-exponent
+        answer = bm.segments_needed(boundary, tolerance, modes=2, rule=rule)
+        near = np.arange(max(1, answer - 2000), answer + 2000)
+        errors = bm.frequency_error(boundary, segments=near[:, None], mode=[1, 2], rule=rule)
+        within = (np.abs(errors) <= tolerance).all(axis=1)
+        assert within[near >= answer].all()
+        assert answer == 1 or not within[near == answer - 1]
+
+
+def test_segments_needed_as_published() -> None:
+    # design.md: 26; the requirement for one percent in three modes: 16 and 8, 26 and 12.
+    for boundary, rule, expected in (
+        ("clamped-free", "mitiguy", 16),
+        ("clamped-free", "gregory", 8),
+        ("clamped-clamped", "mitiguy", 26),
+        ("clamped-clamped", "gregory", 12),
+    ):
+        assert bm.segments_needed(boundary, tolerance=0.01, modes=3, rule=rule) == expected
+
+
+def test_an_error_that_changes_sign_is_not_mistaken_for_a_small_one() -> None:
+    # gregory passes through zero near N = 113 and comes back: physics.md section 4.
+    errors = np.abs(bm.frequency_error("clamped-free", segments=np.arange(60, 400), mode=1, rule="gregory"))
+    low = int(errors.argmin())
+    peak = float(errors[low:].max())
+    tolerance = (errors[low] + peak) / 2
+    answer = bm.segments_needed("clamped-free", tolerance, modes=1, rule="gregory")
+    assert errors[low] <= tolerance < peak
+    assert answer > 60 + low + 1
+
+
+def test_more_than_possible_is_refused() -> None:
+    with pytest.raises(ValueError, match="tolerance must be larger"):
+        bm.segments_needed("clamped-free", tolerance=1e-12, modes=1, rule="naive")
+
+
+BAD_COUNTS = [0, -3, 2.5, "six", 10**400, None, True, float("nan"), float("inf")]
+
+
+@pytest.mark.parametrize("bad", BAD_COUNTS, ids=str)
+@pytest.mark.parametrize("name", ["segments", "mode"])
+def test_bad_counts_are_named(name: str, bad: object) -> None:
+    arguments: dict[str, object] = {"segments": 6, "mode": 1, name: bad}
+    with pytest.raises((TypeError, ValueError), match=name):
+        bm.frequency_error("clamped-free", **arguments)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("bad", [0, -1e-3, float("nan"), float("inf"), "1 %", None, True], ids=str)
+def test_bad_tolerance_is_named(bad: object) -> None:
+    with pytest.raises((TypeError, ValueError), match="tolerance"):
+        bm.segments_needed("clamped-free", bad)  # type: ignore[arg-type]
+
+
+def test_near_matches_are_offered() -> None:
+    with pytest.raises(ValueError, match=r'did you mean "clamped-free"'):
+        bm.frequency_error("clamped-freee", segments=6, mode=1)
+    with pytest.raises(ValueError, match=r'did you mean "gregory"'):
+        bm.error_dataset(boundary="clamped-free", segments=3, modes=1, rule="gregry")
+    for empty in ([], ()):
+        with pytest.raises(ValueError, match="at least one"):
+            bm.error_dataset(boundary="clamped-free", segments=empty, modes=1)
+
+
+@given(
+    boundary=st.sampled_from(PAIRS),
+    rule=st.sampled_from(sorted(RULES)),
+    segments=st.integers(1, 10**9),
+    mode=st.integers(1, 10**9),
+)
+def test_every_lookup_gives_a_number_or_nan(boundary: str, rule: str, segments: int, mode: int) -> None:
+    error = bm.frequency_error(boundary, segments=segments, mode=mode, rule=rule)
+    assert math.isnan(error) or error > -1
+    assert math.isnan(error) == (
+        mode > segments + 1 or bm.Chain(bm.Beam.unit(), boundary, segments, rule).elastic_modes < mode
+        if segments < 2000
+        and min(RULES[rule].hinge_weights(bm.Boundary.of(boundary), segments), default=1) > 0
+        else math.isnan(error)
+    )
+
+
+def test_modes_are_in_order() -> None:
+    for boundary, rule in itertools.product(PAIRS, RULES):
+        frequency = bm.chain_frequency(boundary, np.array([[40], [1000]]), np.arange(1, 38), rule)
+        assert (np.diff(frequency, axis=1) > 0).all()

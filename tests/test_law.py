@@ -1,0 +1,93 @@
+"""The law of the error: derived orders and coefficients against the exact error at large N."""
+
+from __future__ import annotations
+
+import math
+from fractions import Fraction
+
+import numpy as np
+import pytest
+
+from beammodes.beam import Beam
+from beammodes.discretization import relative_error
+from beammodes.ends import BOUNDARIES, ENDS
+from beammodes.exact_beam import euler_bernoulli, wavenumber
+from beammodes.law import _slope_energy, end_defects, error_law, interior_coefficient
+from beammodes.rules import RULES
+
+PAIRS = [pair.name for pair in BOUNDARIES]
+
+
+@pytest.mark.parametrize("boundary", PAIRS)
+@pytest.mark.parametrize("rule", RULES)
+def test_exact_error_tends_to_the_law(boundary: str, rule: str) -> None:
+    segments = np.array([10**4, 10**5, 10**6, 10**7])
+    for mode in (1, 2, 3):
+        law = error_law(boundary, mode, rule)
+        gap = np.abs(relative_error(boundary, segments, mode, rule) / law.at(segments) - 1)
+        # The next term is at most a moderate multiple of 1/N; the lookup itself keeps nine digits.
+        assert gap[0] < 0.2
+        falls = gap[1:] < 0.15 * gap[:-1] + 3e-9
+        assert falls.all(), (mode, gap)
+
+
+@pytest.mark.parametrize("boundary", PAIRS)
+@pytest.mark.parametrize("rule", RULES)
+def test_declared_order_is_derived_and_measured(boundary: str, rule: str) -> None:
+    declared = RULES[rule].declared_order(next(pair for pair in BOUNDARIES if pair.name == boundary))
+    errors = relative_error(boundary, np.array([10**6, 10**7]), 1, rule)
+    assert error_law(boundary, 1, rule).order == declared
+    assert np.log10(errors[0] / errors[1]) == pytest.approx(declared, abs=1e-3)
+
+
+def test_the_reports_rule() -> None:
+    # physics.md section 4: C/F  (1 - σβ)/(3 N²),  C/C twice that; σβ = |φ'''|/|φ''| at the wall.
+    for boundary, walls in (("clamped-free", 1), ("clamped-clamped", 2)):
+        for mode in (1, 2, 3):
+            beam = euler_bernoulli(Beam.unit(), boundary, mode)
+            moment, shear = (abs(beam.shape(np.array([0.0]), derivative=k)[-1, 0]) for k in (2, 3))
+            law = error_law(boundary, mode, "mitiguy")
+            assert law.coefficient == pytest.approx(walls * (1 - shear / moment) / 3, rel=1e-12)
+
+
+def test_known_coefficients() -> None:
+    # physics.md section 4: gregory -β⁴/1440; gregory2 -(σβ)²/6 a wall; naive -2 (w₀ - 1/2) = -1 a wall.
+    assert error_law("clamped-free", 1, "gregory").coefficient == pytest.approx(
+        -(wavenumber("clamped-free", 1) ** 4) / 1440, rel=1e-10
+    )
+    assert error_law("clamped-free", 1, "naive").coefficient == pytest.approx(-1, rel=1e-12)
+    assert interior_coefficient() == Fraction(-1, 1440)
+
+
+def test_end_corrections_are_exact_fractions() -> None:
+    clamped = ENDS["clamped"]
+    cancelled = {
+        "gregory": 3,
+        "half_stub_corrected": 3,
+        "gregory2": 2,
+        "rigid_stub_corrected": 2,
+        "double_wall": 1,
+    }
+    for name, count in cancelled.items():
+        defects = end_defects(RULES[name], clamped)
+        assert defects[:count] == [(0, 0)] * count
+        assert defects[count] != (0, 0)
+
+
+@pytest.mark.parametrize("boundary", PAIRS)
+def test_slope_energy_by_quadrature(boundary: str) -> None:
+    x, weight = np.polynomial.legendre.leggauss(60)
+    beam = euler_bernoulli(Beam.unit(), boundary, 3)
+    slope = beam.shape((x + 1) / 2, derivative=1)[-1]
+    assert _slope_energy(beam) == pytest.approx((slope**2 * weight / 2).sum(), rel=1e-10)
+
+
+def test_bad_arguments() -> None:
+    with pytest.raises(ValueError, match=r"mode.*got 0"):
+        error_law("clamped-free", 0)
+    with pytest.raises(ValueError, match="gregory"):
+        error_law("clamped-free", 1, "gregry")
+    assert not math.isnan(error_law("free-clamped", 1).coefficient)
+    assert error_law("free-clamped", 1).coefficient == pytest.approx(
+        error_law("clamped-free", 1).coefficient, rel=1e-13
+    )
