@@ -1,0 +1,13 @@
+"""One file per figure or table: `data()` computes a Dataset, `draw(data)` returns a Figure.
+
+`python -m studies [NAME ...]` writes each one's SVG, PNG and CSV into `figures/`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+Progress = Callable[[int, int], None]
+
+#: Every study, in the order in which they run.
+NAMES = ("figure_6", "figure_7", "c_table")
