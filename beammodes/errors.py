@@ -13,7 +13,7 @@ from beammodes.discretization import relative_error
 from beammodes.dispersion import MAX_MODE, MAX_SEGMENTS, whole_numbers
 from beammodes.ends import BOUNDARIES, Boundary, BoundaryLike, boundary_codes
 from beammodes.exact_beam import wavenumber
-from beammodes.rules import AnyRule, Layout, Rule, layout_of
+from beammodes.rules import AnyRule, Layout, Rule, RuleMaker, layout_of
 
 if TYPE_CHECKING:
     import xarray
@@ -100,12 +100,11 @@ def _errors_of_layout(boundary: Any, segments: Any, mode: Any, layout: Layout) -
         whole_numbers("mode", mode, MAX_MODE),
     )
     found = np.full(codes.shape, np.nan)
-    rule_for = getattr(layout, "rule_for", None)
     for code in np.unique(codes):
         here = codes == code
-        if rule_for is not None:
+        if isinstance(layout, RuleMaker):
             found[here] = relative_error(
-                BOUNDARIES[code], counts[here], modes[here], rule_for(BOUNDARIES[code])
+                BOUNDARIES[code], counts[here], modes[here], layout.rule_for(BOUNDARIES[code])
             )
             continue
         for count in np.unique(counts[here]):
@@ -161,7 +160,7 @@ def segments_needed(
     ends, limit = Boundary.of(boundary), positive_real("tolerance", tolerance)
     record, mode = layout_of(rule), np.arange(1, whole_number("modes", modes, most=MAX_MODES) + 1)
 
-    if not isinstance(record, Rule) and not hasattr(record, "rule_for"):
+    if not isinstance(record, Rule) and not isinstance(record, RuleMaker):
         raise ValueError(
             f"rule must be one whose errors have a closed form, got {record.name}: matched springs are exact "
             "in their modes from the shortest chain that has them"

@@ -42,7 +42,7 @@ from beammodes.beam import Beam
 from beammodes.checks import whole_number
 from beammodes.ends import Boundary, BoundaryLike, End
 from beammodes.exact_beam import BeamModes, euler_bernoulli
-from beammodes.rules import Rule, RuleLike, Weight, rule_named
+from beammodes.rules import Rule, RuleLike, RuleMaker, Weight, rule_named
 
 __all__ = ["ErrorLaw", "end_defects", "error_law", "interior_coefficient"]
 
@@ -77,7 +77,7 @@ class ErrorLaw:
         return self.coefficient / np.asarray(segments, dtype=float) ** self.order
 
 
-def error_law(boundary: BoundaryLike, mode: int, rule: RuleLike = "mitiguy") -> ErrorLaw:
+def error_law(boundary: BoundaryLike, mode: int, rule: RuleLike | RuleMaker = "mitiguy") -> ErrorLaw:
     """Return the law  e ~ c / N^p  of a rule on a boundary, for one elastic mode.
 
         c = -½ Σ_ends Σ_k d_k f⁽ᵏ⁾ / ∫f  at the lowest power p = k + 1 that remains,  f = φ''²
@@ -87,7 +87,7 @@ def error_law(boundary: BoundaryLike, mode: int, rule: RuleLike = "mitiguy") -> 
     boundary : boundary
     mode : int
         1-based index of an elastic mode.
-    rule : str or Rule
+    rule : str, Rule, or a record from `mode_tuned`
 
     Raises
     ------
@@ -100,7 +100,8 @@ def error_law(boundary: BoundaryLike, mode: int, rule: RuleLike = "mitiguy") -> 
     >>> law.order, round(law.coefficient, 6)
     (2, -0.125502)
     """
-    pair, record = Boundary.of(boundary), rule_named(rule)
+    pair = Boundary.of(boundary)
+    record = rule.rule_for(pair) if isinstance(rule, RuleMaker) else rule_named(rule)
     index = whole_number("mode", mode)
     beam = euler_bernoulli(Beam.unit(), pair, index)
     terms: list[tuple[int, float]] = []

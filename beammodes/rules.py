@@ -20,7 +20,7 @@ from typing import Any, Protocol, runtime_checkable
 from beammodes.checks import choice, shown
 from beammodes.ends import Boundary, End
 
-__all__ = ["RULES", "AnyRule", "Layout", "Rule", "RuleLike", "Weight", "layout_of", "rule_named"]
+__all__ = ["RULES", "AnyRule", "Layout", "Rule", "RuleLike", "RuleMaker", "Weight", "layout_of", "rule_named"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -146,6 +146,14 @@ class Layout(Protocol):
 
     def hinge_weights(self, boundary: Boundary, segments: int) -> Sequence[Fraction | float]:
         """Return the flexibility weights of the chain's hinges, left to right."""
+
+
+@runtime_checkable
+class RuleMaker(Protocol):
+    """A record that makes a different rule for each boundary, such as `mode_tuned` gives."""
+
+    def rule_for(self, boundary: Boundary) -> Rule:
+        """Return the rule for a boundary."""
 
 
 RuleLike = str | Rule

@@ -67,11 +67,15 @@ class FlexibilityForm:
 
     def motion(self, x: Array) -> tuple[Array, Array]:
         """Return the nodes' deflections (nodes, columns) and the pieces' angles of x, both elastic only."""
-        rotation = self.flexibility_root[:, None] * x
-        angle = np.vstack([self.tip_angle @ rotation, rotation])
+        # In place throughout: on a million hinges fresh arrays cost more than the arithmetic.
+        angle = np.empty((len(self.length), x.shape[1]))
+        np.multiply(self.flexibility_root[:, None], x, out=angle[1:])
+        angle[0] = self.tip_angle @ angle[1:]
         np.cumsum(angle, axis=0, out=angle)
-        deflection = np.zeros((len(angle) + 1, angle.shape[1]))
-        np.cumsum(self.length[:, None] * angle, axis=0, out=deflection[1:])
+        deflection = np.empty((len(angle) + 1, angle.shape[1]))
+        deflection[0] = 0.0
+        np.multiply(self.length[:, None], angle, out=deflection[1:])
+        np.cumsum(deflection, axis=0, out=deflection)
         if self.rigid_angle.size:
             amount = self._rigid_images().T @ self._weighed(deflection, angle)
             deflection -= self.rigid_deflection @ amount
@@ -97,8 +101,12 @@ class FlexibilityForm:
         return self._weighed(self.rigid_deflection, self.rigid_angle)
 
     def _weighed(self, deflection: Array, angle: Array) -> Array:
-        middle = (deflection[:-1] + deflection[1:]) / 2
-        return np.vstack([self.root_mass[:, None] * middle, self.root_inertia[:, None] * angle])
+        pieces = len(angle)
+        image = np.empty((2 * pieces, angle.shape[1]))
+        np.add(deflection[:-1], deflection[1:], out=image[:pieces])
+        image[:pieces] *= self.root_mass[:, None] / 2
+        np.multiply(self.root_inertia[:, None], angle, out=image[pieces:])
+        return image
 
 
 def flexibility_form(chain: Chain) -> FlexibilityForm:
