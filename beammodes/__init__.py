@@ -73,8 +73,8 @@ _HOME = {
     "euler_bernoulli": "exact_beam",
     "frequency_error": "errors",
     "linearize": "linear",
-    "match_springs": "tuning",
-    "matched": "tuning",
+    "match_springs": "inverse",
+    "matched": "inverse",
     "modal_assurance": "shapes",
     "mode_tuned": "tuning",
     "published_time_step": "stability",
@@ -83,9 +83,9 @@ _HOME = {
     "shape_dataset": "shapes",
     "solve_modes": "modes",
     "stable_time_step": "stability",
-    "static_dataset": "statics",
+    "static_dataset": "static_errors",
     "symbolic_energies": "symbolic",
-    "wavenumber": "exact_beam",
+    "wavenumber": "wavenumbers",
 }
 
 __all__ = sorted([*_HOME, "__version__"])
@@ -104,7 +104,8 @@ if TYPE_CHECKING:
     from beammodes.errors import segments_needed as segments_needed
     from beammodes.exact_beam import BeamModes as BeamModes
     from beammodes.exact_beam import euler_bernoulli as euler_bernoulli
-    from beammodes.exact_beam import wavenumber as wavenumber
+    from beammodes.inverse import match_springs as match_springs
+    from beammodes.inverse import matched as matched
     from beammodes.law import error_law as error_law
     from beammodes.linear import LinearModel as LinearModel
     from beammodes.linear import linearize as linearize
@@ -118,14 +119,13 @@ if TYPE_CHECKING:
     from beammodes.shapes import shape_dataset as shape_dataset
     from beammodes.stability import published_time_step as published_time_step
     from beammodes.stability import stable_time_step as stable_time_step
+    from beammodes.static_errors import static_dataset as static_dataset
     from beammodes.statics import beam_statics as beam_statics
     from beammodes.statics import chain_statics as chain_statics
-    from beammodes.statics import static_dataset as static_dataset
     from beammodes.symbolic import equations_of_motion as equations_of_motion
     from beammodes.symbolic import symbolic_energies as symbolic_energies
-    from beammodes.tuning import match_springs as match_springs
-    from beammodes.tuning import matched as matched
     from beammodes.tuning import mode_tuned as mode_tuned
+    from beammodes.wavenumbers import wavenumber as wavenumber
 
 
 def __getattr__(name: str) -> Any:

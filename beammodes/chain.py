@@ -21,40 +21,21 @@ chain made by a rule is exact: its lengths, masses, inertias and springs are rat
 
 from __future__ import annotations
 
-import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from fractions import Fraction
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
 from beammodes.beam import Beam
-from beammodes.checks import real, shown, whole_number
+from beammodes.checks import shown, whole_number
 from beammodes.ends import Boundary, BoundaryLike
+from beammodes.pieces import MAX_PIECES, Number, check_pieces, not_idle, piece_numbers
 from beammodes.rules import AnyRule, Layout, layout_of
+from beammodes.units import Units
 
 __all__ = ["MAX_PIECES", "Chain", "Number", "Units"]
-
-Number = Fraction | float
-
-#: Longer chains are refused: their arrays alone would fill memory. Lookups of errors know no such limit.
-MAX_PIECES = 10_000_000
-
-
-@dataclass(frozen=True, slots=True)
-class Units:
-    """What one stands for in a chain's own numbers: a length [m], a mass [kg] and a joint stiffness [N m]."""
-
-    length: float = 1.0
-    mass: float = 1.0
-    stiffness: float = 1.0
-
-    @property
-    def angular_frequency(self) -> float:
-        """√(stiffness / (mass length²)) [rad/s]."""
-        return math.sqrt(self.stiffness / self.mass) / self.length
 
 
 @dataclass(frozen=True, init=False)
@@ -105,7 +86,7 @@ class Chain:
             raise ValueError(
                 f"rule {record.name} has no positive springs for {boundary.name} with {count} segments"
             )
-        units = _units(beam, count)
+        units = Units.of(beam, count)
         inertia = {length: record.rotary_inertia * length**3 for length in set(lengths)}
         stiffness = {weight: 1 / weight for weight in set(weights)}
         self._fill(
@@ -156,11 +137,11 @@ class Chain:
         2
         """
         columns = {"length": length, "mass": mass, "rotary_inertia": rotary_inertia}
-        pieces = {name: _numbers(name, values) for name, values in columns.items()}
-        springs = _numbers("joint_stiffness", joint_stiffness)
+        pieces = {name: piece_numbers(name, values) for name, values in columns.items()}
+        springs = piece_numbers("joint_stiffness", joint_stiffness)
         pair = Boundary.of(boundary)
-        _check_pieces(pair, pieces, springs)
-        keep = _not_idle(pair, *pieces.values())
+        check_pieces(pair, pieces, springs)
+        keep = not_idle(pair, *pieces.values())
         chain = cls.__new__(cls)
         chain._fill(
             boundary=pair,
@@ -236,77 +217,8 @@ class Chain:
         return f"<Chain {self.boundary.name}: {self.pieces} pieces{by}>"
 
 
-def _units(beam: Beam, segments: int) -> Units:
-    ell = beam.length / segments
-    units = Units(ell, beam.mass_per_length * ell, beam.bending_stiffness / ell)
-    floats = (units.mass * ell**2, units.stiffness, 1 / units.mass)
-    if not all(0.0 < value < math.inf for value in floats) or not 0.0 < units.angular_frequency < math.inf:
-        raise ValueError(
-            f"beam must suit {segments} segments: with {beam} their masses, inertias or springs leave the "
-            "range of floating-point numbers"
-        )
-    return units
-
-
 def _scaled(values: Sequence[Number], unit: float) -> NDArray[np.float64]:
     floats = {value: float(value) for value in set(values)}
     array = np.array([floats[value] for value in values], dtype=np.float64) * unit
     array.flags.writeable = False
     return array
-
-
-def _not_idle(boundary: Boundary, *columns: tuple[Number, ...]) -> slice:
-    """Return the pieces that remain when idle outer ones are condensed away.
-
-    A massless piece of length zero that nothing holds in rotation turns freely, so its spring is in series
-    with no resistance: the hinge does nothing.
-    """
-    idle = [not any(numbers) for numbers in zip(*columns, strict=True)]
-    first = int(idle[0] and not boundary.left.holds_rotation)
-    last = len(idle) - int(idle[-1] and not boundary.right.holds_rotation)
-    if not any(columns[0][first:last]):
-        raise ValueError("length must hold at least one piece that has a length, got only zeros")
-    return slice(first, last)
-
-
-def _numbers(name: str, values: Iterable[Number] | NDArray[np.float64]) -> tuple[Number, ...]:
-    if isinstance(values, np.ndarray):
-        if values.dtype.kind not in "fiu" or values.ndim != 1 or not np.isfinite(values).all():
-            raise ValueError(f"{name} must be a one-dimensional array of finite numbers, got {shown(values)}")
-        return tuple(values.astype(float).tolist())
-    if isinstance(values, str | bytes) or not isinstance(values, Iterable):
-        raise TypeError(f"{name} must be a sequence of numbers, got {shown(values)}")
-    return tuple(_number(f"{name}[{i}]", value) for i, value in enumerate(values))
-
-
-def _number(name: str, value: Number) -> Number:
-    number = real(name, value)
-    if value and not number:
-        raise ValueError(f"{name} must be within the range of floating-point numbers, got {shown(value)}")
-    return value if isinstance(value, Fraction) else number
-
-
-def _check_pieces(
-    boundary: Boundary, pieces: dict[str, tuple[Number, ...]], springs: tuple[Number, ...]
-) -> None:
-    count = whole_number("number of pieces", len(pieces["length"]), most=MAX_PIECES)
-    for name, values in {**pieces, "joint_stiffness": springs}.items():
-        expected = count - 1 if name == "joint_stiffness" else count
-        if len(values) != expected:
-            raise ValueError(f"{name} must have {expected} entries for {count} pieces, got {len(values)}")
-        if values and min(values) < 0:
-            raise ValueError(f"{name} must not be negative, got {shown(min(values))}")
-    if springs and min(springs) == 0:
-        raise ValueError("joint_stiffness must be greater than 0, got 0")
-    for name in ("length", "mass"):
-        if any(value == 0 for value in pieces[name][1:-1]):
-            raise ValueError(f"{name} must be greater than 0 for every piece but the outer two")
-    for i in {0, count - 1}:
-        if pieces["length"][i] and not pieces["mass"][i]:
-            raise ValueError(f"mass[{i}] must be greater than 0 for a piece that has a length")
-    held = {0} if boundary.left.holds_rotation else set()
-    held |= {count - 1} if boundary.right.holds_rotation else set()
-    for i, (mass, inertia) in enumerate(zip(pieces["mass"], pieces["rotary_inertia"], strict=True)):
-        if mass and not inertia and i not in held:
-            # Its angle would cost no energy: a mode of infinite frequency.
-            raise ValueError(f"rotary_inertia[{i}] must be greater than 0 for a piece that turns, got 0")

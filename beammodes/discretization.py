@@ -22,33 +22,28 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from fractions import Fraction
 from functools import lru_cache
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from beammodes.dispersion import (
-    MAX_MODE,
-    MAX_SEGMENTS,
-    Boundaries,
-    Floats,
-    Rules,
-    UniformChains,
-    amplitude,
-    looked_up,
-    wavenumbers,
-)
-from beammodes.exact_beam import wavenumber_of_code
-from beammodes.waves import SERIES_TERMS, EndWaves, binomial, powers_of
+from beammodes.departures import Parts, inside, parts
+from beammodes.dispersion import frequencies
+from beammodes.lookup import Boundaries, Floats, Rules, looked_up
+from beammodes.reflection import amplitude
+from beammodes.series import enough_powers
+from beammodes.uniform import UniformChains
+from beammodes.wavenumbers import wavenumber_of_code
 
-__all__ = ["MAX_MODE", "MAX_SEGMENTS", "relative_error"]
+__all__ = ["relative_error"]
 
 # Largest β/N for which the series are used; δ takes q at most to 0.8.
 _LARGEST_Q = 0.5
+
 # From the next mode on E < 1e-15, as χ > 0.97 q here: what reaches the other end is not felt.
 _LAST_EXCHANGING = 11
+
 # Longest chain whose modes are listed at the first single lookup beyond the series.
 _LISTED = 100
 
@@ -104,9 +99,9 @@ def _errors(chains: UniformChains, segments: Any, mode: Any) -> Any:
             return _by_series(chains, root, segments, mode, mode <= _LAST_EXCHANGING)
         if segments <= _LISTED:
             return _listed(chains, int(segments))[int(mode) - 1]
-        return chains.frequency(segments, mode) / root / root - 1.0
+        return frequencies(chains, segments, mode) / root / root - 1.0
     error = np.empty_like(segments)
-    beta = wavenumbers(chains.code, mode)
+    beta = chains.wavenumbers(mode)
     series = (beta <= _LARGEST_Q * segments) & (segments >= chains.shortest)
     low = mode <= _LAST_EXCHANGING
     for chosen, exchanging in ((series & low, True), (series & ~low, False)):
@@ -115,7 +110,7 @@ def _errors(chains: UniformChains, segments: Any, mode: Any) -> Any:
     rest = ~series
     if rest.any():
         n, b = segments[rest], beta[rest]
-        error[rest] = chains.frequency(n, mode[rest]) / b / b - 1.0
+        error[rest] = frequencies(chains, n, mode[rest]) / b / b - 1.0
     return error
 
 
@@ -128,125 +123,10 @@ def _listed(chains: UniformChains, segments: int) -> Floats:
 
 def _by_series(chains: UniformChains, beta: Any, segments: Any, mode: Any, exchanging: bool) -> Any:
     delta = _Difference(chains, beta, segments, mode, exchanging).root()
-    powers = _powers(np.sin(0.5 * (beta + delta) / segments))
-    excess = _inside(chains.left).at(powers)[0]
+    powers = enough_powers(np.sin(0.5 * (beta + delta) / segments))
+    excess = inside(chains.left).at(powers)[0]
     part = delta / beta
     return excess + (1.0 + excess) * part * (2.0 + part)
-
-
-class _Table(NamedTuple):
-    """Power series in s: coefficients (rows, terms) from each row's leading power on, and those powers."""
-
-    coefficients: Floats
-    leading: NDArray[np.intp]
-    most: int
-
-    @classmethod
-    def of(cls, rows: NDArray[Any]) -> _Table:
-        """Round exact series, shape (rows, terms), to floats."""
-        leading = np.array([next((k for k, c in enumerate(row) if c), 0) for row in rows], dtype=np.intp)
-        shifted = [[*row[k:], *[Fraction(0)] * k] for row, k in zip(rows, leading, strict=True)]
-        return cls(np.array(shifted, dtype=np.float64), leading, int(leading.max()))
-
-    def at(self, powers: Floats) -> Any:
-        """Return the sums of all rows, given 1, s, s², ..."""
-        terms = len(powers) - self.most
-        return (self.coefficients[:, :terms] @ powers[:terms]) * powers[self.leading]
-
-
-def _powers(s: Any) -> Floats:
-    """Return as many powers of s as series of radius 1 need, with a wide margin for large coefficients."""
-    largest = float(s if np.ndim(s) == 0 else s.max())
-    needed = SERIES_TERMS if largest > 0.3 else 12 + int(44.0 / -math.log(largest))
-    return powers_of(s, min(needed, SERIES_TERMS))
-
-
-class _Parts(NamedTuple):
-    """An end's determinants over the length of its own (cos, sin) pair, less the beam's."""
-
-    turn: Any  # Φ - Φ⁰
-    growing: Any  # of the pair for the growing exponential, complex, over the beam's
-    cos_sin: Any  # of the determinant of cos and sin, exponentials scaled as `_end_table` says
-
-
-@lru_cache(maxsize=1024)
-def _end_table(end: EndWaves) -> _Table:
-    """Return the rows num, den, den₊ - den, num₊, f cs - cs⁰ den, for each power of u in turn.
-
-    den + i num is the pair (sin, cos) of the decaying exponential over the beam's, den₊ + i num₊ that of
-    the growing one. An end that does no work has cs and the determinant of the two exponentials in one
-    ratio f², whatever the end: f² = R/(d t) over the beam's, with R, d and t as in `waves`, and R/t where
-    its half-stub waves have dropped √d. So one of the two is enough, and with the exponentials scaled by f
-    none of these rows is larger than the end's own error.
-    """
-    c, s, c2, s2, cos_sin, _ = end.series
-    c0, s0, c20, s20, cos_sin0, _ = end.series[:, 0, 0]
-    size = c0 * c0 + s0 * s0
-    num, den = (c * s0 - s * c0) / size, (c * c0 + s * s0) / size
-    num2, den2 = (c2 * s20 - s2 * c20) / size, (c2 * c20 + s2 * s20) / size
-    quarter, p = Fraction(1, 4), end.p
-    scale = _product(binomial(1 - p, quarter), binomial(-1, -quarter))
-    if not end.half:
-        scale = _product(scale, binomial(-p, -2 * quarter))
-    scaled = np.array([_product(row, scale[: len(row)]) for row in cos_sin])
-    rows = np.array([num, den, den2 - den, num2, scaled - cos_sin0 * den])
-    return _Table.of(np.concatenate([rows[:, u] for u in range(c.shape[0])]))
-
-
-@lru_cache(maxsize=1024)
-def _inside(end: EndWaves) -> _Table:
-    """Return `_inside_table`; an end is looked up faster than a fraction."""
-    return _inside_table(end.p)
-
-
-@lru_cache(maxsize=64)
-def _inside_table(p: Fraction) -> _Table:
-    """Return the rows ω/q² - 1 and χ/q - 1.
-
-    q = 2 ∫ ds/√(1 - s²), χ = 2 ∫ ds/((1 - p s²) √(1 + (1 - p) s²)), ω = 4 s²/√(1 - p s²).
-    """
-    minus_half, minus_one = Fraction(-1, 2), Fraction(-1)
-    q_over_2s = _integral(binomial(-1, minus_half))
-    chi_over_2s = _integral(_product(binomial(-p, minus_one), binomial(1 - p, minus_half)))
-    one = binomial(0, minus_one)
-    omega = _quotient(_quotient(binomial(-p, minus_half), q_over_2s), q_over_2s) - one
-    return _Table.of(np.array([omega, _quotient(chi_over_2s, q_over_2s) - one])[:, :SERIES_TERMS])
-
-
-def _integral(series: NDArray[Any]) -> NDArray[Any]:
-    """Return (1/s) ∫ series ds."""
-    return np.array([c / (k + 1) for k, c in enumerate(series)], dtype=object)
-
-
-def _product(a: NDArray[Any], b: NDArray[Any]) -> NDArray[Any]:
-    product = np.full(len(a), Fraction(0), dtype=object)
-    for k in np.flatnonzero(a):
-        product[k:] += a[k] * b[: len(b) - k]
-    return product
-
-
-def _quotient(a: NDArray[Any], b: NDArray[Any]) -> NDArray[Any]:
-    """Return a/b for b that starts with 1."""
-    quotient = a.copy()
-    for k in range(1, len(a)):
-        quotient[k] -= (b[1 : k + 1] * quotient[:k][::-1]).sum()
-    return quotient
-
-
-def _parts(end: EndWaves, powers: Floats, u: Any) -> _Parts:
-    """Return what an end does to waves beyond what the beam's does, to full relative accuracy."""
-    rows = _end_table(end).at(powers)
-    total = rows[-5:]
-    for first in range(len(rows) - 10, -1, -5):
-        total = total * u + rows[first : first + 5]
-    num, den, den2, num2, cos_sin = total
-    length = np.hypot(num, den)
-    shorter = -num * num / (length * (length + den))  # den/length - 1
-    return _Parts(
-        np.arctan2(num, den),
-        (den2 + 1j * num2) / length + shorter,
-        cos_sin / length + end.beam.cos_sin * shorter,
-    )
 
 
 @dataclass(frozen=True, eq=False)
@@ -278,10 +158,10 @@ class _Difference:
 
     def excess(self, delta: Any) -> Any:
         """Return δ + Φ - Φ⁰ ∓ (arcsin X - arcsin X⁰)."""
-        powers = _powers(np.sin(0.5 * (self.beta + delta) / self.segments))
+        powers = enough_powers(np.sin(0.5 * (self.beta + delta) / self.segments))
         chains, u = self.chains, 1.0 / self.segments
-        left = _parts(chains.left, powers, u)
-        right = left if chains.right is chains.left else _parts(chains.right, powers, u)
+        left = parts(chains.left, powers, u)
+        right = left if chains.right is chains.left else parts(chains.right, powers, u)
         total = delta + left.turn + right.turn
         if not self.exchanging:
             return total
@@ -289,8 +169,8 @@ class _Difference:
         sign = 1.0 - 2.0 * ((self.mode + chains.lead) % 2.0)
         return total - sign * _arcsin_change(beam, change)
 
-    def _exchange(self, delta: Any, powers: Floats, left: _Parts, right: _Parts) -> tuple[Any, Any]:
-        """Return X⁰ and X - X⁰, X = E² Im(e^(iκ) z₊ z₊') + E (cs dg' + dg cs'), as `dispersion.exchange`."""
+    def _exchange(self, delta: Any, powers: Floats, left: Parts, right: Parts) -> tuple[Any, Any]:
+        """Return X⁰ and X - X⁰, X = E² Im(e^(iκ) z₊ z₊') + E (cs dg' + dg cs'), as `reflection.exchange`."""
         a, b = self.chains.left.beam, self.chains.right.beam
         # dg = 2 cs for the beam's ends, and for the chain's as scaled: cs dg' + dg cs' = 4 cs cs'.
         scale = 4.0 / (amplitude(a) * amplitude(b))
@@ -303,7 +183,7 @@ class _Difference:
         turned = turned + grown + turned * grown
         far_change = sin * turned.real + cos * turned.imag
         beam_fade = np.exp(-self.beta)
-        slower = _inside(self.chains.left).at(powers)[1]
+        slower = inside(self.chains.left).at(powers)[1]
         fade_change = beam_fade * np.expm1(-(delta + (self.beta + delta) * slower))
         fade = beam_fade + fade_change
         change = fade * fade * far_change + fade * near_change

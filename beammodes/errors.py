@@ -10,10 +10,12 @@ from numpy.typing import ArrayLike, NDArray
 
 from beammodes.checks import positive_real, shown, whole_number
 from beammodes.discretization import relative_error
-from beammodes.dispersion import MAX_MODE, MAX_SEGMENTS, whole_numbers
 from beammodes.ends import BOUNDARIES, Boundary, BoundaryLike, boundary_codes
 from beammodes.exact_beam import wavenumber
+from beammodes.grids import listed
+from beammodes.lookup import MAX_MODE, MAX_SEGMENTS
 from beammodes.rules import AnyRule, Layout, Rule, RuleMaker, layout_of
+from beammodes.wavenumbers import whole_numbers
 
 if TYPE_CHECKING:
     import xarray
@@ -96,8 +98,8 @@ def _errors_of_layout(boundary: Any, segments: Any, mode: Any, layout: Layout) -
     """
     codes, counts, modes = np.broadcast_arrays(
         boundary_codes(boundary),
-        whole_numbers("segments", segments, MAX_SEGMENTS),
-        whole_numbers("mode", mode, MAX_MODE),
+        whole_numbers("segments", segments, most=MAX_SEGMENTS),
+        whole_numbers("mode", mode, most=MAX_MODE),
     )
     found = np.full(codes.shape, np.nan)
     for code in np.unique(codes):
@@ -220,9 +222,9 @@ def error_dataset(
     >>> table.relative_error.sel(mode=1).squeeze().values.round(5)
     array([-0.14676, -0.03366, -0.01443])
     """
-    pairs = [Boundary.of(pair).canonical for pair in _listed(boundary, (str, Boundary, tuple))]
-    records = [layout_of(name) for name in _listed(rule, (str, Layout))]
-    counts = [whole_number("segments", n, most=MAX_SEGMENTS) for n in _listed(segments, (int, np.integer))]
+    pairs = [Boundary.of(pair).canonical for pair in listed("boundary", boundary, (str, Boundary, tuple))]
+    records = [layout_of(name) for name in listed("rule", rule, (str, Layout))]
+    counts = [whole_number("segments", n, most=MAX_SEGMENTS) for n in listed("segments", segments, (str,))]
     mode = np.arange(1, whole_number("modes", modes, most=MAX_MODES) + 1)
     # Lists, not tuples: a tuple of two would be one boundary.
     rows = np.array(pairs, dtype=object)[:, None, None]
@@ -297,14 +299,6 @@ def labelled_errors(
         },
         attrs={"source": f"beammodes {__version__}", "route": route},
     )
-
-
-def _listed(value: Any, single: tuple[type, ...]) -> list[Any]:
-    """Return `value` as a list; one that is an instance of `single` stands alone."""
-    items = [value] if isinstance(value, single) or not isinstance(value, Iterable) else list(value)
-    if not items:
-        raise ValueError("boundary, segments and rule must each name at least one value, got none")
-    return items
 
 
 def _segment_grid(modes: int) -> NDArray[np.int64]:

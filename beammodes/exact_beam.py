@@ -1,190 +1,30 @@
-"""Exact Euler-Bernoulli frequencies and mode shapes of the ten pairs of ends, the judge of all else.
-
-With β the wavenumber times L, every characteristic equation of the ten pairs is one equation,
-
-    β = (n + p) π + s (2/k) arctan e^(-kβ),
-
-whose last term is the whole departure from the asymptote: solving for that term alone cancels nothing and
-overflows nowhere.  It is cos β = ± sech β in half angles when both ends are "square" (clamped or free:
-k = 1), tan β = ± tanh β when one is (k = 2), and absent, s = 0, when none is.
-"""
+"""Exact Euler-Bernoulli modes for the ten pairs of ends, frequencies and shapes: the judge of all else."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import Any, NamedTuple, overload
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from beammodes.beam import Beam
 from beammodes.checks import shown, whole_number
-from beammodes.ends import BOUNDARIES, Boundary, BoundaryLike, End, boundary_codes
+from beammodes.ends import Boundary, BoundaryLike, boundary_codes
+from beammodes.wavenumbers import (
+    family_of,
+    is_square,
+    joined,
+    split_wavenumber,
+    wavenumber,
+    wavenumber_of_code,
+)
 
 __all__ = ["BeamModes", "euler_bernoulli", "wavenumber", "wavenumber_of_code"]
 
-_Floats = NDArray[np.float64]
-_Integers = NDArray[np.integer[Any]]
-_Boundaries = BoundaryLike | Iterable[BoundaryLike] | NDArray[Any]
-
-
-class _Family(NamedTuple):
-    """p, k, and s of the odd and the even modes, of the equation at the head of this module."""
-
-    shift: float
-    rate: int
-    odd: int
-    even: int
-
-
-def _is_square(end: End) -> bool:
-    """Say whether the exponentials of the shape have unit weight there (clamped or free)."""
-    return end.holds_deflection == end.holds_rotation
-
-
-def _family(pair: Boundary) -> _Family:
-    squares = _is_square(pair.left) + _is_square(pair.right)
-    if squares == 2:
-        return _Family(0.5 if pair.left == pair.right else -0.5, 1, 1, -1)
-    if squares == 1:
-        other = pair.right if _is_square(pair.left) else pair.left
-        return _Family(0.25, 2, -1, -1) if other.holds_deflection else _Family(-0.25, 2, 1, 1)
-    return _Family(0.0 if pair.left == pair.right else -0.5, 1, 0, 0)
-
-
-# The correction of mode 24 is below 1e-31: from there on it cannot be told from zero beside β > 70.
-_CORRECTED = 24
-# Below this mode number n * _PI_HEAD is exact in double precision.
-_LAST_MODE = 10**12
-# π in two parts: 201/64 has 8 bits, and sin(fl(π)) is what the double nearest π leaves out.
-_PI_HEAD = 201.0 / 64.0
-_PI_TAIL = (math.pi - _PI_HEAD) + math.sin(math.pi)
-_SHIFT: _Floats = np.array([_family(pair).shift for pair in BOUNDARIES])
-
-
-def _solve_corrections() -> _Floats:
-    """Return β - (n + p) π, shape (codes, _CORRECTED + 1), for n = 0 (unused) to _CORRECTED."""
-    mode = np.arange(_CORRECTED + 1)
-    families = [_family(pair) for pair in BOUNDARIES]
-    rate = np.array([[float(f.rate)] for f in families])
-    sign = np.array([np.where(mode % 2, f.odd, f.even) for f in families])
-    sign[:, 0] = 0
-    asymptote = (mode + _SHIFT[:, None]) * math.pi
-    correction = np.zeros_like(asymptote)
-    for _ in range(6):  # The slowest, clamped-free mode 1, starts 0.3 off and settles in 5.
-        decay = np.exp(-rate * (asymptote + correction))
-        excess = correction - sign * 2.0 / rate * np.arctan(decay)
-        correction -= excess / (1.0 + sign * 2.0 * decay / (1.0 + decay**2))
-    return correction
-
-
-_CORRECTION = _solve_corrections()
-
-
-def _half_waves(codes: _Integers, mode: _Integers) -> tuple[_Floats, _Floats]:
-    """Return q and δ of β = q π + δ; q is exact, so that phases can be reduced without loss."""
-    try:
-        return _SHIFT[codes] + mode, _CORRECTION[codes, np.minimum(mode, _CORRECTED)]
-    except ValueError:
-        raise ValueError(
-            f"boundary and mode must broadcast together, got shapes {codes.shape} and {mode.shape}"
-        ) from None
-
-
-def _joined(half_waves: _Floats, correction: _Floats) -> _Floats:
-    return half_waves * _PI_HEAD + (half_waves * _PI_TAIL + correction)
-
-
-def _integers(name: str, value: ArrayLike, least: int, most: int) -> _Integers:
-    """Return `value` as int64, refusing what is not whole numbers in `least..most`."""
-    try:
-        array = np.asarray(value)
-    except ValueError:
-        raise TypeError(f"{name} must be whole numbers in one regular array, got {shown(value)}") from None
-    if array.ndim == 0:
-        return np.asarray(whole_number(name, array.item(), least=least, most=most))
-    if array.dtype.kind not in "iu":
-        # NumPy turns a list with an integer above 2⁶³ into floats; as objects, items keep their types.
-        objects = np.asarray(value, dtype=object).ravel()
-        items = [whole_number(name, item, least=least, most=most) for item in objects]
-        return np.array(items, dtype=np.int64).reshape(array.shape)
-    outside = (array < least) | (array > most)
-    if outside.any():
-        whole_number(name, int(array[outside][0]), least=least, most=most)
-    return array.astype(np.int64, copy=False)
-
-
-@overload
-def wavenumber(boundary: str | Boundary, mode: int) -> float: ...
-@overload
-def wavenumber(boundary: _Boundaries, mode: ArrayLike) -> float | _Floats: ...
-def wavenumber(boundary: _Boundaries, mode: ArrayLike) -> float | _Floats:
-    """Return β = (wavenumber) L, the dimensionless root of an elastic mode.
-
-    cos β cosh β = 1 (clamped-clamped, free-free), cos β cosh β = -1 (clamped-free), tan β = tanh β
-    (clamped-pinned, pinned-free), tan β = -tanh β (clamped-guided, guided-free), sin β = 0
-    (pinned-pinned, guided-guided), cos β = 0 (pinned-guided); the angular frequency is β² √(EI/(ρA L⁴)).
-    Every root is within one unit in the last place, for modes 1 to 10¹².
-
-    Parameters
-    ----------
-    boundary : boundary, or array or list of boundaries
-        As `ends.boundary_codes` reads them; either order of the two ends.
-    mode : int or array of int
-        Elastic modes, from 1: rigid-body modes are not counted.  Broadcasts with `boundary`.
-
-    Returns
-    -------
-    float, or array of the broadcast shape [-]
-
-    Raises
-    ------
-    TypeError, ValueError
-        If `boundary` cannot be read, `mode` is not whole numbers in 1..10¹², or shapes do not match.
-
-    Source
-    ------
-    Equations: Rayleigh, The Theory of Sound, vol. 1, chapter VIII; Blevins, Formulas for Natural
-    Frequency and Mode Shape (1979), table 8-1.  Roots are solved, never copied.
-
-    Examples
-    --------
-    >>> round(wavenumber("clamped-free", 1), 9)
-    1.875104069
-    >>> wavenumber([["pinned-pinned"], ["free-free"]], [1, 2]).round(4)
-    array([[3.1416, 6.2832],
-           [4.73  , 7.8532]])
-    """
-    return wavenumber_of_code(boundary_codes(boundary), mode)
-
-
-def wavenumber_of_code(codes: ArrayLike, mode: ArrayLike) -> float | _Floats:
-    """Return `wavenumber` for indices into `ends.BOUNDARIES`: the fast path, which reads no names.
-
-    β = (n + p) π + s (2/k) arctan e^(-kβ), p, k and s being those of the pair of ends.
-
-    Parameters
-    ----------
-    codes : int or array of int
-        Indices into `ends.BOUNDARIES`, 0 to 9.
-    mode : int or array of int
-        Elastic modes, 1 to 10¹².  Broadcasts with `codes`.
-
-    Raises
-    ------
-    TypeError, ValueError
-        If either is not whole numbers in its range, or their shapes do not match.
-
-    Examples
-    --------
-    >>> wavenumber_of_code(3, 1) == wavenumber("free-clamped", 1)
-    True
-    """
-    pairs = _integers("codes", codes, 0, len(BOUNDARIES) - 1)
-    roots = _joined(*_half_waves(pairs, _integers("mode", mode, 1, _LAST_MODE)))
-    return float(roots) if roots.ndim == 0 else roots
+Floats = NDArray[np.float64]
+Integers = NDArray[np.integer[Any]]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -214,15 +54,15 @@ class BeamModes:
 
     beam: Beam
     boundary: Boundary
-    wavenumber: _Floats
+    wavenumber: Floats
 
     @property
-    def angular_frequency(self) -> _Floats:
+    def angular_frequency(self) -> Floats:
         """ω = β² √(EI / (ρA L⁴)), shape (modes,) [rad/s]."""
         return self.wavenumber**2 * self.beam.frequency_unit
 
     @property
-    def frequency(self) -> _Floats:
+    def frequency(self) -> Floats:
         """ω / 2π, shape (modes,) [Hz]."""
         return self.angular_frequency / (2.0 * math.pi)
 
@@ -231,7 +71,7 @@ class BeamModes:
         """How many modes of zero frequency come before the elastic ones: 0, 1 or 2."""
         return self.boundary.rigid_body_modes
 
-    def shape(self, x: ArrayLike, derivative: int = 0) -> _Floats:
+    def shape(self, x: ArrayLike, derivative: int = 0) -> Floats:
         """Return the mode shapes φ, or a derivative dᵏφ/dxᵏ of them.
 
         φ = (a cos βξ + b sin βξ + c e^(-βξ) + d e^(-β(1-ξ))) / √(ρA L),  ξ = x/L
@@ -270,7 +110,7 @@ class BeamModes:
         scale /= math.sqrt(self.beam.mass_per_length) * math.sqrt(self.beam.length)
         return (scale * shapes).reshape(len(self.wavenumber), *position.shape)
 
-    def slope(self, x: ArrayLike) -> _Floats:
+    def slope(self, x: ArrayLike) -> Floats:
         """Return dφ/dx, shape (modes, *x.shape) [kg^(-1/2) m^(-1)]: `shape(x, derivative=1)`.
 
         Examples
@@ -310,12 +150,12 @@ def euler_bernoulli(beam: Beam, boundary: BoundaryLike, modes: int) -> BeamModes
         raise TypeError(f"beam must be a Beam, got {shown(beam)}")
     pair = Boundary.of(boundary)
     count = whole_number("modes", modes, most=10**6)
-    roots = _joined(*_half_waves(boundary_codes(pair), np.arange(1, count + 1)))
+    roots = joined(*split_wavenumber(boundary_codes(pair), np.arange(1, count + 1)))
     roots.flags.writeable = False
     return BeamModes(beam, pair, roots)
 
 
-def _positions(x: ArrayLike, length: float) -> _Floats:
+def _positions(x: ArrayLike, length: float) -> Floats:
     try:
         array = np.asarray(x)
     except ValueError:
@@ -329,7 +169,7 @@ def _positions(x: ArrayLike, length: float) -> _Floats:
     return position
 
 
-def _coefficients(pair: Boundary, mode: _Integers, beta: _Floats) -> tuple[_Floats, ...]:
+def _coefficients(pair: Boundary, mode: Integers, beta: Floats) -> tuple[Floats, ...]:
     """Return a, b, c, d of ∫ φ² dξ = 1, with a clamped or free end, if there is one, at ξ = 0.
 
     The conditions at ξ = 0 give a and b from c and d.  The ratio d/c is a symmetry: a pair of square ends
@@ -337,25 +177,23 @@ def _coefficients(pair: Boundary, mode: _Integers, beta: _Floats) -> tuple[_Floa
     as long.  For all ten pairs 4 ∫ φ² dξ = φ² + φ''²/β⁴ - 2 φ' φ'''/β⁴ at either end (Rayleigh, The
     Theory of Sound, vol. 1, chapter VIII), here (2a)²: so the unit integral is just |a| = 1.
     """
-    family, none = _family(pair), np.zeros_like(beta)
+    family, none = family_of(pair), np.zeros_like(beta)
     if family.odd == 0:
         wave = np.full_like(beta, math.sqrt(2.0))
         return (none, wave, none, none) if pair.left.holds_deflection else (wave, none, none, none)
     sign = np.where(mode % 2, family.odd, family.even)
     across = sign * np.exp(-family.rate * beta)
     ratio = sign * np.exp(-(family.rate - 1) * beta)
-    first = pair.left if _is_square(pair.left) else pair.right
+    first = pair.left if is_square(pair.left) else pair.right
     side = -1.0 if first.holds_deflection else 1.0
     return side + none, -side * (1.0 - across) / (1.0 + across), 1.0 / (1.0 + across), ratio / (1.0 + across)
 
 
-def _unit_shapes(
-    pair: Boundary, beta: _Floats, from_left: _Floats, from_right: _Floats, order: int
-) -> _Floats:
+def _unit_shapes(pair: Boundary, beta: Floats, from_left: Floats, from_right: Floats, order: int) -> Floats:
     """Return β^(-order) dφ/dξ... of ∫ φ² dξ = 1, shape (modes, positions), its sign not yet chosen."""
     mode = np.arange(1, len(beta) + 1)
-    half_waves, correction = _half_waves(boundary_codes(pair), mode)
-    mirrored = _is_square(pair.right) and not _is_square(pair.left)
+    half_waves, correction = split_wavenumber(boundary_codes(pair), mode)
+    mirrored = is_square(pair.right) and not is_square(pair.left)
     near, far = (from_right, from_left) if mirrored else (from_left, from_right)
     a, b, c, d = (column[:, None] for column in _coefficients(pair, mode, beta))
     for _ in range(order):

@@ -13,14 +13,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from beammodes.chain import Chain
+from beammodes.chain import MAX_PIECES, Chain
 from beammodes.checks import shown, whole_number
 from beammodes.ends import BoundaryLike
 from beammodes.exact_beam import euler_bernoulli
+from beammodes.grids import ChainGrid
 from beammodes.linear import linearize
 from beammodes.modes import solve_modes
-from beammodes.rules import RuleLike
-from beammodes.statics import ChainGrid
+from beammodes.rules import AnyRule
 
 if TYPE_CHECKING:
     import xarray
@@ -29,6 +29,11 @@ __all__ = ["modal_assurance", "shape_dataset"]
 
 #: A table of more modes than this would be a mistake.
 MAX_MODES = 10_000
+
+_LABELS = {
+    "assurance_deficit": "1 less the modal assurance of the chain's and the beam's mode",
+    "largest_deviation": "largest deviation of the chain's mode over the beam's largest deflection",
+}
 
 Array = NDArray[np.float64]
 
@@ -82,7 +87,7 @@ def shape_dataset(
     boundary: BoundaryLike | Iterable[BoundaryLike],
     segments: int | Iterable[int],
     modes: int,
-    rule: RuleLike | Iterable[RuleLike] = "mitiguy",
+    rule: AnyRule | Iterable[AnyRule] = "mitiguy",
 ) -> xarray.Dataset:
     """Return how far chains' mode shapes u are from the beam's φ, as one labelled table.
 
@@ -123,21 +128,17 @@ def shape_dataset(
 
     from beammodes import __version__
 
-    grid = ChainGrid.of(boundary, segments, rule)
+    grid = ChainGrid.of(boundary, segments, rule, MAX_PIECES)
     count = whole_number("modes", modes, most=MAX_MODES)
     values = np.full((2, *grid.shape, count), np.nan)
     for index, chain in grid.chains():
         found = _deviations(chain, count)
         values[:, *index, : found.shape[1]] = found
     dims = ("rule", "boundary", "segments", "mode")
-    labels = {
-        "assurance_deficit": "1 less the modal assurance of the chain's and the beam's mode",
-        "largest_deviation": "largest deviation of the chain's mode over the beam's largest deflection",
-    }
     return xarray.Dataset(
         {
             name: (dims, block, {"long_name": label, "units": "1"})
-            for (name, label), block in zip(labels.items(), values, strict=True)
+            for (name, label), block in zip(_LABELS.items(), values, strict=True)
         },
         coords={
             **grid.coordinates(),

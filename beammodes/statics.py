@@ -15,86 +15,18 @@ determined by equilibrium these conditions make the stored energy Σ f_j M_j² /
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Sequence
 from fractions import Fraction
 from itertools import accumulate
-from typing import TYPE_CHECKING, Any, NamedTuple
-
-import numpy as np
+from typing import Any
 
 from beammodes.beam import Beam
-from beammodes.chain import MAX_PIECES, Chain, Number, Units
-from beammodes.checks import choice, shown, whole_number
-from beammodes.ends import BOUNDARIES, Boundary, BoundaryLike
-from beammodes.rules import Rule, RuleLike, rule_named
+from beammodes.chain import Chain, Number, Units
+from beammodes.checks import choice, shown
+from beammodes.ends import Boundary, BoundaryLike
+from beammodes.loads import LOADS, Loads, Response, Statics, at_tip, unit_loads, without_rigid_motion
 
-if TYPE_CHECKING:
-    import xarray
-
-__all__ = ["LOADS", "Response", "Statics", "beam_statics", "chain_statics", "static_dataset"]
-
-_Loads = tuple[Fraction, Fraction, Fraction]
-_QUANTITIES = ("tip_deflection", "tip_rotation", "midspan_deflection")
-# The power of a length in the rotation that a load causes; deflections have one more.
-_LENGTHS = {"tip_force": 1, "tip_moment": 0, "uniform_load": 2}
-
-#: The loads: a force or a moment at the tip, or a load spread evenly over the whole length.
-LOADS: tuple[str, ...] = tuple(_LENGTHS)
-
-
-class Response(NamedTuple):
-    """Deflection and rotation at the tip, NaN where the tip is held, and deflection at midspan."""
-
-    deflection: Number
-    rotation: Number
-    midspan_deflection: Number
-
-
-@dataclass(frozen=True, slots=True)
-class Statics:
-    """Response to a load of unit size, 1 N, 1 N m or 1 N/m; `beam_statics` and `chain_statics` make it.
-
-    Parameters
-    ----------
-    load : str
-        One of `LOADS`.
-    units : Units
-        What one stands for in `own`: L and EI/L of a beam, the chain's own units of a chain.
-    own : Response
-        The response in these units, in which a beam and a chain made by a rule are exact fractions.
-
-    Examples
-    --------
-    >>> beam = Beam(length=2.0, bending_stiffness=80.0, mass_per_length=1.0)
-    >>> sag = beam_statics(beam, "clamped-free", "tip_force")
-    >>> sag.own.deflection, sag.deflection                          # F L³ / (3 EI)
-    (Fraction(1, 3), 0.03333333333333333)
-    """
-
-    load: str
-    units: Units
-    own: Response
-
-    @property
-    def deflection(self) -> float:
-        """Deflection of the tip [m]; NaN where the tip's deflection is held."""
-        return self._physical(self.own.deflection, 1)
-
-    @property
-    def rotation(self) -> float:
-        """Rotation of the tip [rad]; NaN where the tip's rotation is held."""
-        return self._physical(self.own.rotation, 0)
-
-    @property
-    def midspan_deflection(self) -> float:
-        """Deflection half way between the ends [m]."""
-        return self._physical(self.own.midspan_deflection, 1)
-
-    def _physical(self, value: Number, lengths: int) -> float:
-        # A product leaves the range of doubles as inf, where a power would raise an unhelpful error.
-        scale = math.prod([self.units.length] * (_LENGTHS[self.load] + lengths))
-        return float(value) * scale / self.units.stiffness
+__all__ = ["LOADS", "Response", "Statics", "beam_statics", "chain_statics"]
 
 
 def beam_statics(beam: Beam, boundary: BoundaryLike, load: str) -> Statics:
@@ -126,7 +58,7 @@ def beam_statics(beam: Beam, boundary: BoundaryLike, load: str) -> Statics:
     """
     if not isinstance(beam, Beam):
         raise TypeError(f"beam must be a Beam, got {shown(beam)}")
-    pair, name = _without_rigid_motion(Boundary.of(boundary)), choice("load", load, LOADS)
+    pair, name = without_rigid_motion(Boundary.of(boundary)), choice("load", load, LOADS)
     units = Units(beam.length, beam.mass_per_length * beam.length, beam.bending_stiffness / beam.length)
     return Statics(name, units, _beam_response(pair.canonical, name))
 
@@ -162,151 +94,14 @@ def chain_statics(chain: Chain, load: str) -> Statics:
     """
     if not isinstance(chain, Chain):
         raise TypeError(f"chain must be a Chain, got {shown(chain)}")
-    _without_rigid_motion(chain.boundary)
+    without_rigid_motion(chain.boundary)
     name = choice("load", load, LOADS)
     return Statics(name, chain.units, _chain_response(chain, name))
 
 
-class ChainGrid(NamedTuple):
-    """Rules, pairs of ends and segment counts: the first three dimensions of a dataset."""
-
-    rules: list[Rule]
-    boundaries: list[Boundary]
-    segments: list[int]
-
-    @classmethod
-    def of(cls, boundary: Any, segments: Any, rule: Any) -> ChainGrid:
-        """Return the grid of one or an iterable of each; raises TypeError or ValueError naming it."""
-        return cls(
-            [rule_named(name) for name in _listed("rule", rule, (str, Rule))],
-            [Boundary.of(pair).canonical for pair in _listed("boundary", boundary, (str, Boundary, tuple))],
-            [whole_number("segments", n, most=MAX_PIECES) for n in _listed("segments", segments, (str,))],
-        )
-
-    @property
-    def shape(self) -> tuple[int, int, int]:
-        """How many of each."""
-        return len(self.rules), len(self.boundaries), len(self.segments)
-
-    def coordinates(self) -> dict[str, Any]:
-        """Return the three coordinates as xarray takes them."""
-        return {
-            "rule": [record.name for record in self.rules],
-            "boundary": [pair.name for pair in self.boundaries],
-            "segments": ("segments", self.segments, {"long_name": "number of rigid segments", "units": "1"}),
-        }
-
-    def chains(self) -> Iterator[tuple[tuple[int, int, int], Chain]]:
-        """Yield indices and chains of the unit beam, leaving out those whose springs are not positive."""
-        for i, j, k in np.ndindex(self.shape):
-            record, pair, count = self.rules[i], self.boundaries[j], self.segments[k]
-            if all(weight > 0 for weight in record.hinge_weights(pair, count)):
-                yield (i, j, k), Chain(Beam.unit(), pair, count, record)
-
-
-def static_dataset(
-    *,
-    boundary: BoundaryLike | Iterable[BoundaryLike],
-    segments: int | Iterable[int],
-    rule: RuleLike | Iterable[RuleLike] = "mitiguy",
-) -> xarray.Dataset:
-    """Return static errors of chains as one labelled table; they need no beam, its numbers scale out.
-
-    e = y_chain / y_beam - 1
-
-    Parameters
-    ----------
-    boundary : boundary, or iterable of boundaries
-        Without rigid-body motion.
-    segments : int, or iterable of int
-    rule : rule, or iterable of rules
-
-    Returns
-    -------
-    xarray.Dataset
-        Dimensions rule, boundary, segments, load; variables tip_deflection_error, tip_rotation_error and
-        midspan_deflection_error, signed and relative; NaN where the tip is held, where the load moves no
-        beam, and where a rule gives no positive springs.
-
-    Raises
-    ------
-    TypeError, ValueError
-        If an argument is not of its kind or outside its range.
-
-    Examples
-    --------
-    >>> table = static_dataset(boundary="clamped-free", segments=[4, 10], rule=["mitiguy", "naive"])
-    >>> table.tip_deflection_error.sel(load="tip_force").squeeze().values
-    array([[0.     , 0.     ],
-           [0.40625, 0.155  ]])
-    """
-    import xarray
-
-    from beammodes import __version__
-
-    grid = ChainGrid.of(boundary, segments, rule)
-    for pair in grid.boundaries:
-        _without_rigid_motion(pair)
-    errors = np.full((3, *grid.shape, len(LOADS)), np.nan)
-    for index, chain in grid.chains():
-        errors[:, *index, :] = np.transpose([_relative_error(chain, load) for load in LOADS])
-    dims = ("rule", "boundary", "segments", "load")
-    labels = {name: f"relative error of the chain's static {name.replace('_', ' ')}" for name in _QUANTITIES}
-    return xarray.Dataset(
-        {
-            f"{name}_error": (dims, error, {"long_name": label, "units": "1"})
-            for (name, label), error in zip(labels.items(), errors, strict=True)
-        },
-        coords={**grid.coordinates(), "load": list(LOADS)},
-        attrs={"source": f"beammodes {__version__}", "route": "equilibrium in exact fractions"},
-    )
-
-
-def _relative_error(chain: Chain, load: str) -> list[float]:
-    """Return the error of each of `_QUANTITIES`, rounded once from its exact value."""
-    assert chain.segments is not None  # A rule made it.
-    scale = Fraction(chain.segments) ** (_LENGTHS[load] + 1)
-    exact = _beam_response(chain.boundary.canonical, load)
-    factors = (scale * chain.segments, scale, scale * chain.segments)
-    return [
-        float(ours / (theirs * factor) - 1) if theirs else math.nan
-        for ours, theirs, factor in zip(_chain_response(chain, load), exact, factors, strict=True)
-    ]
-
-
-def _listed(name: str, value: Any, single: tuple[type, ...]) -> list[Any]:
-    """Return `value` as a list; one that is an instance of `single` stands alone."""
-    items = [value] if isinstance(value, single) or not isinstance(value, Iterable) else list(value)
-    if not items:
-        raise ValueError(f"{name} must name at least one value, got none")
-    return items
-
-
-def _without_rigid_motion(boundary: Boundary) -> Boundary:
-    if boundary.rigid_body_modes:
-        firm = ", ".join(pair.name for pair in BOUNDARIES if not pair.rigid_body_modes)
-        raise ValueError(f"boundary must hold the beam still ({firm}), got {shown(boundary.name)}")
-    return boundary
-
-
-def _unit_loads(load: str) -> _Loads:
-    """Return tip force, tip moment and load per length."""
-    force, moment, spread = (Fraction(name == load) for name in LOADS)
-    return force, moment, spread
-
-
-def _at_tip(boundary: Boundary, deflection: Number, rotation: Number, midspan: Number) -> Response:
-    tip = boundary.right
-    return Response(
-        math.nan if tip.holds_deflection else deflection,
-        math.nan if tip.holds_rotation else rotation,
-        midspan,
-    )
-
-
 def _beam_response(boundary: Boundary, load: str) -> Response:
     """Return the response for L = EI = 1, the firmer end at 0."""
-    force, moment, spread = _unit_loads(load)
+    force, moment, spread = unit_loads(load)
     curve = [Fraction(0)] * 4 + [spread / 24]
     rows, rest = [], []
     for x, end, shear, couple in ((0, boundary.left, 0, 0), (1, boundary.right, -force, moment)):
@@ -317,7 +112,7 @@ def _beam_response(boundary: Boundary, load: str) -> Response:
             rest.append(value - _polynomial(curve, order, Fraction(x)))
     curve[:4] = _solved(rows, rest)
     values = (_polynomial(curve, order, Fraction(x, 2)) for order, x in ((0, 2), (1, 2), (0, 1)))
-    return _at_tip(boundary, *values)
+    return at_tip(boundary, *values)
 
 
 def _power(exponent: int, order: int, x: Fraction) -> Fraction:
@@ -333,13 +128,13 @@ def _chain_response(chain: Chain, load: str) -> Response:
     """Return the response in the chain's own units, its firmer end at 0."""
     pair = chain.boundary.canonical
     if not chain.elastic_modes:  # Held rigidly: nothing moves, and reactions may have no definite value.
-        return _at_tip(pair, Fraction(0), Fraction(0), Fraction(0))
+        return at_tip(pair, Fraction(0), Fraction(0), Fraction(0))
     step = 1 if pair == chain.boundary else -1
     position = list(accumulate(chain.piece_length[::step], initial=Fraction(0)))
     length, hinges = position[-1], position[1:-1]
     flexibility = [1 / stiffness for stiffness in chain.hinge_stiffness[::step]]
     arms = [length - x for x in hinges]
-    loads = _unit_loads(load)
+    loads = unit_loads(load)
     root_angle, force, moment = _reactions(pair, length, arms, flexibility, loads)
     moments = [_moment(loads, arm) + force * arm + moment for arm in arms]
     turns = [f * m for f, m in zip(flexibility, moments, strict=True)]
@@ -349,10 +144,10 @@ def _chain_response(chain: Chain, load: str) -> Response:
             (turn * (x - at) for turn, at in zip(turns, hinges, strict=True) if at < x), Fraction(0)
         )
 
-    return _at_tip(pair, deflection(length), root_angle + sum(turns, Fraction(0)), deflection(length / 2))
+    return at_tip(pair, deflection(length), root_angle + sum(turns, Fraction(0)), deflection(length / 2))
 
 
-def _moment(loads: _Loads, arm: Number) -> Any:
+def _moment(loads: Loads, arm: Number) -> Any:
     """Return the moment of the load beyond a hinge about it, `arm` from the tip.
 
     A rigid piece feels a spread load as half of its share at either end; about any hinge that is arm²/2.
@@ -362,7 +157,7 @@ def _moment(loads: _Loads, arm: Number) -> Any:
 
 
 def _reactions(
-    pair: Boundary, length: Number, arms: Sequence[Number], flexibility: Sequence[Number], loads: _Loads
+    pair: Boundary, length: Number, arms: Sequence[Number], flexibility: Sequence[Number], loads: Loads
 ) -> list[Any]:
     """Return θ₀ and the tip's reactions R and S from one condition each."""
 

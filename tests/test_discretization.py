@@ -11,9 +11,10 @@ import mpmath as mp
 import numpy as np
 import pytest
 
-from beammodes.discretization import MAX_SEGMENTS, relative_error
+from beammodes.discretization import relative_error
 from beammodes.dispersion import chain_frequency
 from beammodes.ends import BOUNDARIES, Boundary, End
+from beammodes.lookup import MAX_SEGMENTS
 from beammodes.rules import RULES, Rule, Weight
 
 HALF = Fraction(1, 2)

@@ -13,10 +13,12 @@ from beammodes.beam import Beam
 from beammodes.chain import Chain
 from beammodes.ends import BOUNDARIES
 from beammodes.exact_beam import euler_bernoulli
+from beammodes.inverse import matched
 from beammodes.linear import linearize
 from beammodes.modes import solve_modes
 from beammodes.rules import RULES
 from beammodes.shapes import modal_assurance, shape_dataset
+from beammodes.tuning import mode_tuned
 
 UNIT = Beam.unit()
 EVERY_RULE = pytest.mark.parametrize("rule", RULES)
@@ -145,6 +147,15 @@ def test_every_length_ends_inside_the_beam() -> None:
     # Sums of 1/N pass 1 by a rounding for some N.
     table = shape_dataset(boundary="clamped-free", segments=range(1, 80), modes=1, rule="double_wall")
     assert np.isfinite(table.largest_deviation.values).all()
+
+
+def test_dataset_takes_tuned_and_matched_records() -> None:
+    rules = [mode_tuned(1), matched(2)]
+    table = shape_dataset(boundary="clamped-free", segments=[1, 6], modes=2, rule=rules)
+    assert table.rule.values.tolist() == ["mode_tuned(1)", "matched(2)"]
+    deficit = table.assurance_deficit.squeeze()
+    assert np.isnan(deficit.sel(rule="matched(2)", segments=1)).all()  # one mode only
+    assert 0 < deficit.sel(segments=6).max() < 0.01
 
 
 def test_dataset_is_labelled() -> None:

@@ -14,9 +14,12 @@ import sympy
 from beammodes.beam import Beam
 from beammodes.chain import Chain
 from beammodes.ends import BOUNDARIES, ENDS
+from beammodes.inverse import match_springs, matched
 from beammodes.linear import nodal_deflections, nodal_matrices
 from beammodes.rules import RULES, Rule, Weight
-from beammodes.statics import LOADS, Response, Statics, beam_statics, chain_statics, static_dataset
+from beammodes.static_errors import static_dataset
+from beammodes.statics import LOADS, Response, Statics, beam_statics, chain_statics
+from beammodes.tuning import mode_tuned
 
 UNIT = Beam.unit()
 STEEL = Beam(length=1.2, bending_stiffness=85.0, mass_per_length=0.62)
@@ -290,7 +293,7 @@ def test_uneven_pieces_in_fractions_and_floats(boundary: str) -> None:
 
 def test_dataset_is_labelled() -> None:
     table = static_dataset(boundary=FIRM, segments=range(1, 5), rule=list(RULES))
-    assert dict(table.sizes) == {"rule": len(RULES), "boundary": len(FIRM), "segments": 4, "load": 3}
+    assert dict(table.sizes) == {"rule": len(RULES), "boundary": len(FIRM), "segments": 4, "static_load": 3}
     assert list(table.data_vars) == [
         "tip_deflection_error",
         "tip_rotation_error",
@@ -301,9 +304,9 @@ def test_dataset_is_labelled() -> None:
         array.attrs["units"] == "1" and "relative error" in array.long_name
         for array in table.data_vars.values()
     )
-    assert table["load"].values.tolist() == list(LOADS)
+    assert table["static_load"].values.tolist() == list(LOADS)
     for rule, segments, load in itertools.product(RULES, range(1, 5), LOADS):
-        point = table.sel(rule=rule, boundary="clamped-free", segments=segments, load=load)
+        point = table.sel(rule=rule, boundary="clamped-free", segments=segments, static_load=load)
         for name, quantity in (("tip_deflection", "deflection"), ("tip_rotation", "rotation")):
             expected = float(error("clamped-free", segments, rule, load, quantity))
             assert point[f"{name}_error"].item() == expected
@@ -315,7 +318,7 @@ def test_dataset_is_missing_only_where_there_is_nothing_to_compare() -> None:
         exact = beam_statics(UNIT, boundary, load).own
         for array, value in zip(table.data_vars.values(), exact, strict=True):
             defined = value == value and value != 0
-            found = array.sel(boundary=boundary, load=load).values
+            found = array.sel(boundary=boundary, static_load=load).values
             assert np.isfinite(found).all() if defined else np.isnan(found).all()
 
 
@@ -324,7 +327,7 @@ def test_dataset_is_missing_only_where_there_is_nothing_to_compare() -> None:
 )
 def test_a_chain_that_cannot_move_is_a_hundred_percent_wrong(boundary: str, rule: str) -> None:
     table = static_dataset(boundary=boundary, segments=1, rule=rule)
-    assert table.midspan_deflection_error.sel(load="uniform_load").item() == -1.0
+    assert table.midspan_deflection_error.sel(static_load="uniform_load").item() == -1.0
 
 
 def test_dataset_takes_one_or_several_of_each() -> None:
@@ -340,8 +343,22 @@ def test_dataset_takes_one_or_several_of_each() -> None:
 def test_a_rule_without_positive_springs_gives_nothing() -> None:
     rule = Rule("made", "", "", "", (Weight(Fraction(1), Fraction(-2)),), (), RULES["naive"].order)
     table = static_dataset(boundary="clamped-free", segments=[1, 2, 3], rule=rule)
-    found = table.tip_deflection_error.sel(load="tip_force").values.ravel()
+    found = table.tip_deflection_error.sel(static_load="tip_force").values.ravel()
     assert np.isnan(found).tolist() == [True, True, False]
+
+
+def test_dataset_takes_tuned_and_matched_records() -> None:
+    rules = ["double_wall", mode_tuned(1), matched(2)]
+    table = static_dataset(boundary=["clamped-free", "pinned-guided"], segments=[1, 4], rule=rules)
+    assert table.rule.values.tolist() == ["double_wall", "mode_tuned(1)", "matched(2)"]
+    tip = table.tip_deflection_error.sel(static_load="tip_force")
+    assert np.isnan(tip.sel(rule="matched(2)", segments=1)).all()  # one mode only
+    found = tip.sel(rule="matched(2)", boundary="clamped-free", segments=4).item()
+    expected = match_springs("clamped-free", 4, 2).static_tip_deflection_error
+    assert found == pytest.approx(expected, abs=1e-12)
+    # Without a clamped end there is nothing to tune.
+    plain, tuned = (tip.sel(rule=name, boundary="pinned-guided") for name in ("double_wall", "mode_tuned(1)"))
+    assert plain.values.tolist() == tuned.values.tolist()
 
 
 @pytest.mark.parametrize("boundary", LOOSE)

@@ -16,21 +16,15 @@ from beammodes.beam import Beam
 from beammodes.chain import Chain
 from beammodes.ends import BOUNDARIES, Boundary
 from beammodes.exact_beam import euler_bernoulli, wavenumber
+from beammodes.inverse import Matched, match_springs, matched
 from beammodes.linear import linearize, nodal_matrices
-from beammodes.matching import Conditions, spring_state, symmetric_basis
+from beammodes.matched_springs import MatchedSprings, NoPositiveSprings
 from beammodes.modes import solve_modes
 from beammodes.rules import RULES
 from beammodes.spectrum import flexibility_form
+from beammodes.spring_conditions import Conditions, spring_state, symmetric_basis
 from beammodes.stability import highest_angular_frequency, stable_time_step
-from beammodes.tuning import (
-    Matched,
-    MatchedSprings,
-    ModeTuned,
-    NoPositiveSprings,
-    match_springs,
-    matched,
-    mode_tuned,
-)
+from beammodes.tuning import ModeTuned, mode_tuned
 
 Judge = Callable[[Chain], list[mpmath.mpf]]
 

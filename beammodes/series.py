@@ -1,0 +1,125 @@
+"""Power series in s = sin(q/2): exact rational coefficients, and their sums in floats."""
+
+from __future__ import annotations
+
+import math
+from fractions import Fraction
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = [
+    "SERIES_TERMS",
+    "Table",
+    "binomial",
+    "enough_powers",
+    "in_powers_of_s",
+    "integral",
+    "powers_of",
+    "product",
+    "quotient",
+]
+
+Floats = NDArray[np.float64]
+
+#: Terms of a series in s. All of them converge for s < 1; at q = 0.8, s = 0.39, the last is below 1e-20.
+SERIES_TERMS = 52
+# Exact series carry a few more, of which leading zeros are divided out.
+_LENGTH = SERIES_TERMS + 8
+
+
+def binomial(slope: Fraction | int, exponent: Fraction) -> NDArray[Any]:
+    """Return (1 + slope s²) ** exponent as a series in s, exact.
+
+    Examples
+    --------
+    >>> [str(value) for value in binomial(-1, Fraction(1, 2))[:5]]               # √(1 - s²)
+    ['1', '0', '-1/2', '0', '-1/8']
+    """
+    series = np.full(_LENGTH, Fraction(0), dtype=object)
+    term = Fraction(1)
+    for k in range(_LENGTH // 2):
+        series[2 * k] = term
+        term *= (exponent - k) / (k + 1) * slope
+    return series
+
+
+def product(table: NDArray[Any], series: NDArray[Any]) -> NDArray[Any]:
+    """Multiply series in s along the last axis; `table` is the one that is no longer than the other.
+
+    Examples
+    --------
+    >>> product(np.array([[1, 1, 0], [0, 2, 0]]), np.array([1, -1, 5, 7])).astype(int)
+    array([[ 1,  0,  4],
+           [ 0,  2, -2]])
+    """
+    terms = table.shape[-1]
+    result = np.full(table.shape, Fraction(0), dtype=object)
+    for k in np.flatnonzero(table.reshape(-1, terms).any(axis=0)):
+        result[..., k:] += table[..., k : k + 1] * series[: terms - k]
+    return result
+
+
+def quotient(a: NDArray[Any], b: NDArray[Any]) -> NDArray[Any]:
+    """Return a/b for b that starts with 1.
+
+    Examples
+    --------
+    >>> quotient(np.array([1, 0, 0, 0]), np.array([1, -1, 0, 0]))                # 1/(1 - s)
+    array([1, 1, 1, 1])
+    """
+    result = a.copy()
+    for k in range(1, len(a)):
+        result[k] -= (b[1 : k + 1] * result[:k][::-1]).sum()
+    return result
+
+
+def integral(series: NDArray[Any]) -> NDArray[Any]:
+    """Return (1/s) ∫ series ds."""
+    return np.array([c / (k + 1) for k, c in enumerate(series)], dtype=object)
+
+
+def in_powers_of_s(table: NDArray[Any]) -> NDArray[Any]:
+    """Spread polynomials in x over even powers of s."""
+    spread = np.full((*table.shape[:-1], _LENGTH), Fraction(0), dtype=object)
+    spread[..., : 2 * table.shape[-1] : 2] = table
+    return spread
+
+
+def powers_of(s: Any, terms: int) -> NDArray[np.float64]:
+    """Return 1, s, s², ..., shape (terms, *s.shape)."""
+    if np.ndim(s) == 0:
+        return np.asarray(s ** np.arange(terms))
+    powers = np.empty((terms, *s.shape), dtype=np.result_type(s))
+    powers[0] = 1.0
+    for k in range(1, terms):
+        np.multiply(powers[k - 1], s, out=powers[k])
+    return powers
+
+
+def enough_powers(s: Any) -> Floats:
+    """Return as many powers of s as series of radius 1 need, with a wide margin for large coefficients."""
+    largest = float(s if np.ndim(s) == 0 else s.max())
+    needed = SERIES_TERMS if largest > 0.3 else 12 + int(44.0 / -math.log(largest))
+    return powers_of(s, min(needed, SERIES_TERMS))
+
+
+class Table(NamedTuple):
+    """Power series in s: coefficients (rows, terms) from each row's leading power on, and those powers."""
+
+    coefficients: Floats
+    leading: NDArray[np.intp]
+    most: int
+
+    @classmethod
+    def of(cls, rows: NDArray[Any]) -> Table:
+        """Round exact series, shape (rows, terms), to floats."""
+        leading = np.array([next((k for k, c in enumerate(row) if c), 0) for row in rows], dtype=np.intp)
+        shifted = [[*row[k:], *[Fraction(0)] * k] for row, k in zip(rows, leading, strict=True)]
+        return cls(np.array(shifted, dtype=np.float64), leading, int(leading.max()))
+
+    def at(self, powers: Floats) -> Any:
+        """Return the sums of all rows, given 1, s, s², ..."""
+        terms = len(powers) - self.most
+        return (self.coefficients[:, :terms] @ powers[:terms]) * powers[self.leading]
