@@ -10,4 +10,4 @@ from collections.abc import Callable
 Progress = Callable[[int, int], None]
 
 #: Every study, in the order in which they run.
-NAMES = ("figure_6", "figure_7", "c_table")
+NAMES = ("figure_6", "figure_7", "c_table", "quadrature", "accuracy")

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 
+import beammodes as bm
 from beammodes.__main__ import main
 
 ROOT = Path(__file__).parent.parent
@@ -23,7 +24,8 @@ def test_python_blocks_run_and_print_what_they_say() -> None:
     found = blocks("python")
     assert found
     for block in found:
-        test = doctest.DocTestParser().get_doctest(block, {}, "README.md", "README.md", 0)
+        # Each block may be pasted by itself.
+        test = doctest.DocTestParser().get_doctest(block, {"bm": bm}, "README.md", "README.md", 0)
         assert test.examples
         assert doctest.DocTestRunner(optionflags=doctest.NORMALIZE_WHITESPACE).run(test).failed == 0
 
@@ -52,3 +54,18 @@ def test_set_up_commands_are_one_line_each_and_the_continuous_check_calls_the_te
     commands = [line for block in blocks("sh") for line in block.splitlines() if line.startswith("python3 ")]
     assert [("studies" in line, "pytest" in line) for line in commands] == [(True, False), (False, True)]
     assert 'grep -m 1 -E "^python3 -m venv .*pytest" README.md' in (ROOT / ".ci" / "run").read_text()
+
+
+def test_the_table_of_layouts_says_what_the_code_computes() -> None:
+    rows = re.findall(r"^\| `(\w+)` \|.*\| (\S+) % \| (\d) \|", README, flags=re.MULTILINE)
+    assert {name for name, _, _ in rows} == set(bm.RULES)
+    for name, error, order in rows:
+        assert error == f"{100 * bm.frequency_error('clamped-free', segments=10, mode=1, rule=name):+.3g}"
+        assert int(order) == bm.error_law("clamped-free", 1, name).order
+
+
+def test_numbers_in_the_text_are_computed_ones() -> None:
+    for rule, segments in re.findall(r"(\d+) \(`(\w+)`\)", README):
+        assert int(rule) == bm.segments_needed("clamped-free", 0.01, 3, segments)
+    exact = bm.frequency_error("clamped-free", segments=10**9, mode=1)
+    assert f"{exact:.5e}" in README

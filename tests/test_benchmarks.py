@@ -1,0 +1,156 @@
+"""The benchmarks measure what they say: their reference is right, and their contestants solve the chain."""
+
+from __future__ import annotations
+
+import json
+from importlib.util import find_spec
+from pathlib import Path
+
+import mpmath
+import numpy as np
+import pytest
+
+import beammodes as bm
+from studies import accuracy, benchmarks, rivals
+
+FIRST = (1, 2, 3)
+
+
+def test_reference_agrees_with_exact_matrices_to_fifty_digits() -> None:
+    # Exact rational M and K from the symbolic derivation; their eigenvalues in 60 digits.
+    for segments in (4, 16):
+        chain = bm.Chain(bm.Beam.unit(), "clamped-free", segments)
+        model = bm.equations_of_motion(chain).linearize().in_unit_segments()
+        frequencies = model.angular_frequencies(digits=60)
+        with mpmath.workdps(60):
+            for mode in FIRST:
+                expected = mpmath.mpf(frequencies[mode - 1]) * segments**2
+                assert abs(accuracy.chain_frequency(segments, mode) / expected - 1) < mpmath.mpf(10) ** -50
+
+
+@pytest.mark.parametrize("segments", [4, 5, 6, 7, 31, 1000, 999_999])
+def test_reference_takes_no_mode_for_another(segments: int) -> None:
+    frequencies = [float(accuracy.chain_frequency(segments, mode)) for mode in FIRST]
+    closed = rivals.METHODS["beammodes, closed form"].frequencies(segments)
+    np.testing.assert_allclose(frequencies, closed, rtol=1e-12)
+
+
+def test_beam_reference_is_the_exact_beam() -> None:
+    exact = bm.euler_bernoulli(bm.Beam.unit(), "clamped-free", modes=3).angular_frequency
+    np.testing.assert_allclose([float(accuracy.beam_frequency(mode)) for mode in FIRST], exact, rtol=1e-14)
+
+
+@pytest.mark.parametrize("name", rivals.METHODS)
+def test_every_method_solves_the_same_chain(name: str) -> None:
+    method = rivals.METHODS[name]
+    if find_spec(method.package) is None:
+        pytest.skip(f"{method.package} is not installed")
+    true, tolerance = [float(accuracy.chain_frequency(8, mode)) for mode in FIRST], 1e-6
+    if method.of_beam:
+        # Cubic elements: the error of ω is about (β/N)⁴/1440.
+        true, tolerance = [float(accuracy.beam_frequency(mode)) for mode in FIRST], 1e-3
+    np.testing.assert_allclose(method.frequencies(8), true, rtol=tolerance)
+
+
+def test_own_hermite_elements_are_those_of_scikit_fem() -> None:
+    pytest.importorskip("skfem")
+    theirs = rivals.METHODS["scikit-fem Hermite elements"].frequencies(8)[0]
+    assert accuracy.hermite_frequency(8) == pytest.approx(theirs, rel=1e-11)
+    assert accuracy.hermite_frequency(8) == pytest.approx(float(accuracy.beam_frequency(1)), rel=1e-5)
+
+
+def test_nodal_matrices_are_the_chains() -> None:
+    model = bm.linearize(bm.Chain(bm.Beam.unit(), "clamped-free", 6))
+    stiffness, mass = rivals.nodal_matrices(6)
+    # Unit beam: a segment has mass 1/N and EI/ell = N over its length squared, 1/N².
+    np.testing.assert_allclose(stiffness.toarray() * 6**3, model.stiffness_matrix, rtol=1e-13, atol=1e-10)
+    np.testing.assert_allclose(mass.toarray() / 6, model.mass_matrix, rtol=1e-13, atol=1e-15)
+
+
+def test_kanes_method_is_given_the_same_problem() -> None:
+    assert benchmarks.same_equations(2) < 1e-12
+    kane, q, u = rivals.kane_equations(2)
+    mass, state = kane.linearize(A_and_B=False, op_point=dict.fromkeys((*q, *u), 0))[:2]
+    model = bm.equations_of_motion(bm.Chain(bm.Beam.unit(), "clamped-free", 2)).linearize()
+    ours = model.in_unit_segments()
+    # Kane's equations stand on the other side, so both blocks have the opposite sign of M and K.
+    assert -mass[2:, 2:] == ours.mass_matrix
+    angles = np.array(ours.stiffness_matrix.tolist(), float)
+    np.testing.assert_allclose(np.array(state[2:, :2].tolist(), float), angles, rtol=1e-14)
+
+
+def test_a_table_names_what_is_missing_or_too_large(monkeypatch: pytest.MonkeyPatch) -> None:
+    absent = rivals.Method(rivals.METHODS["SciPy `eigh(K, M)`"].frequencies, "no_such_package")
+    monkeypatch.setitem(rivals.METHODS, "absent", absent)
+    table = benchmarks.solving([8, 10**6], ["SciPy `eigh(K, M)`", "absent"])
+    lines = table.splitlines()
+    assert lines[2] == "| method | N = 8 | N = 1,000,000 |"
+    assert "e-1" in lines[4] and "not feasible: 32,000 GB" in lines[4]
+    assert lines[5].count("not installed") == 2
+
+
+def test_a_method_is_not_tried_when_its_law_says_it_would_take_too_long() -> None:
+    refused = benchmarks._refused("SciPy `eigh(K, M)`", 8192, (1024, 1.0))
+    assert refused == {"refused": "not feasible: 8.5 min by N³"}
+    assert benchmarks._refused("SciPy `eigh(K, M)`", 8192, (1024, 0.05)) is None
+
+
+def test_failures_are_told_and_not_raised(monkeypatch: pytest.MonkeyPatch) -> None:
+    def give_up(segments: int) -> np.ndarray:
+        raise ValueError(f"no | more\nthan {segments}")
+
+    monkeypatch.setitem(rivals.METHODS, "sad", rivals.Method(give_up))
+    assert benchmarks.cell("sad", 8, rivals.measure("sad", 8)) == "fails: ValueError: no / more than 8"
+    wrong = {"seconds": 0.25, "frequencies": [1.0, 22.0, 61.0]}
+    assert benchmarks.cell("sad", 100, wrong) == "fails: 250 ms, ω₁ = 1 for 3.52"
+    assert benchmarks.cell("sad", 100, wrong | {"frequencies": [np.nan] * 3}).endswith("not real")
+    assert benchmarks.cell("sad", 100, {"memory": True}) == "not feasible: over 8 GB"
+
+
+def test_lookups_and_derivation_print_tables(monkeypatch: pytest.MonkeyPatch) -> None:
+    real = benchmarks.timed
+    monkeypatch.setattr(benchmarks, "timed", lambda call, **_: real(call, budget=0.0))
+    assert benchmarks.lookups(100).count("\n| ") == 5
+    assert "checked in this run" in benchmarks.deriving([2, 3], [2])
+    assert "one BLAS thread" in benchmarks.environment()
+
+
+def test_one_lookup_by_matrices_is_the_same_error() -> None:
+    expected = bm.frequency_error("clamped-free", segments=100, mode=1)
+    assert benchmarks._one_by_matrices() == pytest.approx(expected, rel=1e-2)
+
+
+def test_readme_takes_the_tables(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    pytest.importorskip("threadpoolctl")
+    readme = tmp_path / "README.md"
+    readme.write_text(f"above\n{benchmarks.BEGIN}\nold\n{benchmarks.END}\nbelow · ω\n", "utf-8")
+    monkeypatch.setattr(benchmarks, "ROOT", tmp_path)
+    for part in ("environment", "deriving", "solving", "lookups"):
+        monkeypatch.setattr(benchmarks, part, lambda part=part: f"the {part}\n")
+    assert benchmarks.main([]) == 0
+    assert "old" in readme.read_text("utf-8")
+    for _ in range(2):
+        assert benchmarks.main(["--write"]) == 0
+    text = readme.read_text("utf-8")
+    parts = "the environment\n\nthe deriving\n\nthe solving\n\nthe lookups"
+    assert text == f"above\n{benchmarks.BEGIN}\n{parts}\n{benchmarks.END}\nbelow · ω\n"
+    with pytest.raises(ValueError, match="once"):
+        benchmarks.replaced("no marks", parts)
+
+
+def test_a_process_of_its_own_prints_json(capsys: pytest.CaptureFixture[str]) -> None:
+    pytest.importorskip("threadpoolctl")
+    result = benchmarks._measured("beammodes, closed form", 16)
+    assert set(result) == {"seconds", "frequencies"}
+    assert json.dumps(result) and not capsys.readouterr().out
+
+
+def test_the_figure_has_a_line_for_every_method(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(accuracy, "SEGMENTS", (4, 6, 100))
+    table = accuracy.data()
+    errors = table.relative_error.to_pandas()
+    assert not errors.isna().any().any()
+    assert (errors.loc[["closed form", "flexibility form"]] < 1e-13).all().all()
+    assert errors.loc["dense", 100] > 100 * errors.loc["flexibility form", 100]
+    assert accuracy.tables(table)[".csv"].startswith("method,segments,relative_error\nclosed form,4,")
+    assert len(accuracy.draw(table).axes[0].get_lines()) == len(accuracy.LINES) + 1
