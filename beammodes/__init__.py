@@ -68,7 +68,7 @@ _HOME = {
     "chain_statics": "statics",
     "compile_equations": "numeric",
     "equations_of_motion": "symbolic",
-    "error_dataset": "errors",
+    "error_dataset": "error_table",
     "error_law": "law",
     "euler_bernoulli": "exact_beam",
     "frequency_error": "errors",
@@ -99,7 +99,7 @@ if TYPE_CHECKING:
     from beammodes.ends import ENDS as ENDS
     from beammodes.ends import Boundary as Boundary
     from beammodes.ends import End as End
-    from beammodes.errors import error_dataset as error_dataset
+    from beammodes.error_table import error_dataset as error_dataset
     from beammodes.errors import frequency_error as frequency_error
     from beammodes.errors import segments_needed as segments_needed
     from beammodes.exact_beam import BeamModes as BeamModes

@@ -4,17 +4,22 @@ from __future__ import annotations
 
 import argparse
 import json
-import math
 import sys
 from collections.abc import Callable, Sequence
-from typing import Any, NoReturn
+from typing import NoReturn
 
 from beammodes import __version__
+from beammodes.commands import (
+    Answer,
+    answer_error,
+    answer_frequencies,
+    answer_recommend,
+    answer_segments,
+    answer_springs,
+    answer_time_step,
+)
 
 __all__ = ["main"]
-
-#: What a command found: the answer for scripts, and the same as text for people.
-Answer = tuple[dict[str, Any], str]
 
 _BEAM = (
     ("length", "L, length of the beam [m]"),
@@ -65,7 +70,7 @@ def _parser() -> argparse.ArgumentParser:
         sub = commands.add_parser(name, help=summary, description=summary.capitalize() + ".")
         sub.add_argument("boundary", help="two ends of clamped, pinned, guided, free, such as clamped-free")
         build(sub)
-        if function is _recommend:
+        if function is answer_recommend:
             sub.add_argument("--rule", metavar="RULE,...", help="only these rules (default: all)")
         else:
             sub.add_argument("--rule", default="mitiguy", help="discretization rule (default: mitiguy)")
@@ -137,101 +142,6 @@ def _number(text: str) -> float | str:
         return text
 
 
-def _error(options: argparse.Namespace) -> Answer:
-    from beammodes.errors import frequency_error
-
-    error: float = frequency_error(
-        options.boundary, segments=options.segments, mode=options.mode, rule=options.rule
-    )
-    if math.isnan(error):
-        raise ValueError(
-            f"mode {options.mode} does not exist: {options.boundary} with {options.segments} segments "
-            f"and rule {options.rule} has fewer elastic modes"
-        )
-    answer = {
-        "boundary": options.boundary,
-        "rule": options.rule,
-        "segments": options.segments,
-        "mode": options.mode,
-        "relative_error": error,
-    }
-    note = (
-        "  (coarse: a mode this near the chain's last is wrong under every rule)" if abs(error) > 0.1 else ""
-    )
-    return answer, f"{100 * error:+.6g} %{note}"
-
-
-def _frequencies(options: argparse.Namespace) -> Answer:
-    import numpy as np
-
-    from beammodes.errors import frequency_error
-    from beammodes.exact_beam import euler_bernoulli
-    from beammodes.linear import linearize
-    from beammodes.modes import solve_modes
-
-    chain = _chain(options)
-    modes = solve_modes(linearize(chain), options.modes)
-    count = len(modes.frequency)
-    exact = euler_bernoulli(_beam(options), options.boundary, max(count, 1)).frequency[:count]
-    each = np.arange(1, count + 1)
-    errors = np.zeros(0)
-    if count:
-        errors = np.asarray(
-            frequency_error(options.boundary, segments=options.segments, mode=each, rule=options.rule)
-        )
-    rows = [
-        {
-            "mode": int(n),
-            "frequency_hz": float(f),
-            "exact_frequency_hz": float(g),
-            "relative_error": float(e),
-        }
-        for n, f, g, e in zip(each, modes.frequency, exact, errors, strict=True)
-    ]
-    head = f"{chain.boundary.name}, {options.segments} segments, {options.rule}: "
-    lines = [
-        f"{row['mode']:4d}  {row['frequency_hz']:14.6g}  {row['exact_frequency_hz']:14.6g}  "
-        f"{100 * row['relative_error']:+10.4g}"
-        for row in rows
-    ]
-    title = f"{head}{modes.rigid_body_modes} rigid-body and {chain.elastic_modes} elastic modes"
-    columns = "mode       chain [Hz]       exact [Hz]   error [%]"
-    return {"rigid_body_modes": modes.rigid_body_modes, "modes": rows}, "\n".join([title, columns, *lines])
-
-
-def _springs(options: argparse.Namespace) -> Answer:
-    chain = _chain(options)
-    rows = [
-        {"hinge": j + 1, "position_m": float(x), "stiffness_n_m_per_rad": float(k)}
-        for j, (x, k) in enumerate(zip(chain.hinge_position, chain.joint_stiffness, strict=True))
-    ]
-    lines = [
-        f"{row['hinge']:5d}  {row['position_m']:12.6g}  {row['stiffness_n_m_per_rad']:20.10g}" for row in rows
-    ]
-    return {"hinges": rows}, "\n".join(["hinge  position [m]  stiffness [N m/rad]", *lines])
-
-
-def _segments(options: argparse.Namespace) -> Answer:
-    from beammodes.errors import segments_needed
-
-    count = segments_needed(options.boundary, options.tolerance, options.modes, options.rule)
-    return {"segments": count}, str(count)
-
-
-def _time_step(options: argparse.Namespace) -> Answer:
-    from beammodes.stability import highest_angular_frequency, stable_time_step
-
-    chain = _chain(options)
-    step, highest = stable_time_step(chain, options.integrator), highest_angular_frequency(chain)
-    if math.isinf(step):
-        raise ValueError(
-            f"segments must be larger: {chain.boundary.name} with {options.segments} has no elastic mode "
-            "and so no stability limit"
-        )
-    answer = {"time_step_s": step, "highest_angular_frequency_rad_per_s": highest}
-    return answer, f"{step:.6g} s  ({options.integrator}, highest angular frequency {highest:.6g} rad/s)"
-
-
 def _in_flags(message: str) -> str:
     """Return a message of the library in the words that the user typed."""
     for name, flag in (("bending_stiffness must", "--ei must"), ("mass_per_length must", "--rho-a must")):
@@ -239,68 +149,18 @@ def _in_flags(message: str) -> str:
     return message
 
 
-def _beam(options: argparse.Namespace) -> Any:
-    from beammodes.beam import Beam
-
-    return Beam(length=options.length, bending_stiffness=options.ei, mass_per_length=options.rho_a)
-
-
-def _chain(options: argparse.Namespace) -> Any:
-    from beammodes.chain import Chain
-
-    return Chain(_beam(options), options.boundary, segments=options.segments, rule=options.rule)
-
-
-def _recommend(options: argparse.Namespace) -> Answer:
-    from beammodes.advice import recommend
-
-    ways = recommend(
-        options.boundary,
-        options.tolerance,
-        options.modes,
-        beam=_beam(options),
-        rules=options.rule.split(",") if options.rule else None,
-        integrator=options.integrator,
-    )
-    rows = [
-        {
-            "rule": way.rule,
-            "segments": way.segments,
-            "largest_error": way.largest_error,
-            "static_error": way.static_error,
-            "highest_angular_frequency_rad_per_s": way.highest_angular_frequency,
-            "stable_time_step_s": way.stable_time_step,
-            "cost": way.cost,
-            "joint_stiffness_n_m_per_rad": way.joint_stiffness.tolist(),
-        }
-        for way in ways
-    ]
-    lines = ["rule                     N   error [%]   static error [%]      step [s]      cost"]
-    for way in ways:
-        static = max(way.static_error.values(), key=abs, default=math.nan)
-        lines.append(
-            f"{way.rule:22}{way.segments:5d}  {100 * way.largest_error:10.3g}  {100 * static:17.3g}  "
-            f"{way.stable_time_step:12.4g}  {way.cost:8.3g}"
-        )
-    lines.append(
-        "static: worst of tip force, tip moment and uniform load; nan where the beam can move rigidly"
-    )
-    lines.append(f"cost: segments times {options.integrator} steps in one period of the first mode")
-    return {"recommendations": rows}, "\n".join(lines)
-
-
 _COMMANDS = (
-    ("error", _error, "relative frequency error of a uniform chain", _error_options),
+    ("error", answer_error, "relative frequency error of a uniform chain", _error_options),
     (
         "frequencies",
-        _frequencies,
+        answer_frequencies,
         "natural frequencies of a chain beside the exact beam's",
         _frequency_options,
     ),
-    ("springs", _springs, "joint stiffnesses to type into a multibody tool", _spring_options),
-    ("segments", _segments, "how many segments a tolerance needs", _tolerance_options),
-    ("recommend", _recommend, "rules that meet a tolerance, cheapest first", _advice_options),
-    ("time-step", _time_step, "largest stable fixed time step of a chain", _step_options),
+    ("springs", answer_springs, "joint stiffnesses to type into a multibody tool", _spring_options),
+    ("segments", answer_segments, "how many segments a tolerance needs", _tolerance_options),
+    ("recommend", answer_recommend, "rules that meet a tolerance, cheapest first", _advice_options),
+    ("time-step", answer_time_step, "largest stable fixed time step of a chain", _step_options),
 )
 
 

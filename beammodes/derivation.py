@@ -19,7 +19,7 @@ from beammodes.beam import Beam
 from beammodes.chain import Chain
 from beammodes.checks import whole_number
 from beammodes.ends import Boundary, BoundaryLike
-from beammodes.errors import labelled_errors
+from beammodes.error_table import labelled_errors
 from beammodes.exact_beam import wavenumber
 from beammodes.linear import linearize
 from beammodes.modes import solve_modes

@@ -1,9 +1,9 @@
-"""Frequency errors of chains: the lookup, the labelled table, and how many segments a tolerance needs."""
+"""Frequency errors of chains: the lookup, and how many segments a tolerance needs."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import TYPE_CHECKING, Any, overload
+from typing import Any, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -12,15 +12,11 @@ from beammodes.checks import positive_real, shown, whole_number
 from beammodes.discretization import relative_error
 from beammodes.ends import BOUNDARIES, Boundary, BoundaryLike, boundary_codes
 from beammodes.exact_beam import wavenumber
-from beammodes.grids import listed
 from beammodes.lookup import MAX_MODE, MAX_SEGMENTS
 from beammodes.rules import AnyRule, Layout, Rule, RuleMaker, layout_of
 from beammodes.wavenumbers import whole_numbers
 
-if TYPE_CHECKING:
-    import xarray
-
-__all__ = ["error_dataset", "frequency_error", "labelled_errors", "segments_needed"]
+__all__ = ["MAX_MODES", "frequency_error", "segments_needed"]
 
 #: A table of more modes than this would be a mistake.
 MAX_MODES = 100_000
@@ -186,119 +182,6 @@ def segments_needed(
         middle = (low + high) // 2
         low, high = (middle, high) if fails(np.array([middle]))[0] else (low, middle)
     return high
-
-
-def error_dataset(
-    *,
-    boundary: BoundaryLike | Iterable[BoundaryLike],
-    segments: int | Iterable[int],
-    modes: int,
-    rule: AnyRule | Iterable[AnyRule] = "mitiguy",
-) -> xarray.Dataset:
-    """Return frequencies and errors of chains as one labelled table.
-
-    Parameters
-    ----------
-    boundary : boundary, or iterable of boundaries
-    segments : int, or iterable of int
-    modes : int
-        How many, from the first.
-    rule : rule, or iterable of rules
-
-    Returns
-    -------
-    xarray.Dataset
-        Dimensions rule, boundary, segments, mode; variables angular_frequency, exact_angular_frequency (both
-        for L = EI = ρA = 1) and relative_error; NaN where a chain has no such mode.
-
-    Raises
-    ------
-    TypeError, ValueError
-        If an argument is not of its kind or outside its range.
-
-    Examples
-    --------
-    >>> table = error_dataset(boundary="clamped-free", segments=range(1, 4), modes=2)
-    >>> table.relative_error.sel(mode=1).squeeze().values.round(5)
-    array([-0.14676, -0.03366, -0.01443])
-    """
-    pairs = [Boundary.of(pair).canonical for pair in listed("boundary", boundary, (str, Boundary, tuple))]
-    records = [layout_of(name) for name in listed("rule", rule, (str, Layout))]
-    counts = [whole_number("segments", n, most=MAX_SEGMENTS) for n in listed("segments", segments, (str,))]
-    mode = np.arange(1, whole_number("modes", modes, most=MAX_MODES) + 1)
-    # Lists, not tuples: a tuple of two would be one boundary.
-    rows = np.array(pairs, dtype=object)[:, None, None]
-    error = np.array(
-        [frequency_error(rows, segments=np.array(counts)[:, None], mode=mode, rule=r) for r in records]
-    )
-    exact = np.asarray(wavenumber(rows[:, :, 0], mode)) ** 2
-    return labelled_errors(
-        [record.name for record in records],
-        [pair.name for pair in pairs],
-        counts,
-        angular_frequency=exact[None, :, None, :] * (1 + error),
-        exact=exact,
-        error=error,
-        route="closed form",
-    )
-
-
-def labelled_errors(
-    rules: list[str],
-    boundaries: list[str],
-    segments: list[int],
-    *,
-    angular_frequency: Array,
-    exact: Array,
-    error: Array,
-    route: str,
-) -> xarray.Dataset:
-    """Return frequencies and errors as the Dataset that `error_dataset` describes.
-
-    Parameters
-    ----------
-    rules, boundaries, segments : list
-        Coordinates of the first three dimensions; modes count from 1.
-    angular_frequency, error : ndarray, shape (rules, boundaries, segments, modes)
-        Of the chains, for L = EI = ρA = 1.
-    exact : ndarray, shape (boundaries, modes)
-        Of the beam.
-    route : str
-        How the frequencies were computed; kept as an attribute.
-    """
-    import xarray
-
-    from beammodes import __version__
-
-    dims = ("rule", "boundary", "segments", "mode")
-    exact = np.broadcast_to(exact[None, :, None, :], error.shape)
-    frequency = {"units": "sqrt(EI / (rhoA L^4))"}
-    return xarray.Dataset(
-        {
-            "angular_frequency": (
-                dims,
-                angular_frequency,
-                {"long_name": "angular frequency of the chain", **frequency},
-            ),
-            "exact_angular_frequency": (
-                dims,
-                np.where(np.isnan(error), np.nan, exact),
-                {"long_name": "angular frequency of the Euler-Bernoulli beam", **frequency},
-            ),
-            "relative_error": (
-                dims,
-                error,
-                {"long_name": "relative frequency error of the chain", "units": "1"},
-            ),
-        },
-        coords={
-            "rule": rules,
-            "boundary": boundaries,
-            "segments": ("segments", segments, {"long_name": "number of rigid segments", "units": "1"}),
-            "mode": ("mode", np.arange(1, error.shape[3] + 1), {"long_name": "elastic mode", "units": "1"}),
-        },
-        attrs={"source": f"beammodes {__version__}", "route": route},
-    )
 
 
 def _segment_grid(modes: int) -> NDArray[np.int64]:
