@@ -82,7 +82,9 @@ class LinearModel:
             )
         units = self.chain.units
         rotations, mass, stiffness = (
-            np.array(matrix, dtype=np.float64) for matrix in nodal_matrices(self.chain, float)
+            # Reshaped, since a chain that cannot move has matrices without columns.
+            np.array(matrix, dtype=np.float64).reshape(len(matrix), len(self.coordinates))
+            for matrix in nodal_matrices(self.chain, float)
         )
         return rotations / units.length, mass * units.mass, stiffness * units.stiffness / units.length**2
 

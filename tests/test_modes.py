@@ -159,3 +159,10 @@ def test_too_much_is_refused_with_a_reason() -> None:
         solve_modes(model.chain)  # type: ignore[arg-type]
     with pytest.raises(TypeError, match="chain"):
         linearize("clamped-free")  # type: ignore[arg-type]
+
+
+def test_a_chain_that_cannot_move_has_empty_matrices() -> None:
+    model = linearize(Chain(Beam.unit(), "clamped-clamped", 1))
+    assert model.mass_matrix.shape == model.stiffness_matrix.shape == (0, 0)
+    assert model.joint_rotations.shape == (2, 0)
+    assert solve_modes(model).deflection.shape == (0, 4)

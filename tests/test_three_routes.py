@@ -59,7 +59,7 @@ def assert_routes_agree(chain: Chain) -> None:
     to_si = np.array([1.0 if name == "y_0" else units.length for name in compiled.coordinates])
     scale = {"mass_matrix": units.mass, "stiffness_matrix": units.stiffness / units.length**2}
     for name, unit in scale.items():
-        expected = np.array(getattr(exact, name).tolist(), dtype=float).reshape(len(to_si), -1)
+        expected = np.array(getattr(exact, name).tolist(), dtype=float).reshape(len(to_si), len(to_si))
         expected *= unit * np.outer(to_si, to_si)
         np.testing.assert_allclose(getattr(compiled, name), expected, rtol=1e-12, atol=1e-12 * unit)
     assert compiled.reduced()[0].shape[0] == exact.reduced()[0].rows == size
