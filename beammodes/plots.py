@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Literal
+from collections.abc import Iterable
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
@@ -11,11 +12,42 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.lines import Line2D
 
-__all__ = ["COLOURS", "STYLE", "label_line", "plot_errors", "plot_step_constants"]
+__all__ = [
+    "COLOURS",
+    "GREY",
+    "NUMBER_MAP",
+    "STYLE",
+    "label_along",
+    "label_line",
+    "mark_exact",
+    "mark_point",
+    "method_style",
+    "plot_errors",
+    "plot_number_map",
+    "plot_step_constants",
+]
 
 #: Okabe and Ito's colours, which the colour-blind can tell apart; source: Color Universal Design (2008).
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
+#: Colours of `plot_number_map`: they darken steadily, so no two are confused whatever one's eyes.
+NUMBER_MAP = "YlGnBu"
+GREY = "#767676"
 _MARKERS = ("o", "s", "^", "D", "v", "P", "X")
+
+# Six rules that tell the story have a colour; the rest stay grey, apart by their dashes.
+_LOOKS: dict[str, tuple[str, str | tuple[int, tuple[int, ...]]]] = {
+    "mitiguy": (COLOURS[0], "-"),
+    "gregory": (COLOURS[1], "-"),
+    "half_stub_corrected": (COLOURS[2], (0, (5, 1))),
+    "rigid_stub": (COLOURS[3], (0, (5, 1))),
+    "naive": (COLOURS[4], "-"),
+    "hencky": (COLOURS[5], "-"),
+    "matched": (COLOURS[6], "-"),
+    "double_wall": (GREY, (0, (4, 2))),
+    "half_stub": (GREY, (0, (1, 1))),
+    "gregory2": (GREY, "-"),
+    "rigid_stub_corrected": (GREY, (0, (6, 2, 1, 2))),
+}
 
 #: Settings for `matplotlib.rc_context` under which the project's figures are drawn.
 STYLE: dict[str, object] = {
@@ -73,6 +105,125 @@ def label_line(
     """Write `text` in a line's colour beside one of its points, `offset` in typographic points."""
     x, y = (float(np.asarray(values)[point]) for values in line.get_data())
     ax.annotate(text, (x, y), xytext=offset, textcoords="offset points", color=line.get_color(), ha=ha, va=va)
+
+
+def method_style(name: str) -> dict[str, Any]:
+    """Return colour, dashes and width in which every figure draws a rule, or a method that is none.
+
+    Examples
+    --------
+    >>> method_style("matched(3)")["color"]
+    '#000000'
+    """
+    colour, dashes = _LOOKS.get(name.split("(")[0], (COLOURS[6], (0, (2, 1))))
+    return {"color": colour, "linestyle": dashes, "linewidth": 1.1 if colour == GREY else 2.0}
+
+
+def label_along(
+    ax: Axes, labels: Iterable[tuple[Line2D, str, float, Literal["above", "below"]]], *, size: float = 9.0
+) -> None:
+    """Write each text along its line, in its colour and at its slope, centred on a horizontal value.
+
+    Call it last: a later change of limits or layout would turn the lines under their texts.
+    """
+    from matplotlib.patheffects import withStroke
+
+    figure = ax.get_figure(root=True)
+    assert figure is not None
+    figure.draw_without_rendering()  # settles the layout, which slopes on the page depend on
+    for line, text, at, side in labels:
+        values = np.column_stack([np.asarray(part, dtype=float) for part in line.get_data()])
+        centre = ax.transData.transform((at, values[0, 1]))[0]
+        x = centre + np.array([-25.0, 0.0, 25.0])
+        y = np.interp(x, *ax.transData.transform(values).T)
+        angle = float(np.degrees(np.arctan2(y[2] - y[0], x[2] - x[0])))
+        away = np.radians(angle + (90 if side == "above" else -90))
+        ax.annotate(
+            text,
+            tuple(ax.transData.inverted().transform((x[1], y[1]))),
+            xytext=(0.75 * size * np.cos(away), 0.75 * size * np.sin(away)),
+            textcoords="offset points",
+            rotation=angle,
+            rotation_mode="anchor",
+            ha="center",
+            va="center_baseline",
+            fontsize=size,
+            color=line.get_color(),
+            path_effects=[withStroke(linewidth=1.5, foreground="white")],
+        ).set_in_layout(False)
+
+
+def mark_point(
+    ax: Axes, line: Line2D, at: float, text: str, *, offset: tuple[float, float] = (6.0, 5.0)
+) -> None:
+    """Put a dot on a line at the horizontal value `at`, and bold text beside it, on the offset's side."""
+    from matplotlib.patheffects import withStroke
+
+    colour, (x, y) = line.get_color(), line.get_data()
+    point = (at, float(np.interp(at, np.asarray(x), np.asarray(y))))
+    ax.plot(*point, "o", color=colour, markersize=6, zorder=5)
+    ax.annotate(
+        text,
+        point,
+        offset,
+        textcoords="offset points",
+        ha="left" if offset[0] > 0 else "right",
+        color=colour,
+        fontweight="bold",
+        path_effects=[withStroke(linewidth=2, foreground="white")],
+    )
+
+
+def mark_exact(ax: Axes, at: float, top: float, text: str) -> None:
+    """Draw an arrow from `top` to the foot of a logarithmic axis, which has no place for an error of zero."""
+    foot, style = ax.get_ylim()[0], method_style("matched")
+    ax.plot([at, at], [top, foot], **style)
+    ax.plot(at, foot * 1.15, "v", color=style["color"], markersize=9, clip_on=False)
+    ax.annotate(text, (at, foot), (8, 5), textcoords="offset points", fontsize=10, va="bottom")
+
+
+def plot_number_map(
+    numbers: xarray.DataArray, groups: xarray.DataArray, ax: Axes, *, limits: tuple[float, float]
+) -> None:
+    """Draw positive numbers as a map: colour on a logarithmic scale, and the number in each cell.
+
+    Parameters
+    ----------
+    numbers : xarray.DataArray
+        Of two dimensions: rows, columns.
+    groups : xarray.DataArray
+        Neighbours in a row that have the same value here share one cell.
+    ax : matplotlib.axes.Axes
+    limits : tuple of float
+        Numbers at the two ends of the colour scale.
+    """
+    import matplotlib
+    from matplotlib.colors import LogNorm
+    from matplotlib.patches import Rectangle
+
+    shade, place = matplotlib.colormaps[NUMBER_MAP], LogNorm(*limits, clip=True)
+    rows, columns = numbers.shape
+    for i in range(rows):
+        start = 0
+        for j in range(1, columns + 1):
+            if j < columns and groups.values[i, j] == groups.values[i, start]:
+                continue
+            value = numbers.values[i, start]
+            colour = shade(float(place(value)))
+            ax.add_patch(
+                Rectangle((start, i), j - start, 1, facecolor=colour, edgecolor="white", linewidth=1.5)
+            )
+            dark = float(np.dot(colour[:3], (0.299, 0.587, 0.114))) < 0.5
+            place_of = ((start + j) / 2, i + 0.5)
+            ax.text(*place_of, f"{value:g}", ha="center", va="center", color="white" if dark else "black")
+            start = j
+    ax.set(xlim=(0, columns), ylim=(rows, 0))
+    ax.set_xticks(np.arange(columns) + 0.5, [str(name) for name in numbers[numbers.dims[1]].values])
+    ax.set_yticks(np.arange(rows) + 0.5, [str(name) for name in numbers[numbers.dims[0]].values])
+    ax.tick_params(length=0)
+    ax.grid(visible=False)
+    for spine in ax.spines.values():
+        spine.set_visible(False)
 
 
 def plot_step_constants(constants: xarray.Dataset, chains: xarray.Dataset, ax: Axes) -> None:

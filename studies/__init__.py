@@ -10,4 +10,14 @@ from collections.abc import Callable
 Progress = Callable[[int, int], None]
 
 #: Every study, in the order in which they run.
-NAMES = ("figure_6", "figure_7", "c_table", "quadrature", "accuracy")
+NAMES = (
+    "figure_6",
+    "figure_7",
+    "c_table",
+    "error_by_rule",
+    "better_figures",
+    "segments_map",
+    "cost_front",
+    "quadrature",
+    "accuracy",
+)

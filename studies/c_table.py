@@ -85,9 +85,7 @@ def draw(table: xarray.Dataset) -> Figure:
             va="top",
         )
         label_line(ax, free, "clamped-free chain:\nC = 2√2/ω_max", point=0, offset=(12, 6))
-        label_line(
-            ax, clamped, "clamped-clamped chain:\nalmost the same", point=-6, offset=(12, 14)
-        )
+        label_line(ax, clamped, "clamped-clamped chain:\nalmost the same", point=-6, offset=(12, 14))
     return figure
 
 

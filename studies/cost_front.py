@@ -1,0 +1,119 @@
+"""What accuracy costs: largest error of three modes against the work of simulating the chain."""
+
+from __future__ import annotations
+
+import math
+from typing import Literal
+
+import matplotlib
+import numpy as np
+import xarray
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
+
+import beammodes as bm
+from beammodes.plots import GREY, STYLE, label_along, mark_exact, mark_point, method_style
+from beammodes.rules import AnyRule
+from beammodes.tables import csv_table, tidy_rows
+from studies import Progress
+from studies.largest_errors import MATCHED, largest_error
+
+__all__ = ["cost", "data", "draw", "front", "tables"]
+
+BOUNDARY = "clamped-free"
+SEGMENTS = np.array([*range(3, 27), 30, 40, 50, 64, 80, 100])
+TOLERANCE = 0.01
+FRONT = "#F0E442"  # the yellow of Okabe and Ito's colours
+NUMBERED = ("gregory", "mitiguy", "naive")
+# Where each line is named, and on which side.
+LABELS: dict[str, tuple[float, Literal["above", "below"]]] = {
+    "naive": (4e5, "below"),
+    "rigid_stub": (4e5, "above"),
+    "hencky": (6e5, "above"),
+    "double_wall": (1.5e6, "above"),
+    "mitiguy": (5e3, "above"),
+    "half_stub": (4e4, "below"),
+    "rigid_stub_corrected": (2.5e6, "below"),
+    "gregory2": (1.2e5, "below"),
+    "half_stub_corrected": (9e3, "above"),
+    "gregory": (6e3, "below"),
+}
+COLUMNS = ("rule", "segments", "cost", "largest_error", "on_front")
+
+
+def cost(rule: AnyRule, segments: int) -> float:
+    """Return segments times Runge-Kutta steps in one period of mode 1, as `bm.recommend` counts it."""
+    beam = bm.Beam.unit()
+    step = bm.stable_time_step(bm.Chain(beam, BOUNDARY, segments, rule), "rk4")
+    return segments * 2 * math.pi / float(bm.euler_bernoulli(beam, BOUNDARY, 1).angular_frequency[0]) / step
+
+
+def front(price: NDArray[np.float64], error: NDArray[np.float64]) -> NDArray[np.bool_]:
+    """Return which points no other one beats in price and error at once."""
+    known = np.isfinite(error)
+    order = np.lexsort((error[known], price[known]))
+    best = np.minimum.accumulate(error[known][order])
+    found = np.zeros(known.sum(), dtype=bool)
+    found[order] = np.diff(best, prepend=np.inf) < 0
+    everywhere = np.zeros(error.shape, dtype=bool)
+    everywhere[known] = found
+    return everywhere
+
+
+def data(progress: Progress | None = None) -> xarray.Dataset:
+    """Cost and largest error by rule and N, and which points are on the front of all registered rules."""
+    rules = (*bm.RULES, MATCHED)
+    price, error = (np.full((len(rules), len(SEGMENTS)), np.nan) for _ in range(2))
+    for i, rule in enumerate(rules):
+        # Matched springs have no error to lower: their shortest chain is the one to take.
+        counts = SEGMENTS[:1] if rule is MATCHED else SEGMENTS
+        error[i, : len(counts)] = largest_error(BOUNDARY, rule, counts)
+        price[i, : len(counts)] = [cost(rule, int(n)) for n in counts]
+        if progress is not None:
+            progress(i + 1, len(rules))
+    price[np.isnan(error)] = np.nan
+    best = np.zeros(error.shape, dtype=bool)
+    best[:-1] = front(price[:-1], error[:-1])
+    dims = ("rule", "segments")
+    return xarray.Dataset(
+        {"cost": (dims, price), "largest_error": (dims, error), "on_front": (dims, best)},
+        coords={"rule": [*bm.RULES, MATCHED.name], "segments": SEGMENTS},
+    )
+
+
+def draw(table: xarray.Dataset) -> Figure:
+    """One line a rule, the front of all of them behind."""
+    with matplotlib.rc_context(STYLE):
+        figure = Figure(figsize=(9.0, 5.8), layout="constrained")
+        ax = figure.subplots()
+        title = "What accuracy costs: clamped-free beam, first three frequencies"
+        ax.set_title(title, fontsize=13, fontweight="bold", loc="left")
+        ax.set(xscale="log", yscale="log", xlim=(45, 2e7), ylim=(1e-3, 100))
+        ax.set_yticks([10.0**k for k in range(-3, 3)], [f"{10.0**k:.12g} %" for k in range(-3, 3)])
+        ax.minorticks_off()
+        ax.set_ylabel("largest |frequency error| of modes 1 to 3")
+        ax.set_xlabel("cost = segments × Runge-Kutta steps at the stability limit in one period of mode 1")
+        ax.axhline(100 * TOLERANCE, color=GREY, linewidth=0.9, linestyle=(0, (4, 3)), zorder=1)
+        best = table.where(table.on_front)
+        ax.plot(best.cost.values.ravel(), 100 * best.largest_error.values.ravel(), "o", color=FRONT, ms=13)
+        lines = {}
+        for rule in table.rule.values[:-1]:
+            line = table.sel(rule=rule).dropna("segments")
+            (lines[rule],) = ax.plot(line.cost, 100 * line.largest_error, marker="o", markersize=3)
+            lines[rule].set(**method_style(rule))
+            if rule in NUMBERED:
+                first = line.where(line.largest_error <= TOLERANCE, drop=True).isel(segments=0)
+                mark_point(ax, lines[rule], float(first.cost), f"{int(first.segments)} rods")
+        exact = float(table.cost.sel(rule=MATCHED.name)[0])
+        note = f"{MATCHED.name}:\n{SEGMENTS[0]} rods, cost {exact:.0f},\ngive all three exactly"
+        mark_exact(ax, exact, 10, note)
+        legend = "yellow: of the other springs,\nnone is cheaper and\nmore accurate"
+        ax.text(1.15 * exact, 1.2e-2, legend, va="bottom", fontsize=10, color=GREY)
+        label_along(ax, [(lines[rule], rule, at, side) for rule, (at, side) in LABELS.items()])
+    return figure
+
+
+def tables(table: xarray.Dataset) -> dict[str, str]:
+    """The tidy CSV beside the picture, by ending of its file name."""
+    rows = [row for row in tidy_rows(table, COLUMNS) if not math.isnan(row[2])]
+    return {".csv": csv_table(COLUMNS, rows)}

@@ -1,0 +1,101 @@
+"""How many segments 1 % in the first three modes needs: every boundary, every rule."""
+
+from __future__ import annotations
+
+import matplotlib
+import xarray
+from matplotlib.cm import ScalarMappable
+from matplotlib.colors import LogNorm
+from matplotlib.figure import Figure
+
+import beammodes as bm
+from beammodes.plots import GREY, NUMBER_MAP, STYLE, plot_number_map
+from beammodes.tables import csv_table, tidy_rows
+from studies import Progress
+from studies.largest_errors import MATCHED, MODES
+
+__all__ = ["data", "draw", "tables"]
+
+TOLERANCE = 0.01
+#: Rules that lay out the same chain on some boundary stand side by side.
+ORDER = (
+    "hencky",
+    "naive",
+    "double_wall",
+    "mitiguy",
+    "gregory2",
+    "gregory",
+    "rigid_stub_corrected",
+    "rigid_stub",
+    "half_stub",
+    "half_stub_corrected",
+)
+COLUMNS = ("boundary", "rule", "segments_needed", "same_chain_as")
+LIMITS = (3, 200)
+
+
+def data(progress: Progress | None = None) -> xarray.Dataset:
+    """Segments by boundary and rule, and the first rule in the row that lays out the same chains."""
+    needed, same = [], []
+    for i, pair in enumerate(bm.BOUNDARIES):
+        chains = [_chain(pair, rule) for rule in ORDER]
+        first = [ORDER[chains.index(chain)] for chain in chains]
+        counts = {rule: bm.segments_needed(pair, TOLERANCE, MODES, rule) for rule in dict.fromkeys(first)}
+        needed.append([*(counts[rule] for rule in first), _shortest_matched(pair)])
+        same.append([*first, MATCHED.name])
+        if progress is not None:
+            progress(i + 1, len(bm.BOUNDARIES))
+    dims = ("boundary", "rule")
+    return xarray.Dataset(
+        {"segments_needed": (dims, needed), "same_chain_as": (dims, same)},
+        coords={"boundary": [pair.name for pair in bm.BOUNDARIES], "rule": [*ORDER, MATCHED.name]},
+    )
+
+
+def _chain(pair: bm.Boundary, name: str) -> tuple[object, ...]:
+    rule, enough = bm.RULES[name], 12
+    return (
+        rule.rotary_inertia,
+        rule.piece_lengths(pair, enough),
+        # No weight differs at other N without differing here: all hold N in one term, or not at all.
+        rule.hinge_weights(pair, enough),
+    )
+
+
+def _shortest_matched(pair: bm.Boundary) -> int:
+    for count in range(MODES, 2 * MODES + 1):
+        if abs(bm.frequency_error(pair, segments=count, mode=MODES, rule=MATCHED)) <= TOLERANCE:
+            return count
+    raise ArithmeticError(f"no short chain of {pair.name} has {MATCHED.name} springs")
+
+
+def draw(table: xarray.Dataset) -> Figure:
+    """The map, its scale beside it."""
+    with matplotlib.rc_context(STYLE):
+        figure = Figure(figsize=(9.0, 5.6), layout="constrained")
+        ax = figure.subplots()
+        plot_number_map(table.segments_needed, table.same_chain_as, ax, limits=LIMITS)
+        ax.set_title(
+            "Segments needed for 1 % in the first three natural frequencies",
+            fontsize=13,
+            fontweight="bold",
+            loc="left",
+        )
+        names = [str(name).replace("_", "_\n").replace("(", "\n(") for name in table.rule.values]
+        ax.set_xticks(ax.get_xticks(), names, fontsize=9)
+        bar = figure.colorbar(
+            ScalarMappable(LogNorm(*LIMITS), NUMBER_MAP), ax=ax, aspect=40, pad=0.01, label="segments N"
+        )
+        bar.set_ticks([3, 10, 30, 100, 200], labels=["3", "10", "30", "100", "200"])
+        bar.minorticks_off()
+        figure.supxlabel(
+            "One cell across several rules: they lay out the same chain. matched(3): its shortest, exact.",
+            fontsize=10,
+            color=GREY,
+        )
+    return figure
+
+
+def tables(table: xarray.Dataset) -> dict[str, str]:
+    """The tidy CSV beside the picture, by ending of its file name."""
+    return {".csv": csv_table(COLUMNS, tidy_rows(table, COLUMNS))}
