@@ -20,7 +20,11 @@ from typing import Any, Protocol, runtime_checkable
 from beammodes.checks import shown
 from beammodes.ends import Boundary, End
 
-__all__ = ["Layout", "Rule", "RuleMaker", "Weight"]
+__all__ = ["MAX_END_WEIGHTS", "Layout", "Rule", "RuleMaker", "Weight"]
+
+
+#: Errors of rules that change more springs at an end would lose digits: their series run out of terms.
+MAX_END_WEIGHTS = 8
 
 
 @dataclass(frozen=True, slots=True)
@@ -87,6 +91,11 @@ class Rule:
             raise ValueError(f"stub must be 0, 1/2 or 1 segment, got {shown(self.stub)}")
         if set(self.order) != {"inside", "clamped", "pinned", "guided", "free"}:
             raise ValueError(f"order must declare inside and the four ends, got {shown(dict(self.order))}")
+        for name in ("clamped", "guided"):
+            if len(getattr(self, name)) > MAX_END_WEIGHTS:
+                raise ValueError(
+                    f"{name} must have at most {MAX_END_WEIGHTS} weights, got {len(getattr(self, name))}"
+                )
         object.__setattr__(self, "order", MappingProxyType(dict(self.order)))
 
     def __reduce__(self) -> tuple[type[Rule], tuple[object, ...]]:

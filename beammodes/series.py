@@ -81,9 +81,10 @@ def integral(series: NDArray[Any]) -> NDArray[Any]:
 
 
 def in_powers_of_s(table: NDArray[Any]) -> NDArray[Any]:
-    """Spread polynomials in x over even powers of s."""
+    """Spread polynomials in x over even powers of s, up to the length that all series are kept to."""
     spread = np.full((*table.shape[:-1], _LENGTH), Fraction(0), dtype=object)
-    spread[..., : 2 * table.shape[-1] : 2] = table
+    kept = table[..., : _LENGTH // 2]
+    spread[..., : 2 * kept.shape[-1] : 2] = kept
     return spread
 
 
