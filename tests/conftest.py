@@ -1,15 +1,21 @@
-"""Shared by the tests: exact matrices of a chain as mpmath sees them."""
+"""Shared by the tests: exact frequencies of a chain by mpmath; how Hypothesis runs."""
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable
 from fractions import Fraction
 
+import hypothesis
 import mpmath
 import pytest
 
 from beammodes.chain import Chain
 from beammodes.linear import nodal_matrices
+
+# A loaded machine is slow, not wrong; a continuous check should fail for the change it checks only.
+hypothesis.settings.register_profile("beammodes", deadline=None, derandomize=bool(os.environ.get("CI")))
+hypothesis.settings.load_profile("beammodes")
 
 
 def exact_frequencies(chain: Chain, digits: int = 50) -> list[mpmath.mpf]:
