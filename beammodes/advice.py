@@ -13,7 +13,7 @@ from beammodes.beam import Beam
 from beammodes.chain import Chain
 from beammodes.checks import choice
 from beammodes.ends import Boundary, BoundaryLike
-from beammodes.errors import frequency_error, segments_needed
+from beammodes.errors import ToleranceOutOfReach, frequency_error, segments_needed
 from beammodes.exact_beam import euler_bernoulli
 from beammodes.rules import RULES, AnyRule, Layout, layout_of
 from beammodes.stability import INTEGRATORS, highest_angular_frequency
@@ -99,13 +99,12 @@ def recommend(
     """
     pair, unit = Boundary.of(boundary), Beam.unit() if beam is None else beam
     choice("integrator", integrator, INTEGRATORS)
-    ways, refusal = [], ValueError("rules must name at least one rule, got none")
+    ways: list[Recommendation] = []
+    refusal = ValueError("rules must name at least one rule, got none")
     for record in [layout_of(rule) for rule in (RULES if rules is None else rules)]:
         try:
             count = segments_needed(pair, tolerance, modes, record)
-        except ValueError as error:
-            if "no chain" not in str(error):
-                raise
+        except ToleranceOutOfReach as error:
             refusal = error
             continue
         if count > MOST_SEGMENTS:

@@ -212,6 +212,17 @@ class Chain:
         position.flags.writeable = False
         return position
 
+    @cached_property
+    def node_position(self) -> NDArray[np.float64]:
+        """Distance of the left tip, every hinge and the right tip from the left end, shape (nodes,) [m]."""
+        position = np.concatenate([[0.0], np.cumsum(self.length)])
+        if self.beam is not None:
+            # Summed lengths miss the beam's end by their rounding, and the exact beam has no shape beyond it.
+            position[-1] = self.beam.length
+            position = np.minimum(position, self.beam.length)
+        position.flags.writeable = False
+        return position
+
     def __repr__(self) -> str:
         by = f", segments={self.segments}, rule={self.rule.name!r}" if self.rule else ""
         return f"<Chain {self.boundary.name}: {self.pieces} pieces{by}>"

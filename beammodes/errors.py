@@ -16,12 +16,16 @@ from beammodes.lookup import MAX_MODE, MAX_SEGMENTS
 from beammodes.rules import AnyRule, Layout, Rule, RuleMaker, layout_of
 from beammodes.wavenumbers import whole_numbers
 
-__all__ = ["MAX_MODES", "frequency_error", "segments_needed"]
+__all__ = ["MAX_MODES", "ToleranceOutOfReach", "frequency_error", "segments_needed"]
 
 #: A table of more modes than this would be a mistake.
 MAX_MODES = 100_000
 
 Array = NDArray[np.float64]
+
+
+class ToleranceOutOfReach(ValueError):
+    """No chain that the look-up serves stays within the tolerance."""
 
 
 @overload
@@ -173,7 +177,7 @@ def segments_needed(
     if not len(failing):
         return int(grid[0])
     if failing[-1] == len(grid) - 1:
-        raise ValueError(
+        raise ToleranceOutOfReach(
             f"tolerance must be larger: with rule {record.name}, {ends.name} and {len(mode)} modes no chain "
             f"of up to {MAX_SEGMENTS} segments stays within {shown(tolerance)}"
         )

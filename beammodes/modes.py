@@ -141,7 +141,7 @@ def _in_physical_units(model: LinearModel, omega: Array, shape: Array, slope: Ar
     return Modes(
         omega * units.angular_frequency,
         model.chain.boundary.rigid_body_modes,
-        np.concatenate([[0.0], np.cumsum(model.chain.length)]),
+        model.chain.node_position,
         (shape * sign).T,
         (slope * sign / units.length).T,
     )

@@ -158,9 +158,7 @@ def _deviations(chain: Chain, modes: int) -> Array:
     assert chain.beam is not None  # A rule made it.
     if not len(ours):
         return np.zeros((2, 0))
-    # The last node may be a rounding beyond the beam's end.
-    position = np.minimum(found.position[node], chain.beam.length)
-    theirs = euler_bernoulli(chain.beam, chain.boundary, len(ours)).shape(position)
+    theirs = euler_bernoulli(chain.beam, chain.boundary, len(ours)).shape(found.position[node])
     product, norm = (ours * theirs) @ weight, ours**2 @ weight
     apart = ours - theirs * (product / (theirs**2 @ weight))[:, None]
     fitted = ours * (product / norm)[:, None]

@@ -13,6 +13,7 @@ from beammodes import modes as modes_module
 from beammodes.beam import Beam
 from beammodes.chain import Chain
 from beammodes.ends import BOUNDARIES, ENDS, Boundary
+from beammodes.exact_beam import euler_bernoulli
 from beammodes.linear import MAX_ASSEMBLED, linearize
 from beammodes.modes import solve_modes
 from beammodes.rules import RULES
@@ -166,3 +167,13 @@ def test_a_chain_that_cannot_move_has_empty_matrices() -> None:
     assert model.mass_matrix.shape == model.stiffness_matrix.shape == (0, 0)
     assert model.joint_rotations.shape == (2, 0)
     assert solve_modes(model).deflection.shape == (0, 4)
+
+
+@pytest.mark.parametrize("segments", [49, 100, 400])
+def test_nodes_end_where_the_beam_does(segments: int) -> None:
+    beam = Beam(1.3, 2.0, 0.7)
+    modes = solve_modes(linearize(Chain(beam, "clamped-free", segments)), 1)
+    assert modes.position[0] == 0.0
+    assert modes.position[-1] == beam.length
+    # So the exact shape can be taken at them.
+    assert euler_bernoulli(beam, "clamped-free", 1).shape(modes.position).shape == modes.deflection.shape
