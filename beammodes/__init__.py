@@ -56,21 +56,30 @@ _HOME = {
     "BeamModes": "exact_beam",
     "Boundary": "ends",
     "Chain": "chain",
-    "ENDS": "ends",
-    "End": "ends",
+    "ENDS": "supports",
+    "End": "supports",
     "LinearModel": "linear",
+    "Load": "loading",
     "Modes": "modes",
     "RULES": "rules",
     "Rule": "rules",
+    "SlendernessWarning": "comparison",
+    "SpectralBeamModes": "spectral_shapes",
+    "SupportedBeamModes": "supported_beam",
+    "Table": "profiles",
     "Weight": "rules",
+    "axially_corrected": "axial_rule",
     "beam_statics": "statics",
+    "buckling_dataset": "buckling",
+    "buckling_load": "buckling",
+    "chain_errors": "comparison",
     "chain_frequency": "dispersion",
     "chain_statics": "statics",
     "compile_equations": "numeric",
     "equations_of_motion": "symbolic",
     "error_dataset": "error_table",
     "error_law": "law",
-    "euler_bernoulli": "exact_beam",
+    "euler_bernoulli": "beam_theory",
     "frequency_error": "errors",
     "linearize": "linear",
     "match_springs": "inverse",
@@ -85,6 +94,7 @@ _HOME = {
     "stable_time_step": "stability",
     "static_dataset": "static_errors",
     "symbolic_energies": "symbolic",
+    "theory_errors": "comparison",
     "wavenumber": "wavenumbers",
 }
 
@@ -92,36 +102,46 @@ __all__ = sorted([*_HOME, "__version__"])
 
 if TYPE_CHECKING:
     from beammodes.advice import recommend as recommend
+    from beammodes.axial_rule import axially_corrected as axially_corrected
     from beammodes.beam import Beam as Beam
+    from beammodes.beam_theory import euler_bernoulli as euler_bernoulli
+    from beammodes.buckling import buckling_dataset as buckling_dataset
+    from beammodes.buckling import buckling_load as buckling_load
     from beammodes.chain import Chain as Chain
+    from beammodes.comparison import SlendernessWarning as SlendernessWarning
+    from beammodes.comparison import chain_errors as chain_errors
+    from beammodes.comparison import theory_errors as theory_errors
     from beammodes.dispersion import chain_frequency as chain_frequency
     from beammodes.ends import BOUNDARIES as BOUNDARIES
-    from beammodes.ends import ENDS as ENDS
     from beammodes.ends import Boundary as Boundary
-    from beammodes.ends import End as End
     from beammodes.error_table import error_dataset as error_dataset
     from beammodes.errors import frequency_error as frequency_error
     from beammodes.errors import segments_needed as segments_needed
     from beammodes.exact_beam import BeamModes as BeamModes
-    from beammodes.exact_beam import euler_bernoulli as euler_bernoulli
     from beammodes.inverse import match_springs as match_springs
     from beammodes.inverse import matched as matched
     from beammodes.law import error_law as error_law
     from beammodes.linear import LinearModel as LinearModel
     from beammodes.linear import linearize as linearize
+    from beammodes.loading import Load as Load
     from beammodes.modes import Modes as Modes
     from beammodes.modes import solve_modes as solve_modes
     from beammodes.numeric import compile_equations as compile_equations
+    from beammodes.profiles import Table as Table
     from beammodes.rules import RULES as RULES
     from beammodes.rules import Rule as Rule
     from beammodes.rules import Weight as Weight
     from beammodes.shapes import modal_assurance as modal_assurance
     from beammodes.shapes import shape_dataset as shape_dataset
+    from beammodes.spectral_shapes import SpectralBeamModes as SpectralBeamModes
     from beammodes.stability import published_time_step as published_time_step
     from beammodes.stability import stable_time_step as stable_time_step
     from beammodes.static_errors import static_dataset as static_dataset
     from beammodes.statics import beam_statics as beam_statics
     from beammodes.statics import chain_statics as chain_statics
+    from beammodes.supported_beam import SupportedBeamModes as SupportedBeamModes
+    from beammodes.supports import ENDS as ENDS
+    from beammodes.supports import End as End
     from beammodes.symbolic import equations_of_motion as equations_of_motion
     from beammodes.symbolic import symbolic_energies as symbolic_energies
     from beammodes.tuning import mode_tuned as mode_tuned

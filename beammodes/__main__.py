@@ -1,4 +1,4 @@
-"""The command line:  beammodes error | frequencies | springs | segments | recommend | time-step."""
+"""The command line: errors, frequencies, springs, segments, advice, time steps and buckling loads."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from typing import NoReturn
 from beammodes import __version__
 from beammodes.commands import (
     Answer,
+    answer_buckling,
     answer_error,
     answer_frequencies,
     answer_recommend,
@@ -61,6 +62,7 @@ def _parser() -> argparse.ArgumentParser:
         "  beammodes frequencies clamped-free --segments 6 --modes 3\n"
         "  beammodes segments clamped-clamped --tolerance 0.01 --modes 3\n"
         "  beammodes recommend clamped-free --tolerance 0.01 --modes 3\n"
+        '  beammodes error "clamped-free(mass=0.5)" --segments 6\n'
         "  beammodes time-step clamped-free --segments 10 --length 1.2 --ei 85 --rho-a 0.62",
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
@@ -68,7 +70,11 @@ def _parser() -> argparse.ArgumentParser:
     commands = parser.add_subparsers(required=True, metavar="COMMAND")
     for name, function, summary, build in _COMMANDS:
         sub = commands.add_parser(name, help=summary, description=summary.capitalize() + ".")
-        sub.add_argument("boundary", help="two ends of clamped, pinned, guided, free, such as clamped-free")
+        sub.add_argument(
+            "boundary",
+            help="two ends of clamped, pinned, guided, free, such as clamped-free; numbers may follow: "
+            '"clamped-free(mass=0.5, rotary_inertia=0.01, offset=0.1, translational_stiffness=3)"',
+        )
         build(sub)
         if function is answer_recommend:
             sub.add_argument("--rule", metavar="RULE,...", help="only these rules (default: all)")
@@ -92,12 +98,14 @@ def _segments_option(sub: argparse.ArgumentParser) -> None:
 def _error_options(sub: argparse.ArgumentParser) -> None:
     _segments_option(sub)
     sub.add_argument("--mode", type=_integer, default=1, metavar="n", help="elastic mode (default: 1)")
+    _axial_option(sub, "EI/L²")
 
 
 def _frequency_options(sub: argparse.ArgumentParser) -> None:
     _segments_option(sub)
     sub.add_argument("--modes", type=_integer, default=3, metavar="n", help="how many modes (default: 3)")
     _beam_options(sub)
+    _axial_option(sub, "N")
 
 
 def _spring_options(sub: argparse.ArgumentParser) -> None:
@@ -110,8 +118,14 @@ def _tolerance_options(sub: argparse.ArgumentParser) -> None:
     sub.add_argument("--modes", type=_integer, default=1, metavar="n", help="how many modes (default: 1)")
 
 
+def _axial_option(sub: argparse.ArgumentParser, unit: str) -> None:
+    text = f"axial force [{unit}], tension positive (default: 0)"
+    sub.add_argument("--axial-force", type=_number, default=0.0, metavar="T", help=text)
+
+
 def _step_options(sub: argparse.ArgumentParser) -> None:
     _spring_options(sub)
+    _axial_option(sub, "N")
     _integrator_option(sub)
 
 
@@ -144,7 +158,12 @@ def _number(text: str) -> float | str:
 
 def _in_flags(message: str) -> str:
     """Return a message of the library in the words that the user typed."""
-    for name, flag in (("bending_stiffness must", "--ei must"), ("mass_per_length must", "--rho-a must")):
+    flags = {
+        "bending_stiffness must": "--ei must",
+        "mass_per_length must": "--rho-a must",
+        "axial_force must": "--axial-force must",
+    }
+    for name, flag in flags.items():
         message = message.replace(name, flag)
     return message
 
@@ -161,6 +180,7 @@ _COMMANDS = (
     ("segments", answer_segments, "how many segments a tolerance needs", _tolerance_options),
     ("recommend", answer_recommend, "rules that meet a tolerance, cheapest first", _advice_options),
     ("time-step", answer_time_step, "largest stable fixed time step of a chain", _step_options),
+    ("buckling", answer_buckling, "compression at which a chain buckles, beside the beam's", _spring_options),
 )
 
 

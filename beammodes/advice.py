@@ -10,11 +10,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from beammodes.beam import Beam
+from beammodes.beam_theory import euler_bernoulli
 from beammodes.chain import Chain
 from beammodes.checks import choice
+from beammodes.end_numbers import in_beam_units
 from beammodes.ends import Boundary, BoundaryLike
 from beammodes.errors import ToleranceOutOfReach, frequency_error, segments_needed
-from beammodes.exact_beam import euler_bernoulli
 from beammodes.rules import RULES, AnyRule, Layout, layout_of
 from beammodes.stability import INTEGRATORS, highest_angular_frequency
 from beammodes.statics import LOADS, beam_statics, chain_statics
@@ -99,11 +100,12 @@ def recommend(
     """
     pair, unit = Boundary.of(boundary), Beam.unit() if beam is None else beam
     choice("integrator", integrator, INTEGRATORS)
+    scaled = in_beam_units(pair, unit)
     ways: list[Recommendation] = []
     refusal = ValueError("rules must name at least one rule, got none")
     for record in [layout_of(rule) for rule in (RULES if rules is None else rules)]:
         try:
-            count = segments_needed(pair, tolerance, modes, record)
+            count = segments_needed(scaled, tolerance, modes, record)
         except ToleranceOutOfReach as error:
             refusal = error
             continue
@@ -125,7 +127,8 @@ def _way(
     highest = highest_angular_frequency(chain)
     step = INTEGRATORS[integrator] / highest
     first = float(euler_bernoulli(beam, boundary, 1).angular_frequency[0])
-    errors = frequency_error(boundary, segments=segments, mode=np.arange(1, modes + 1), rule=record)
+    scaled = in_beam_units(boundary, beam)
+    errors = frequency_error(scaled, segments=segments, mode=np.arange(1, modes + 1), rule=record)
     return Recommendation(
         rule=record.name,
         segments=segments,
@@ -140,7 +143,8 @@ def _way(
 
 def _static_errors(chain: Chain) -> dict[str, float]:
     """Return relative errors of the tip's deflection, or of the middle's where the ends hold the tip."""
-    if chain.boundary.rigid_body_modes:
+    ends = chain.boundary
+    if ends.rigid_body_modes or ends.left.is_elastic or ends.right.is_elastic:
         return {}
     assert chain.beam is not None
     found = {}

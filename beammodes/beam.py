@@ -1,54 +1,78 @@
-"""The beam: three numbers that set every scale of the problem."""
+"""The beam: its length, and the stiffness and mass along it, which set every scale of the problem."""
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
 
+from beammodes.beam_properties import PropertyLike, kept_property
 from beammodes.checks import positive_real
+from beammodes.profiles import Profile, mean_over, profile_breaks
+from beammodes.tabulated import SAME_PLACE
 
 __all__ = ["Beam"]
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, init=False)
 class Beam:
-    """A uniform Euler-Bernoulli beam, in any consistent set of units.
+    """A straight elastic beam, uniform or not, in any consistent set of units.
 
-    Its bending obeys  ρA ∂²y/∂t² + EI ∂⁴y/∂x⁴ = 0  for 0 < x < L.
+    Its bending obeys  ρA ∂²y/∂t² - ∂/∂x(ρI ∂³y/∂x∂t²) + ∂²/∂x²(EI ∂²y/∂x²) = 0  for 0 < x < L: Euler and
+    Bernoulli's beam, or Rayleigh's where the section's rotary inertia ρI is given.
+
+    Each property along the beam is a number; a sequence of two numbers or more, constant on that many equal
+    lengths; a `Table`; or a smooth function of x [m], for arrays or for one number at a time. Sequences are
+    kept as tables, and what is constant as a number.
 
     Parameters
     ----------
     length : float [m]
         L, the whole length.
-    bending_stiffness : float [N m²]
+    bending_stiffness : float, sequence, Table or function [N m²]
         EI, elastic modulus times area moment of inertia of the cross-section.
-    mass_per_length : float [kg/m]
+    mass_per_length : float, sequence, Table or function [kg/m]
         ρA, density times cross-sectional area.
+    rotary_inertia_per_length : float, sequence, Table or function [kg m]
+        ρI, density times area moment of inertia.
 
     Raises
     ------
     TypeError, ValueError
-        If a value is not a finite real number greater than 0.
+        If a value is not a finite real number greater than 0 (`rotary_inertia_per_length` may be 0), or a
+        table does not span the beam. Functions are tried at 65 points, both ends among them.
 
     Examples
     --------
     >>> beam = Beam(length=1.2, bending_stiffness=85.0, mass_per_length=0.62)
     >>> round(beam.frequency_unit, 4)
     8.1311
+    >>> Beam(1.5, bending_stiffness=[3.0, 2.0, 1.0], mass_per_length=lambda x: 2.0 - x).breaks
+    (0.5, 1.0)
     """
 
     length: float
-    bending_stiffness: float
-    mass_per_length: float
+    bending_stiffness: Profile
+    mass_per_length: Profile
+    rotary_inertia_per_length: Profile
 
-    def __post_init__(self) -> None:
-        for name in ("length", "bending_stiffness", "mass_per_length"):
-            object.__setattr__(self, name, positive_real(name, getattr(self, name)))
+    def __init__(
+        self,
+        length: float,
+        bending_stiffness: PropertyLike,
+        mass_per_length: PropertyLike,
+        rotary_inertia_per_length: PropertyLike = 0.0,
+    ) -> None:
+        whole = positive_real("length", length)
+        object.__setattr__(self, "length", whole)
+        for name, given in (("bending_stiffness", bending_stiffness), ("mass_per_length", mass_per_length)):
+            object.__setattr__(self, name, kept_property(name, given, whole))
+        rotary = kept_property("rotary_inertia_per_length", rotary_inertia_per_length, whole)
+        object.__setattr__(self, "rotary_inertia_per_length", rotary)
         if not 0.0 < self.frequency_unit < math.inf:
             raise ValueError(
                 f"length must suit the other two numbers: with length {self.length}, bending_stiffness "
-                f"{self.bending_stiffness} and mass_per_length {self.mass_per_length} frequencies leave "
-                "the range of floating-point numbers"
+                f"{self.mean_bending_stiffness} and mass_per_length {self.mean_mass_per_length} frequencies "
+                "leave the range of floating-point numbers"
             )
 
     @classmethod
@@ -63,7 +87,34 @@ class Beam:
         return cls(1.0, 1.0, 1.0)
 
     @property
+    def is_uniform(self) -> bool:
+        """Whether all three properties are numbers; rotary inertia may still be one of them."""
+        properties = (self.bending_stiffness, self.mass_per_length, self.rotary_inertia_per_length)
+        return all(isinstance(profile, float) for profile in properties)
+
+    @property
+    def mean_bending_stiffness(self) -> float:
+        """∫ EI dx / L [N m²]: the number itself where it is one."""
+        return mean_over(self.bending_stiffness, self.length)
+
+    @property
+    def mean_mass_per_length(self) -> float:
+        """∫ ρA dx / L [kg/m]: the number itself where it is one."""
+        return mean_over(self.mass_per_length, self.length)
+
+    @property
+    def breaks(self) -> tuple[float, ...]:
+        """Positions inside the beam where a property has a step or a kink, ascending [m]."""
+        properties = (self.bending_stiffness, self.mass_per_length, self.rotary_inertia_per_length)
+        kept: list[float] = []
+        for x in sorted(x for profile in properties for x in profile_breaks(profile)):
+            # Thirds and sixths of a length meet but for rounding.
+            if not kept or x - kept[-1] > SAME_PLACE * self.length:
+                kept.append(x)
+        return tuple(kept)
+
+    @property
     def frequency_unit(self) -> float:
-        """√(EI / (ρA L⁴)) [rad/s], which a dimensionless angular frequency multiplies."""
-        speed = math.sqrt(self.bending_stiffness) / math.sqrt(self.mass_per_length)
+        """√(EI / (ρA L⁴)) of mean EI and mean ρA [rad/s], which a dimensionless frequency multiplies."""
+        speed = math.sqrt(self.mean_bending_stiffness) / math.sqrt(self.mean_mass_per_length)
         return speed / self.length / self.length

@@ -13,7 +13,8 @@ are absolute, counter-clockwise positive, zero on the straight chain; deflection
 
 The ends act on the two outer pieces. A clamped or guided end holds its piece's angle at zero, so a hinge *at*
 the wall is an outer piece of length zero, a stub one of half or whole segment. A clamped or pinned end
-holds the deflection of its piece's outer tip.
+holds the deflection of its piece's outer tip; springs of an elastic support act on the same two quantities.
+A body fixed to an end is part of the outer piece, so the rule's wall spring sits between body and beam.
 
 Numbers are kept in the chain's own units (a segment's length, its mass, EI over its length), in which a
 chain made by a rule is exact: its lengths, masses, inertias and springs are rational numbers.
@@ -21,25 +22,29 @@ chain made by a rule is exact: its lengths, masses, inertias and springs are rat
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from beammodes.beam import Beam
+from beammodes.chain_numbers import ChainNumbers
 from beammodes.checks import shown, whole_number
 from beammodes.ends import Boundary, BoundaryLike
-from beammodes.pieces import MAX_PIECES, Number, check_pieces, not_idle, piece_numbers
+from beammodes.pieces import MAX_PIECES, Number, Pieces, check_pieces, check_turning, piece_numbers
+from beammodes.rods import hinge_flexibilities, rigid_rods, step_weights
 from beammodes.rules import AnyRule, Layout, layout_of
-from beammodes.units import Units
+from beammodes.units import ExactUnits, Units
 
 __all__ = ["MAX_PIECES", "Chain", "Number", "Units"]
 
 
 @dataclass(frozen=True, init=False)
-class Chain:
+class Chain(ChainNumbers):
     """A beam of rigid segments and rotational springs, by a rule.
 
     Parameters
@@ -66,11 +71,7 @@ class Chain:
     """
 
     boundary: Boundary
-    piece_length: tuple[Number, ...]
-    piece_mass: tuple[Number, ...]
-    piece_rotary_inertia: tuple[Number, ...]
-    hinge_stiffness: tuple[Number, ...]
-    units: Units
+    exact_units: ExactUnits
     beam: Beam | None
     segments: int | None
     rule: Layout | None
@@ -80,22 +81,25 @@ class Chain:
             raise TypeError(f"beam must be a Beam, got {shown(beam)}")
         boundary, record = Boundary.of(boundary), layout_of(rule)
         count = whole_number("segments", segments, most=MAX_PIECES)
+        units, exact = Units.of(beam, count), ExactUnits.of(beam, count)
         lengths = record.piece_lengths(boundary, count)
-        weights = record.hinge_weights(boundary, count)
+        weights = list(record.hinge_weights(boundary, count))
+        for hinge, added in step_weights(beam, record, lengths, exact).items():
+            weights[hinge] += added
         if any(weight <= 0 for weight in set(weights)):
             raise ValueError(
                 f"rule {record.name} has no positive springs for {boundary.name} with {count} segments"
             )
-        units = Units.of(beam, count)
-        inertia = {length: record.rotary_inertia * length**3 for length in set(lengths)}
-        stiffness = {weight: 1 / weight for weight in set(weights)}
+        flexibility = hinge_flexibilities(beam, lengths, exact)
+        springs = {pair: 1 / (pair[0] * pair[1]) for pair in set(zip(weights, flexibility, strict=True))}
+        rods = rigid_rods(beam, lengths, record.rotary_inertia, exact)
         self._fill(
-            boundary=boundary,
-            piece_length=tuple(lengths),
-            piece_mass=tuple(lengths),
-            piece_rotary_inertia=tuple(inertia[length] for length in lengths),
-            hinge_stiffness=tuple(stiffness[weight] for weight in weights),
+            boundary,
+            tuple(lengths),
+            *rods,
+            tuple(springs[pair] for pair in zip(weights, flexibility, strict=True)),
             units=units,
+            exact_units=exact,
             beam=beam,
             segments=count,
             rule=record,
@@ -110,18 +114,21 @@ class Chain:
         rotary_inertia: Sequence[Number] | NDArray[np.float64],
         joint_stiffness: Sequence[Number] | NDArray[np.float64],
         boundary: BoundaryLike,
+        centre: Sequence[Number] | NDArray[np.float64] | None = None,
     ) -> Chain:
         """Return the chain of given pieces and springs; numbers are kept as given, in consistent units.
 
         Parameters
         ----------
         length, mass, rotary_inertia : sequence, shape (pieces,) [m], [kg], [kg m²]
-            Of each piece, left to right; the inertia about its middle, where its centre of mass lies.
-            An outer piece may have length zero: that puts a hinge at the wall.
+            Of each piece, left to right; the inertia about its centre of mass. An outer piece may have
+            length zero: that puts a hinge at the wall.
         joint_stiffness : sequence, shape (pieces - 1,) [N m/rad]
             Of each hinge, left to right.
         boundary : str, pair or Boundary
-            The ends, which act on the two outer pieces.
+            The ends, which act on the two outer pieces; their bodies are fixed to these.
+        centre : sequence, shape (pieces,) [m], optional
+            Of mass of each piece, from its left tip; its middle by default.
 
         Raises
         ------
@@ -136,34 +143,34 @@ class Chain:
         >>> chain.elastic_modes
         2
         """
-        columns = {"length": length, "mass": mass, "rotary_inertia": rotary_inertia}
-        pieces = {name: piece_numbers(name, values) for name, values in columns.items()}
-        springs = piece_numbers("joint_stiffness", joint_stiffness)
-        pair = Boundary.of(boundary)
-        check_pieces(pair, pieces, springs)
-        keep = not_idle(pair, *pieces.values())
+        given = {"length": length, "mass": mass, "rotary_inertia": rotary_inertia}
+        given |= {} if centre is None else {"centre": centre}
+        columns = {name: piece_numbers(name, values) for name, values in given.items()}
+        columns.setdefault("centre", tuple(value / 2 for value in columns["length"]))
+        columns["joint_stiffness"] = piece_numbers("joint_stiffness", joint_stiffness)
+        check_pieces(columns)
         chain = cls.__new__(cls)
-        chain._fill(
-            boundary=pair,
-            piece_length=pieces["length"][keep],
-            piece_mass=pieces["mass"][keep],
-            piece_rotary_inertia=pieces["rotary_inertia"][keep],
-            hinge_stiffness=springs[keep.start : keep.stop - 1],
-            units=Units(),
-            beam=None,
-            segments=None,
-            rule=None,
-        )
+        numbers = [
+            columns[name] for name in ("length", "mass", "centre", "rotary_inertia", "joint_stiffness")
+        ]
+        unit = {"units": Units(), "exact_units": ExactUnits()}
+        chain._fill(Boundary.of(boundary), *numbers, **unit, beam=None, segments=None, rule=None)
         return chain
 
-    def _fill(self, **fields: object) -> None:
+    def _fill(self, boundary: Boundary, *columns: tuple[Number, ...], **fields: Any) -> None:
+        units: ExactUnits = fields["exact_units"]
+        left, right = (
+            (units.support(end.translational_stiffness, 2), units.support(end.rotational_stiffness, 0))
+            for end in (boundary.left, boundary.right)
+        )
+        bodies = (units.body(*end.moving_body) for end in (boundary.left, boundary.right))
+        length, mass, centre, inertia, springs = columns
+        pieces = Pieces(length, mass, centre, inertia, springs, (left, right))
+        pieces = pieces.with_bodies(*bodies).condensed()
+        check_turning(pieces)
+        fields |= {"boundary": boundary, "pieces_and_springs": pieces}
         for name, value in fields.items():
             object.__setattr__(self, name, value)
-
-    @property
-    def pieces(self) -> int:
-        """How many pieces the chain has, zero-length outer ones included."""
-        return len(self.piece_length)
 
     @property
     def held_angles(self) -> tuple[bool, ...]:
@@ -175,42 +182,10 @@ class Chain:
 
     @property
     def elastic_modes(self) -> int:
-        """How many modes bend the chain: its hinges, less the end conditions that rigid motion cannot meet.
-
-        The ends hold up to four of two deflections and two rotations. On a straight line's two freedoms
-        these conditions have rank `2 - rigid_body_modes`; each further one ties the hinges to each other.
-        """
-        ends = (self.boundary.left, self.boundary.right)
-        held = sum(end.holds_deflection + end.holds_rotation for end in ends)
-        surplus = held - (2 - self.boundary.rigid_body_modes)
-        return max(0, len(self.hinge_stiffness) - surplus)
-
-    @cached_property
-    def joint_stiffness(self) -> NDArray[np.float64]:
-        """Rotational stiffness of every hinge, left to right, shape (hinges,) [N m/rad]."""
-        return _scaled(self.hinge_stiffness, self.units.stiffness)
-
-    @cached_property
-    def length(self) -> NDArray[np.float64]:
-        """Length of every piece, shape (pieces,) [m]."""
-        return _scaled(self.piece_length, self.units.length)
-
-    @cached_property
-    def mass(self) -> NDArray[np.float64]:
-        """Mass of every piece, shape (pieces,) [kg]."""
-        return _scaled(self.piece_mass, self.units.mass)
-
-    @cached_property
-    def rotary_inertia(self) -> NDArray[np.float64]:
-        """Rotary inertia of every piece about its middle, shape (pieces,) [kg m²]."""
-        return _scaled(self.piece_rotary_inertia, self.units.mass * self.units.length**2)
-
-    @cached_property
-    def hinge_position(self) -> NDArray[np.float64]:
-        """Distance of every hinge from the left end, shape (hinges,) [m]."""
-        position = np.cumsum(self.length)[:-1]
-        position.flags.writeable = False
-        return position
+        """How many modes store energy: the chain's independent motions, less the rigid-body modes."""
+        (left, _), (right, _) = self.supports
+        tips = (left != math.inf) - (right == math.inf)
+        return max(0, tips + self.held_angles.count(False) - self.boundary.rigid_body_modes)
 
     @cached_property
     def node_position(self) -> NDArray[np.float64]:
@@ -226,10 +201,3 @@ class Chain:
     def __repr__(self) -> str:
         by = f", segments={self.segments}, rule={self.rule.name!r}" if self.rule else ""
         return f"<Chain {self.boundary.name}: {self.pieces} pieces{by}>"
-
-
-def _scaled(values: Sequence[Number], unit: float) -> NDArray[np.float64]:
-    floats = {value: float(value) for value in set(values)}
-    array = np.array([floats[value] for value in values], dtype=np.float64) * unit
-    array.flags.writeable = False
-    return array

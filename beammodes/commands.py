@@ -11,6 +11,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "Answer",
+    "answer_buckling",
     "answer_error",
     "answer_frequencies",
     "answer_recommend",
@@ -28,7 +29,11 @@ def answer_error(options: argparse.Namespace) -> Answer:
     from beammodes.errors import frequency_error
 
     error: float = frequency_error(
-        options.boundary, segments=options.segments, mode=options.mode, rule=options.rule
+        options.boundary,
+        segments=options.segments,
+        mode=options.mode,
+        rule=options.rule,
+        load=_load(options),
     )
     if math.isnan(error):
         raise ValueError(
@@ -42,6 +47,8 @@ def answer_error(options: argparse.Namespace) -> Answer:
         "mode": options.mode,
         "relative_error": error,
     }
+    if options.axial_force:
+        answer["axial_force"] = options.axial_force
     note = (
         "  (coarse: a mode this near the chain's last is wrong under every rule)" if abs(error) > 0.1 else ""
     )
@@ -52,18 +59,20 @@ def answer_frequencies(options: argparse.Namespace) -> Answer:
     """Answer a chain's natural frequencies beside the exact beam's."""
     import numpy as np
 
+    from beammodes.beam_theory import euler_bernoulli
     from beammodes.errors import frequency_error
-    from beammodes.exact_beam import euler_bernoulli
     from beammodes.linear import linearize
     from beammodes.modes import solve_modes
 
-    chain = _chain(options)
-    modes = solve_modes(linearize(chain), options.modes)
+    chain, load = _chain(options), _load(options)
+    model = linearize(chain, load=load)
+    modes = solve_modes(model, options.modes)
     count = len(modes.frequency)
-    exact = euler_bernoulli(_beam(options), options.boundary, max(count, 1)).frequency[:count]
+    exact = euler_bernoulli(_beam(options), options.boundary, max(count, 1), load=load).frequency[:count]
     each = np.arange(1, count + 1)
-    errors = np.zeros(0)
-    if count:
+    errors = modes.frequency / exact - 1
+    if count and chain.boundary.is_plain and not options.axial_force:
+        # Closed form: digits that a difference of frequencies does not have.
         errors = np.asarray(
             frequency_error(options.boundary, segments=options.segments, mode=each, rule=options.rule)
         )
@@ -71,7 +80,7 @@ def answer_frequencies(options: argparse.Namespace) -> Answer:
         {"mode": int(n), "frequency_hz": float(f), "exact_frequency_hz": float(g), "relative_error": float(e)}
         for n, f, g, e in zip(each, modes.frequency, exact, errors, strict=True)
     ]
-    kinds = f"{modes.rigid_body_modes} rigid-body and {chain.elastic_modes} elastic modes"
+    kinds = f"{modes.rigid_body_modes} rigid-body and {model.elastic_modes} elastic modes"
     title = f"{chain.boundary.name}, {options.segments} segments, {options.rule}: {kinds}"
     return {"rigid_body_modes": modes.rigid_body_modes, "modes": rows}, _frequency_table(title, rows)
 
@@ -95,7 +104,30 @@ def answer_springs(options: argparse.Namespace) -> Answer:
     lines = [
         f"{row['hinge']:5d}  {row['position_m']:12.6g}  {row['stiffness_n_m_per_rad']:20.10g}" for row in rows
     ]
-    return {"hinges": rows}, "\n".join(["hinge  position [m]  stiffness [N m/rad]", *lines])
+    answer: dict[str, Any] = {"hinges": rows}
+    for side, (translation, rotation) in zip(("left", "right"), chain.support_stiffness, strict=True):
+        for kind, stiffness, unit in (
+            ("translational", translation, "N/m"),
+            ("rotational", rotation, "N m/rad"),
+        ):
+            if 0 < stiffness < math.inf:
+                answer[f"{side}_{kind}_support"] = float(stiffness)
+                lines.append(f"{kind} support of the {side} end: {stiffness:.10g} {unit}")
+    return answer, "\n".join(["hinge  position [m]  stiffness [N m/rad]", *lines])
+
+
+def answer_buckling(options: argparse.Namespace) -> Answer:
+    """Answer the compression at which a chain buckles, beside the beam's."""
+    from beammodes.buckling import buckling_load
+
+    chain = _chain(options)
+    load, exact = buckling_load(chain), buckling_load(_beam(options), options.boundary)
+    if math.isinf(load):
+        raise ValueError(
+            f"segments must be larger: {chain.boundary.name} with {options.segments} cannot bend"
+        )
+    answer = {"buckling_load_n": load, "exact_buckling_load_n": exact, "relative_error": load / exact - 1}
+    return answer, f"{load:.6g} N  (beam {exact:.6g} N, error {100 * answer['relative_error']:+.4g} %)"
 
 
 def answer_segments(options: argparse.Namespace) -> Answer:
@@ -111,7 +143,9 @@ def answer_time_step(options: argparse.Namespace) -> Answer:
     from beammodes.stability import highest_angular_frequency, stable_time_step
 
     chain = _chain(options)
-    step, highest = stable_time_step(chain, options.integrator), highest_angular_frequency(chain)
+    load = _load(options)
+    step = stable_time_step(chain, options.integrator, load=load)
+    highest = highest_angular_frequency(chain, load=load)
     if math.isinf(step):
         raise ValueError(
             f"segments must be larger: {chain.boundary.name} with {options.segments} has no elastic mode "
@@ -125,6 +159,12 @@ def _beam(options: argparse.Namespace) -> Any:
     from beammodes.beam import Beam
 
     return Beam(length=options.length, bending_stiffness=options.ei, mass_per_length=options.rho_a)
+
+
+def _load(options: argparse.Namespace) -> Any:
+    from beammodes.loading import Load
+
+    return Load(axial_force=options.axial_force)
 
 
 def _chain(options: argparse.Namespace) -> Any:

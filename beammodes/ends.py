@@ -1,4 +1,4 @@
-"""The ends of a beam: four ways to hold one, ten pairs of two."""
+"""The two ends of a beam: pairs by name, their canonical order, and the ten plain ones."""
 
 from __future__ import annotations
 
@@ -6,52 +6,20 @@ import difflib
 import re
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import Any
+from fractions import Fraction
+from typing import Any, NoReturn
 
 import numpy as np
 from numpy.typing import NDArray
 
 from beammodes.checks import choice, shown
+from beammodes.supports import ENDS, End, end_from_text
 
-__all__ = ["BOUNDARIES", "ENDS", "Boundary", "BoundaryLike", "End", "boundary_codes"]
-
-
-@dataclass(frozen=True, slots=True)
-class End:
-    """One way to hold the end of a beam.
-
-    Parameters
-    ----------
-    name : str
-        The field's word: clamped, pinned, guided or free.
-    holds_deflection : bool
-        True where the end's deflection is zero (clamped, pinned).
-    holds_rotation : bool
-        True where the end's rotation is zero (clamped, guided).
-
-    Examples
-    --------
-    >>> ENDS["guided"].holds_rotation
-    True
-    """
-
-    name: str
-    holds_deflection: bool
-    holds_rotation: bool
-
-    def __str__(self) -> str:
-        return self.name
+__all__ = ["BOUNDARIES", "ENDS", "Boundary", "BoundaryLike", "End", "NotPlain", "boundary_codes"]
 
 
-#: The four ends, the firmer first: this order makes the canonical names of pairs.
-ENDS: dict[str, End] = {
-    "clamped": End("clamped", True, True),
-    "pinned": End("pinned", True, False),
-    "guided": End("guided", False, True),
-    "free": End("free", False, False),
-}
-_ALIASES = {"cantilever": "clamped", "fixed": "clamped", "hinged": "pinned", "sliding": "guided"}
-_FIRMNESS = {name: rank for rank, name in enumerate(ENDS)}
+class NotPlain(ValueError):
+    """A pair of ends with springs or bodies where only the ten plain pairs are known."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -86,7 +54,8 @@ class Boundary:
         Parameters
         ----------
         value : str, pair of str or End, or Boundary
-            Such as "clamped-free", "cantilever/free" or ("clamped", "free"); either order.
+            Such as "clamped-free", "cantilever/free" or ("clamped", "free"); either order. Numbers of an
+            `End` may follow its word: "clamped-free(mass=0.5, rotary_inertia=0.01)".
 
         Raises
         ------
@@ -105,26 +74,34 @@ class Boundary:
 
     @property
     def name(self) -> str:
-        """The two words in this boundary's own order, such as "clamped-free"."""
-        return f"{self.left.name}-{self.right.name}"
+        """The two ends in this boundary's own order, such as "clamped-free", readable by `of`."""
+        return f"{self.left}-{self.right}"
 
     @property
     def canonical(self) -> Boundary:
         """The same pair with the firmer end first: how datasets and tables name it."""
-        if _FIRMNESS[self.left.name] <= _FIRMNESS[self.right.name]:
-            return self
+        return self if _firmness(self.left) <= _firmness(self.right) else self.turned
+
+    @property
+    def turned(self) -> Boundary:
+        """The same pair in the other order."""
         return Boundary(self.right, self.left)
+
+    @property
+    def is_plain(self) -> bool:
+        """Whether both ends are no more than clamped, pinned, guided or free."""
+        return self.left.word is not None and self.right.word is not None
 
     @property
     def rigid_body_modes(self) -> int:
         """How many independent transverse motions leave the beam straight (0, 1 or 2).
 
-        Two held quantities fix a straight line, unless both are rotations: those fix its slope twice.
+        Two supported quantities fix a straight line, unless both are rotations: those fix its slope twice.
         """
         ends = (self.left, self.right)
-        held_deflections = sum(end.holds_deflection for end in ends)
-        slope_held = any(end.holds_rotation for end in ends)
-        return 2 - min(2, held_deflections + slope_held)
+        deflections = sum(end.translational_stiffness > 0 for end in ends)
+        slope = any(end.rotational_stiffness > 0 for end in ends)
+        return 2 - min(2, deflections + slope)
 
     def __str__(self) -> str:
         return self.name
@@ -139,7 +116,7 @@ BoundaryLike = str | tuple[str | End, str | End] | Boundary
 BOUNDARIES: tuple[Boundary, ...] = tuple(
     Boundary(left, right) for i, left in enumerate(ENDS.values()) for right in list(ENDS.values())[i:]
 )
-_CODES = {pair.name: code for code, pair in enumerate(BOUNDARIES)}
+_CODES = {(pair.left.word, pair.right.word): code for code, pair in enumerate(BOUNDARIES)}
 
 
 def boundary_codes(value: BoundaryLike | Iterable[BoundaryLike] | NDArray[Any]) -> NDArray[np.intp]:
@@ -172,11 +149,26 @@ def boundary_codes(value: BoundaryLike | Iterable[BoundaryLike] | NDArray[Any]) 
 
 
 def _code(value: BoundaryLike) -> int:
-    return _CODES[Boundary.of(value).canonical.name]
+    pair = Boundary.of(value).canonical
+    words = (pair.left.word, pair.right.word)
+    if None in words:
+        raise NotPlain(
+            f"boundary must be a pair of {', '.join(ENDS)} ends here, without springs or bodies, "
+            f"got {shown(pair)}"
+        )
+    # A body that cannot move, or a clamped word with one, may have changed the order.
+    return _CODES[words] if words in _CODES else _CODES[words[::-1]]
+
+
+def _firmness(end: End) -> tuple[float | Fraction, ...]:
+    """Return a key that sorts the firmer end first: clamped, pinned, guided, free among the plain ones."""
+    supports = (-end.translational_stiffness, -end.rotational_stiffness)
+    return (*supports, end.mass, end.rotary_inertia, end.offset)
 
 
 def _split(value: str) -> tuple[str, ...]:
-    parts = tuple(re.split(r"[-/,]", value))
+    # Only outside parentheses: numbers in them have signs and commas of their own.
+    parts = tuple(re.split(r"[-/,](?![^(]*\))", value))
     if len(parts) != 2:
         _refuse(value)
     return parts
@@ -196,14 +188,11 @@ def _end(part: object, whole: object) -> End:
         return part
     if not isinstance(part, str):
         return ENDS[choice("end", part, ENDS)]
-    word = part.strip().lower()
-    word = _ALIASES.get(word, word)
-    if word not in ENDS:
-        _refuse(whole)
-    return ENDS[word]
+    end = end_from_text(part)
+    return end if end is not None else _refuse(whole)
 
 
-def _refuse(value: object) -> None:
+def _refuse(value: object) -> NoReturn:
     """Raise the error for an unreadable boundary, with the nearest readable name."""
     either_order = [f"{a}-{b}" for a in ENDS for b in ENDS]
     text = "-".join(map(str, value)) if isinstance(value, tuple | list) else str(value)

@@ -2,19 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from beammodes.checks import whole_number
+from beammodes.end_numbers import EndNumbers
 from beammodes.ends import Boundary, BoundaryLike
 from beammodes.errors import MAX_MODES, frequency_error
 from beammodes.exact_beam import wavenumber
 from beammodes.grids import listed
+from beammodes.loading import Load, checked_load
 from beammodes.lookup import MAX_SEGMENTS
 from beammodes.rules import AnyRule, Layout, layout_of
+from beammodes.supported_errors import beam_frequencies
 
 if TYPE_CHECKING:
     import xarray
@@ -30,22 +33,31 @@ def error_dataset(
     segments: int | Iterable[int],
     modes: int,
     rule: AnyRule | Iterable[AnyRule] = "mitiguy",
+    load: Load | None = None,
+    over: Mapping[str, Iterable[float]] | None = None,
 ) -> xarray.Dataset:
     """Return frequencies and errors of chains as one labelled table.
 
     Parameters
     ----------
     boundary : boundary, or iterable of boundaries
+        Numbers of an `End` count for L = EI = ρA = 1, and so do those of `load` and `over`.
     segments : int, or iterable of int
     modes : int
         How many, from the first.
     rule : rule, or iterable of rules
+    load : Load, optional
+        An axial force [EI/L²].
+    over : mapping from names to numbers, optional
+        Further dimensions: numbers of the ends, such as "right_mass" or "left_rotational_stiffness", and
+        "axial_force". They replace those of every boundary, whose two ends then stay in the order given.
 
     Returns
     -------
     xarray.Dataset
-        Dimensions rule, boundary, segments, mode; variables angular_frequency, exact_angular_frequency (both
-        for L = EI = ρA = 1) and relative_error; NaN where a chain has no such mode.
+        Dimensions rule, boundary, those of `over`, segments, mode; variables angular_frequency,
+        exact_angular_frequency (both for L = EI = ρA = 1) and relative_error; NaN where a chain has no such
+        mode.
 
     Raises
     ------
@@ -57,26 +69,41 @@ def error_dataset(
     >>> table = error_dataset(boundary="clamped-free", segments=range(1, 4), modes=2)
     >>> table.relative_error.sel(mode=1).squeeze().values.round(5)
     array([-0.14676, -0.03366, -0.01443])
+    >>> masses = {"right_mass": [0.0, 0.5, 1.0]}
+    >>> dict(error_dataset(boundary="clamped-free", segments=8, modes=1, over=masses).sizes)
+    {'rule': 1, 'boundary': 1, 'right_mass': 3, 'segments': 1, 'mode': 1}
     """
-    pairs = [Boundary.of(pair).canonical for pair in listed("boundary", boundary, (str, Boundary, tuple))]
+    pairs = [Boundary.of(pair) for pair in listed("boundary", boundary, (str, Boundary, tuple))]
+    numbers, pull = EndNumbers(over), checked_load(load)
+    pairs = pairs if numbers.values else [pair.canonical for pair in pairs]
     records = [layout_of(name) for name in listed("rule", rule, (str, Layout))]
     counts = [whole_number("segments", n, most=MAX_SEGMENTS) for n in listed("segments", segments, (str,))]
     mode = np.arange(1, whole_number("modes", modes, most=MAX_MODES) + 1)
-    # Lists, not tuples: a tuple of two would be one boundary.
-    rows = np.array(pairs, dtype=object)[:, None, None]
-    error = np.array(
-        [frequency_error(rows, segments=np.array(counts)[:, None], mode=mode, rule=r) for r in records]
-    )
-    exact = np.asarray(wavenumber(rows[:, :, 0], mode)) ** 2
+    exact = np.empty((len(pairs), *numbers.shape, len(mode)))
+    error = np.empty((len(records), len(pairs), *numbers.shape, len(counts), len(mode)))
+    for p, pair in enumerate(pairs):
+        for index, ends, force in numbers.cases(pair, pull):
+            exact[(p, *index)] = _exact_frequencies(ends, mode, force)
+            for r, record in enumerate(records):
+                error[(r, p, *index)] = frequency_error(
+                    ends, segments=np.array(counts)[:, None], mode=mode, rule=record, load=force
+                )
     return labelled_errors(
         [record.name for record in records],
         [pair.name for pair in pairs],
         counts,
-        angular_frequency=exact[None, :, None, :] * (1 + error),
+        angular_frequency=exact[None, ..., None, :] * (1 + error),
         exact=exact,
         error=error,
         route="closed form",
+        over=numbers,
     )
+
+
+def _exact_frequencies(boundary: Boundary, mode: NDArray[np.intp], load: Load) -> Array:
+    if boundary.is_plain and not load.axial_force:
+        return np.asarray(wavenumber(boundary, mode)) ** 2
+    return beam_frequencies(boundary, len(mode), load)
 
 
 def labelled_errors(
@@ -88,6 +115,7 @@ def labelled_errors(
     exact: Array,
     error: Array,
     route: str,
+    over: EndNumbers | None = None,
 ) -> xarray.Dataset:
     """Return frequencies and errors as the Dataset that `error_dataset` describes.
 
@@ -95,19 +123,22 @@ def labelled_errors(
     ----------
     rules, boundaries, segments : list
         Coordinates of the first three dimensions; modes count from 1.
-    angular_frequency, error : ndarray, shape (rules, boundaries, segments, modes)
+    angular_frequency, error : ndarray, shape (rules, boundaries, ..., segments, modes)
         Of the chains, for L = EI = ρA = 1.
-    exact : ndarray, shape (boundaries, modes)
+    exact : ndarray, shape (boundaries, ..., modes)
         Of the beam.
     route : str
         How the frequencies were computed; kept as an attribute.
+    over : EndNumbers, optional
+        What the dimensions in between are.
     """
     import xarray
 
     from beammodes import __version__
 
-    dims = ("rule", "boundary", "segments", "mode")
-    exact = np.broadcast_to(exact[None, :, None, :], error.shape)
+    between = over or EndNumbers(None)
+    dims = ("rule", "boundary", *between.values, "segments", "mode")
+    exact = np.broadcast_to(exact[None, ..., None, :], error.shape)
     frequency = {"units": "sqrt(EI / (rhoA L^4))"}
     return xarray.Dataset(
         {
@@ -130,8 +161,9 @@ def labelled_errors(
         coords={
             "rule": rules,
             "boundary": boundaries,
+            **between.coordinates(),
             "segments": ("segments", segments, {"long_name": "number of rigid segments", "units": "1"}),
-            "mode": ("mode", np.arange(1, error.shape[3] + 1), {"long_name": "elastic mode", "units": "1"}),
+            "mode": ("mode", np.arange(1, error.shape[-1] + 1), {"long_name": "elastic mode", "units": "1"}),
         },
         attrs={"source": f"beammodes {__version__}", "route": route},
     )

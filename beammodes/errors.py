@@ -10,8 +10,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from beammodes.checks import positive_real, shown, whole_number
 from beammodes.discretization import relative_error
-from beammodes.ends import BOUNDARIES, Boundary, BoundaryLike, boundary_codes
+from beammodes.ends import BOUNDARIES, Boundary, BoundaryLike, NotPlain, boundary_codes
 from beammodes.exact_beam import wavenumber
+from beammodes.loading import Load, checked_load
 from beammodes.lookup import MAX_MODE, MAX_SEGMENTS
 from beammodes.rules import AnyRule, Layout, Rule, RuleMaker, layout_of
 from beammodes.wavenumbers import whole_numbers
@@ -29,7 +30,9 @@ class ToleranceOutOfReach(ValueError):
 
 
 @overload
-def frequency_error(boundary: str | Boundary, *, segments: int, mode: int, rule: AnyRule = ...) -> float: ...
+def frequency_error(
+    boundary: str | Boundary, *, segments: int, mode: int, rule: AnyRule = ..., load: Load | None = ...
+) -> float: ...
 
 
 @overload
@@ -39,6 +42,7 @@ def frequency_error(
     segments: ArrayLike,
     mode: ArrayLike,
     rule: AnyRule | Iterable[AnyRule] | NDArray[Any] = ...,
+    load: Load | None = ...,
 ) -> float | Array: ...
 
 
@@ -48,6 +52,7 @@ def frequency_error(
     segments: ArrayLike,
     mode: ArrayLike,
     rule: AnyRule | Iterable[AnyRule] | NDArray[Any] = "mitiguy",
+    load: Load | None = None,
 ) -> float | Array:
     """Return the signed relative frequency error of a uniform chain.
 
@@ -55,17 +60,21 @@ def frequency_error(
 
     It is dimensionless and needs no beam: length, stiffness and mass scale out. Arguments broadcast.
     Relative accuracy is 1e-9 or better for modes up to N/10, also where e is far below machine
-    epsilon; beyond them, and next to an N where e changes sign, e is within 1e-14.
+    epsilon; beyond them, and next to an N where e changes sign, e is within 1e-14. With springs or bodies at
+    the ends or an axial force it is within 1e-14, for modes to 1000.
 
     Parameters
     ----------
     boundary : str, Boundary, or array of them
-        Such as "clamped-free"; either order of the ends.
+        Such as "clamped-free"; either order of the ends. Numbers of an `End` count for L = EI = ρA = 1:
+        "clamped-free(mass=0.5)" carries half the beam's mass at its tip.
     segments : int or array of int
         N, from 1 to 10⁹.
     mode : int or array of int
         1-based index of an elastic mode.
     rule : str, Rule, or array of them; or one record from `mode_tuned` or `matched`
+    load : Load, optional
+        Its axial force in EI/L².
 
     Returns
     -------
@@ -86,10 +95,22 @@ def frequency_error(
     array([[-1.25911e-03, -6.92000e-06],
            [-3.14010e-04, -4.30000e-07]])
     """
-    if isinstance(rule, Layout) and not isinstance(rule, Rule):
-        return _errors_of_layout(boundary, segments, mode, rule)
     rules: Any = rule
-    return relative_error(boundary, segments, mode, rules)
+    pull = checked_load(load)
+    if pull.axial_force:
+        return _supported(boundary, segments, mode, rules, pull)
+    try:
+        if isinstance(rule, Layout) and not isinstance(rule, Rule):
+            return _errors_of_layout(boundary, segments, mode, rule)
+        return relative_error(boundary, segments, mode, rules)
+    except NotPlain:
+        return _supported(boundary, segments, mode, rules, pull)
+
+
+def _supported(boundary: Any, segments: Any, mode: Any, rule: Any, load: Load) -> float | Array:
+    from beammodes.supported_errors import supported_errors
+
+    return supported_errors(boundary, segments, mode, rule, load)
 
 
 def _errors_of_layout(boundary: Any, segments: Any, mode: Any, layout: Layout) -> float | Array:
@@ -134,11 +155,19 @@ def _solved_errors(boundary: Boundary, segments: int, mode: NDArray[np.int64], l
 
 
 def segments_needed(
-    boundary: BoundaryLike, tolerance: float, modes: int = 1, rule: AnyRule = "mitiguy"
+    boundary: BoundaryLike,
+    tolerance: float,
+    modes: int = 1,
+    rule: AnyRule = "mitiguy",
+    *,
+    load: Load | None = None,
 ) -> int:
     """Return the smallest N from which the first modes all stay within a tolerance, for every larger N too.
 
         N = min { n : |e_k(n')| ≤ tolerance for all n' ≥ n and k = 1..modes }
+
+    With springs or bodies at the ends or an axial force, N is sought up to 10⁵, and every larger N stands for
+    those of a grid: all up to 30, then steps of a tenth.
 
     Parameters
     ----------
@@ -148,6 +177,8 @@ def segments_needed(
     modes : int
         How many modes, from the first.
     rule : str or Rule
+    load : Load, optional
+        Its axial force in EI/L².
 
     Raises
     ------
@@ -159,7 +190,7 @@ def segments_needed(
     >>> segments_needed("clamped-clamped", tolerance=0.01, modes=3, rule="mitiguy")
     26
     """
-    ends, limit = Boundary.of(boundary), positive_real("tolerance", tolerance)
+    ends, limit, pull = Boundary.of(boundary), positive_real("tolerance", tolerance), checked_load(load)
     record, mode = layout_of(rule), np.arange(1, whole_number("modes", modes, most=MAX_MODES) + 1)
 
     if not isinstance(record, Rule) and not isinstance(record, RuleMaker):
@@ -169,17 +200,18 @@ def segments_needed(
         )
 
     def fails(count: NDArray[np.int64]) -> NDArray[np.bool_]:
-        error = frequency_error(ends, segments=count[:, None], mode=mode, rule=record)
+        error = frequency_error(ends, segments=count[:, None], mode=mode, rule=record, load=pull)
         return np.asarray(~(np.abs(error) <= limit).all(axis=1))
 
-    grid = _segment_grid(len(mode))
+    simple = ends.is_plain and not pull.axial_force
+    grid = _segment_grid(len(mode)) if simple else _sparse_grid(len(mode))
     failing = np.flatnonzero(fails(grid))
     if not len(failing):
         return int(grid[0])
     if failing[-1] == len(grid) - 1:
         raise ToleranceOutOfReach(
             f"tolerance must be larger: with rule {record.name}, {ends.name} and {len(mode)} modes no chain "
-            f"of up to {MAX_SEGMENTS} segments stays within {shown(tolerance)}"
+            f"of up to {grid[-1]} segments stays within {shown(tolerance)}"
         )
     low, high = int(grid[failing[-1]]), int(grid[failing[-1] + 1])
     while high - low > 1:
@@ -198,3 +230,10 @@ def _segment_grid(modes: int) -> NDArray[np.int64]:
     steps = np.arange(1, 1 + int(np.log(MAX_SEGMENTS / dense) / np.log(1.01)))
     coarse = (dense * 1.01**steps).astype(np.int64)
     return np.unique(np.concatenate([np.arange(1, dense + 1), coarse, [MAX_SEGMENTS]]))
+
+
+def _sparse_grid(modes: int) -> NDArray[np.int64]:
+    """Return every N where errors are irregular, then N in steps of a tenth: each is some roots to find."""
+    dense = max(30, 3 * modes)
+    steps = np.arange(1, 2 + int(np.log(1e5 / dense) / np.log(1.1)))
+    return np.unique(np.concatenate([np.arange(1, dense + 1), (dense * 1.1**steps).astype(np.int64)]))

@@ -21,7 +21,7 @@ from beammodes.wavenumbers import (
     wavenumber_of_code,
 )
 
-__all__ = ["BeamModes", "euler_bernoulli", "wavenumber", "wavenumber_of_code"]
+__all__ = ["BeamModes", "plain_modes", "wavenumber", "wavenumber_of_code"]
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.integer[Any]]
@@ -29,7 +29,7 @@ Integers = NDArray[np.integer[Any]]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class BeamModes:
-    """The first elastic modes of a uniform Euler-Bernoulli beam; `euler_bernoulli` makes it.
+    """The first elastic modes of a uniform Euler-Bernoulli beam; `plain_modes` makes it.
 
     Mode shapes have unit modal mass, ∫ ρA φₘ φₙ dx = 1 if m = n, else 0, and the sign that makes the first
     nonzero of φ, φ', φ'' positive at x = 0.  Ends' conditions hold to 1e-14 of each derivative's scale for
@@ -46,7 +46,7 @@ class BeamModes:
 
     Examples
     --------
-    >>> modes = euler_bernoulli(Beam.unit(), "pinned-pinned", 2)
+    >>> modes = plain_modes(Beam.unit(), "pinned-pinned", 2)
     >>> modes.shape([0.25, 0.5]).round(6) + 0.0
     array([[1.      , 1.414214],
            [1.414214, 0.      ]])
@@ -94,7 +94,7 @@ class BeamModes:
 
         Examples
         --------
-        >>> tip = euler_bernoulli(Beam.unit(), "clamped-free", 3).shape([1.0])
+        >>> tip = plain_modes(Beam.unit(), "clamped-free", 3).shape([1.0])
         >>> tip.round(12).tolist()
         [[2.0], [-2.0], [2.0]]
         """
@@ -107,7 +107,7 @@ class BeamModes:
         start = _unit_shapes(self.boundary, self.wavenumber, np.zeros(1), np.ones(1), first)
         scale = np.sign(start) * (self.wavenumber[:, None] / self.beam.length) ** order
         # Two square roots: the product of mass per length and length may leave the range of doubles.
-        scale /= math.sqrt(self.beam.mass_per_length) * math.sqrt(self.beam.length)
+        scale /= math.sqrt(self.beam.mean_mass_per_length) * math.sqrt(self.beam.length)
         return (scale * shapes).reshape(len(self.wavenumber), *position.shape)
 
     def slope(self, x: ArrayLike) -> Floats:
@@ -115,21 +115,21 @@ class BeamModes:
 
         Examples
         --------
-        >>> bool(euler_bernoulli(Beam.unit(), "pinned-free", 1).slope(0.0)[0] > 0)
+        >>> bool(plain_modes(Beam.unit(), "pinned-free", 1).slope(0.0)[0] > 0)
         True
         """
         return self.shape(x, derivative=1)
 
 
-def euler_bernoulli(beam: Beam, boundary: BoundaryLike, modes: int) -> BeamModes:
-    """Return the first elastic modes of a beam under Euler-Bernoulli theory.
+def plain_modes(beam: Beam, boundary: BoundaryLike, modes: int) -> BeamModes:
+    """Return the first elastic modes of a uniform Euler-Bernoulli beam between plain ends.
 
     EI φ'''' = ρA ω² φ  with two homogeneous conditions at each end.
 
     Parameters
     ----------
     beam : Beam
-        The uniform beam.
+        Its rotary inertia, if it has any, is left out.
     boundary : str, pair of ends or Boundary
         Its ends; the one named first is at x = 0.
     modes : int
@@ -138,16 +138,18 @@ def euler_bernoulli(beam: Beam, boundary: BoundaryLike, modes: int) -> BeamModes
     Raises
     ------
     TypeError, ValueError
-        If `beam` is not a Beam, `boundary` cannot be read or `modes` is not a whole number in range.
+        If `beam` is not a uniform Beam, `boundary` is not a plain pair or `modes` is not a whole number in
+        range.
 
     Examples
     --------
-    >>> beam = Beam(length=1.2, bending_stiffness=85.0, mass_per_length=0.62)
-    >>> euler_bernoulli(beam, "clamped-free", 3).frequency.round(3)
-    array([ 4.55 , 28.515, 79.843])
+    >>> plain_modes(Beam.unit(), "clamped-free", 3).angular_frequency.round(3)
+    array([ 3.516, 22.034, 61.697])
     """
     if not isinstance(beam, Beam):
         raise TypeError(f"beam must be a Beam, got {shown(beam)}")
+    if not beam.is_uniform:
+        raise ValueError(f"beam must be uniform, got {shown(beam)}")
     pair = Boundary.of(boundary)
     count = whole_number("modes", modes, most=10**6)
     roots = joined(*split_wavenumber(boundary_codes(pair), np.arange(1, count + 1)))

@@ -41,7 +41,7 @@ from numpy.typing import NDArray
 from beammodes.beam import Beam
 from beammodes.checks import whole_number
 from beammodes.ends import Boundary, BoundaryLike, End
-from beammodes.exact_beam import BeamModes, euler_bernoulli
+from beammodes.exact_beam import BeamModes, plain_modes
 from beammodes.rules import Rule, RuleLike, RuleMaker, Weight, rule_named
 
 __all__ = ["ErrorLaw", "end_defects", "error_law", "interior_coefficient"]
@@ -103,7 +103,7 @@ def error_law(boundary: BoundaryLike, mode: int, rule: RuleLike | RuleMaker = "m
     pair = Boundary.of(boundary)
     record = rule.rule_for(pair) if isinstance(rule, RuleMaker) else rule_named(rule)
     index = whole_number("mode", mode)
-    beam = euler_bernoulli(Beam.unit(), pair, index)
+    beam = plain_modes(Beam.unit(), pair, index)
     terms: list[tuple[int, float]] = []
     for end, left in ((pair.left, True), (pair.right, False)):
         derivatives = _derivatives_of_moment_squared(beam, left)

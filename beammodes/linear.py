@@ -1,9 +1,15 @@
-"""The linear chain in its factors: small transverse vibration about the straight chain at rest."""
+"""The linear chain in its factors: small transverse vibration about the straight chain at rest.
+
+Coordinates are the deflections of the nodes: the left tip, the hinges, the right tip. Nodes at either side
+of a piece that is held or has no length share one. A piece of length zero that turns (a body with rotary
+inertia at an end) has its angle as a coordinate of its own.
+"""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -11,10 +17,12 @@ from numpy.typing import NDArray
 
 from beammodes.chain import Chain, Number
 from beammodes.checks import shown
+from beammodes.loading import Load, checked_load
 
 __all__ = ["MAX_ASSEMBLED", "LinearModel", "linearize", "nodal_deflections", "nodal_matrices"]
 
 Array = NDArray[np.float64]
+Row = dict[int, Any]
 
 #: Matrices of more rows are not assembled: an assembled stiffness matrix of a long chain has already lost the
 #: digits of its lowest modes (its condition number grows as N⁴), so it would only mislead.
@@ -23,16 +31,18 @@ MAX_ASSEMBLED = 2000
 
 @dataclass(frozen=True)
 class LinearModel:
-    """The linear chain  M y'' + K y = 0,  kept in its factors.
+    """The linear chain  M u'' + K u = 0,  kept in its factors.
 
-    K = Bᵀ D B, with B the joints' relative rotations and D the joint stiffnesses on the diagonal; M is the
-    pieces' inertia. `solve_modes` works on these factors and never on the assembled matrices, which are
-    for reading and for checking.
+    K = Bᵀ D B + supports + T G, with B the joints' relative rotations, D the joint stiffnesses on the
+    diagonal, and G = Σ l_i θ_iᵀ θ_i what an axial force T does; M is the pieces' inertia. `solve_modes` works
+    on these factors and never on the assembled matrices, which are for reading and for checking.
 
     Attributes
     ----------
     chain : Chain
         The pieces and springs that the factors are made of.
+    load : Load
+        What it vibrates under.
 
     Examples
     --------
@@ -47,11 +57,25 @@ class LinearModel:
     """
 
     chain: Chain
+    load: Load = field(default_factory=Load)
 
     @property
     def coordinates(self) -> tuple[str, ...]:
-        """Names of the independent deflections: of every tip and hinge, left to right, that can move."""
-        return tuple(f"y_{node}" for node in _independent_nodes(self.chain))
+        """Names of the independent coordinates: deflections, left to right, then angles of end bodies."""
+        return (*(f"y_{node}" for node in _independent_nodes(self.chain)), *_free_angles(self.chain))
+
+    @property
+    def rigid_body_modes(self) -> int:
+        """How many motions store nothing. An axial force lets a rigid rotation store energy."""
+        if not self.load.axial_force:
+            return self.chain.boundary.rigid_body_modes
+        return int(not any(translation for translation, _ in self.chain.supports))
+
+    @property
+    def elastic_modes(self) -> int:
+        """How many modes store energy."""
+        chain = self.chain
+        return chain.elastic_modes + chain.boundary.rigid_body_modes - self.rigid_body_modes
 
     @property
     def joint_rotations(self) -> Array:
@@ -65,12 +89,12 @@ class LinearModel:
 
     @property
     def mass_matrix(self) -> Array:
-        """M, tridiagonal, shape (coordinates, coordinates) [kg]."""
+        """M, tridiagonal but for end bodies' angles, shape (coordinates, coordinates) [kg]."""
         return self._assembled()[1]
 
     @property
     def stiffness_matrix(self) -> Array:
-        """K = Bᵀ D B, pentadiagonal, shape (coordinates, coordinates) [N/m]."""
+        """K, pentadiagonal but for end bodies' angles, shape (coordinates, coordinates) [N/m]."""
         return self._assembled()[2]
 
     def _assembled(self) -> tuple[Array, Array, Array]:
@@ -81,28 +105,37 @@ class LinearModel:
                 "solve_modes needs none of them"
             )
         units = self.chain.units
+        # Deflections are in metres, angles of bodies in radians.
+        scale = np.array([units.length if name.startswith("y") else 1.0 for name in self.coordinates])
         rotations, mass, stiffness = (
             # Reshaped, since a chain that cannot move has matrices without columns.
-            np.array(matrix, dtype=np.float64).reshape(len(matrix), len(self.coordinates))
-            for matrix in nodal_matrices(self.chain, float)
+            np.array(matrix, dtype=np.float64).reshape(len(matrix), len(scale))
+            for matrix in nodal_matrices(self.chain, float, self.load)
         )
-        return rotations / units.length, mass * units.mass, stiffness * units.stiffness / units.length**2
+        pair = np.outer(scale, scale)
+        return (
+            rotations / scale,
+            mass * (units.mass * units.length**2) / pair,
+            stiffness * units.stiffness / pair,
+        )
 
 
-def linearize(chain: Chain) -> LinearModel:
+def linearize(chain: Chain, *, load: Load | None = None) -> LinearModel:
     """Return the linear model of a chain's small transverse vibration about its straight shape.
 
-        M y'' + Bᵀ D B y = 0
+        M u'' + K u = 0
 
     Parameters
     ----------
     chain : Chain
         Any chain; nothing is assembled here, so its length does not matter.
+    load : Load, optional
+        An axial force.
 
     Raises
     ------
     TypeError
-        If `chain` is no Chain.
+        If `chain` is no Chain or `load` no Load.
 
     Examples
     --------
@@ -113,74 +146,93 @@ def linearize(chain: Chain) -> LinearModel:
     """
     if not isinstance(chain, Chain):
         raise TypeError(f"chain must be a Chain, got {shown(chain)}")
-    return LinearModel(chain)
+    return LinearModel(chain, checked_load(load))
 
 
 def nodal_deflections(chain: Chain) -> list[int | None]:
     """Return, for each node of the chain, the index of its independent deflection, None where it is held.
 
     Nodes are the left tip, the hinges and the right tip, 0 to p for p pieces. The two nodes of a piece
-    whose angle an end holds deflect alike: both are zero (clamped) or one coordinate (guided).
+    whose angle an end holds, or that has no length, deflect alike.
     """
     groups: list[list[int]] = [[0]]
     for piece, held in enumerate(chain.held_angles):
-        groups[-1].append(piece + 1) if held else groups.append([piece + 1])
+        alike = held or not chain.piece_length[piece]
+        groups[-1].append(piece + 1) if alike else groups.append([piece + 1])
     index: list[int | None] = [None] * (chain.pieces + 1)
     left, right = chain.boundary.left.holds_deflection, chain.boundary.right.holds_deflection
     moving = groups[int(left) : len(groups) - int(right)]
     for i, group in enumerate(moving):
         for node in group:
             index[node] = i
-    if (left and 0 in groups[-1]) or (right and chain.pieces in groups[0]):
+    if (left and chain.pieces in groups[0]) or (right and 0 in groups[-1]):
         return [None] * (chain.pieces + 1)
     return index
 
 
 def nodal_matrices(
-    chain: Chain, number: Callable[[Number], Any]
+    chain: Chain, number: Callable[[Number], Any], load: Load | None = None
 ) -> tuple[list[list[Any]], list[list[Any]], list[list[Any]]]:
-    """Return B, M and K = Bᵀ D B in nodal deflections, in the chain's own units and the algebra of `number`.
+    """Return B, M and K in nodal coordinates, in the chain's own units and the algebra of `number`.
 
-    ::
+        piece i:   θ_i = (y_{i+1} - y_i)/l_i,   its centre of mass at  y_i + c_i θ_i
+        joint j:   θ_{j+1} - θ_j
 
-        piece i:   θ_i = (y_{i+1} - y_i)/l_i        joint j:   θ_{j+1} - θ_j
-
-                          m/4 + J/l²   m/4 - J/l²
-        inertia of i:
-                          m/4 - J/l²   m/4 + J/l²
+    M = Σ m (centre)ᵀ(centre) + J θᵀθ,   K = Σ k (joint)ᵀ(joint) + Σ_ends (K_t yᵀy + K_r θᵀθ) + T Σ l θᵀθ
     """
     index = nodal_deflections(chain)
-    size = len(_independent_nodes(chain))
-    slopes, mass = [], [[number(0)] * size for _ in range(size)]
-    for i, held in enumerate(chain.held_angles):
-        ends, length, weight = (index[i], index[i + 1]), number(chain.piece_length[i]), chain.piece_mass[i]
-        slopes.append({} if held else {ends[0]: -1 / length, ends[1]: 1 / length})
-        quarter = number(weight) / 4
-        turning = number(0) if held else number(chain.piece_rotary_inertia[i]) / length**2
-        for a in (0, 1):
-            for b in (0, 1):
-                row, column = ends[a], ends[b]
-                if row is not None and column is not None:
-                    mass[row][column] += quarter + (turning if a == b else -turning)
-    rotations = [_difference(slopes[j], slopes[j + 1], size, number) for j in range(chain.pieces - 1)]
-    stiffness = [[number(0)] * size for _ in range(size)]
-    for row_of_b, spring in zip(rotations, chain.hinge_stiffness, strict=True):
-        touched = [i for i, value in enumerate(row_of_b) if value != 0]
-        for i in touched:
-            for j in touched:
-                stiffness[i][j] += number(spring) * row_of_b[i] * row_of_b[j]
+    slopes = _slopes(chain, index, number)
+    size = len(_independent_nodes(chain)) + len(_free_angles(chain))
+    mass, stiffness = ([[number(0)] * size for _ in range(size)] for _ in range(2))
+    tension = number(chain.exact_units.force(checked_load(load).axial_force))
+    for i, slope in enumerate(slopes):
+        centre = _sum(_unit(index[i], number), slope, number(chain.piece_centre[i]))
+        _add_square(mass, centre, number(chain.piece_mass[i]))
+        _add_square(mass, slope, number(chain.piece_rotary_inertia[i]))
+        _add_square(stiffness, slope, tension * number(chain.piece_length[i]))
+    joints = [_sum(slopes[j + 1], slopes[j], number(-1)) for j in range(chain.pieces - 1)]
+    for joint, spring in zip(joints, chain.hinge_stiffness, strict=True):
+        _add_square(stiffness, joint, number(spring))
+    for node, piece, supports in ((0, 0, chain.supports[0]), (-1, -1, chain.supports[1])):
+        for row, spring in zip((_unit(index[node], number), slopes[piece]), supports, strict=True):
+            _add_square(stiffness, row, number(0) if spring == math.inf else number(spring))
+    rotations = [[joint.get(i, number(0)) for i in range(size)] for joint in joints]
     return rotations, mass, stiffness
 
 
-def _difference(
-    before: dict[int | None, Any], after: dict[int | None, Any], size: int, number: Callable[[Number], Any]
-) -> list[Any]:
-    row = [number(0)] * size
-    for slope, sign in ((before, -1), (after, 1)):
-        for i, value in slope.items():
-            if i is not None:
-                row[i] += sign * value
-    return row
+def _slopes(chain: Chain, index: list[int | None], number: Callable[[Number], Any]) -> list[Row]:
+    """Return every piece's angle in the nodal coordinates."""
+    angles = iter(range(len(_independent_nodes(chain)), 2 * chain.pieces))
+    slopes: list[Row] = []
+    for i, held in enumerate(chain.held_angles):
+        length = number(chain.piece_length[i])
+        if held:
+            slopes.append({})
+        elif not length:
+            slopes.append({next(angles): number(1)})
+        else:
+            right, left = _unit(index[i + 1], number), _unit(index[i], number)
+            slopes.append({k: value / length for k, value in _sum(right, left, number(-1)).items()})
+    return slopes
+
+
+def _unit(index: int | None, number: Callable[[Number], Any]) -> Row:
+    return {} if index is None else {index: number(1)}
+
+
+def _sum(first: Row, second: Row, factor: Any) -> Row:
+    """Return  first + factor second  of two rows."""
+    total = dict(first)
+    for i, value in second.items():
+        total[i] = total[i] + factor * value if i in total else factor * value
+    return total
+
+
+def _add_square(matrix: list[list[Any]], row: Row, factor: Any) -> None:
+    """Add  factor rowᵀ row."""
+    for i, left in row.items():
+        for j, right in row.items():
+            matrix[i][j] += factor * left * right
 
 
 def _independent_nodes(chain: Chain) -> list[int]:
@@ -191,3 +243,9 @@ def _independent_nodes(chain: Chain) -> list[int]:
         if i is not None:
             seen.setdefault(i, node)
     return list(seen.values())
+
+
+def _free_angles(chain: Chain) -> list[str]:
+    """Return the names of the angles of pieces of length zero that turn."""
+    turning = zip(chain.piece_length, chain.held_angles, strict=True)
+    return [f"theta_{i}" for i, (length, held) in enumerate(turning) if not length and not held]

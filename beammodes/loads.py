@@ -84,7 +84,9 @@ class Statics:
 
 
 def without_rigid_motion(boundary: Boundary) -> Boundary:
-    """Return `boundary`, or raise ValueError if it lets the beam move rigidly."""
+    """Return `boundary`, or raise ValueError if it has elastic supports or lets the beam move."""
+    if boundary.left.is_elastic or boundary.right.is_elastic:
+        raise ValueError(f"boundary must hold its ends or leave them free, not on springs, got {boundary}")
     if boundary.rigid_body_modes:
         firm = ", ".join(pair.name for pair in BOUNDARIES if not pair.rigid_body_modes)
         raise ValueError(f"boundary must hold the beam still ({firm}), got {shown(boundary.name)}")

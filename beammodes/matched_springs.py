@@ -100,12 +100,12 @@ def uniform_rods(beam: Beam, boundary: Boundary, segments: int, ratio: Array) ->
     """Return a chain of uniform rods with the springs `ratio` times EI/ell; lengths and masses are exact."""
     ell = Fraction(beam.length) / segments
     lengths = [piece * ell for piece in RULES["gregory"].piece_lengths(boundary, segments)]
-    masses = [Fraction(beam.mass_per_length) * length for length in lengths]
+    masses = [Fraction(beam.mean_mass_per_length) * length for length in lengths]
     return Chain.from_pieces(
         length=lengths,
         mass=masses,
         rotary_inertia=[mass * length**2 / 12 for mass, length in zip(masses, lengths, strict=True)],
-        joint_stiffness=(ratio * (beam.bending_stiffness / float(ell))).tolist(),
+        joint_stiffness=(ratio * (beam.mean_bending_stiffness / float(ell))).tolist(),
         boundary=boundary,
     )
 

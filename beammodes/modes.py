@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from beammodes.checks import shown, whole_number
 from beammodes.linear import LinearModel
-from beammodes.spectrum import FlexibilityForm, flexibility_form
+from beammodes.spectrum import FlexibilityForm, flexibility_form, is_turned
 
 __all__ = ["MAX_DENSE", "Modes", "solve_modes"]
 
@@ -81,9 +82,9 @@ def solve_modes(model: LinearModel, modes: int | None = None) -> Modes:
     if not isinstance(model, LinearModel):
         raise TypeError(f"model must be a LinearModel from linearize(), got {shown(model)}")
     chain = model.chain
-    count = chain.elastic_modes if modes is None else whole_number("modes", modes)
-    count = min(count, chain.elastic_modes)
-    form = flexibility_form(chain)
+    count = model.elastic_modes if modes is None else whole_number("modes", modes)
+    count = min(count, model.elastic_modes)
+    form = flexibility_form(chain, model.load)
     if count == 0:
         inverse, x = np.zeros(0), np.zeros((len(form.flexibility_root), 0))
     elif len(form.flexibility_root) <= MAX_DENSE:
@@ -93,45 +94,91 @@ def solve_modes(model: LinearModel, modes: int | None = None) -> Modes:
     deflection, angle = form.motion(x)
     # Unit modal mass: the image of a unit singular vector has length 1/ω.
     shape, slope = deflection / inverse, angle / inverse
-    if chain.boundary != chain.boundary.canonical:
+    if is_turned(chain):
         shape, slope = shape[::-1], -slope[::-1]
     return _in_physical_units(model, 1 / inverse, shape, slope)
 
 
 def _dense(form: FlexibilityForm, count: int) -> tuple[Array, Array]:
-    """Return 1/ω and unit x of the lowest modes, by singular values of the assembled F D^{-½}."""
-    hinges, excluded = form.forbidden.shape
+    """Return 1/ω and x of unit stored energy of the lowest modes, by singular values of F D^{-½}."""
+    coordinates, excluded = form.forbidden.shape
     # The full QR's trailing columns span what the end conditions allow.
-    allowed = np.linalg.qr(form.forbidden, mode="complete")[0][:, excluded:] if excluded else np.eye(hinges)
-    _, inverse, turn = np.linalg.svd(form.kinetic(allowed), full_matrices=False)
-    return inverse[:count], allowed @ turn[:count].T
+    complete = np.linalg.qr(form.forbidden, mode="complete")[0] if excluded else np.eye(coordinates)
+    w = complete[:, excluded:]
+    x = form.allowed(w)
+    if form.tension:
+        x = x @ _unit_energy(form, w, x)
+    _, inverse, turn = np.linalg.svd(form.kinetic(x), full_matrices=False)
+    return inverse[:count], x @ turn[:count].T
+
+
+def _unit_energy(form: FlexibilityForm, w: Array, x: Array) -> Array:
+    """Return the upper triangle C⁻¹ of combinations that store unit energy, the axial force's included."""
+    slope = np.sqrt(form.length)[:, None] * form.angles(x)
+    stored = w.T @ ((1 - form.unstored)[:, None] * w) + form.tension * (slope.T @ slope)
+    try:
+        lower = np.linalg.cholesky(stored)
+    except np.linalg.LinAlgError:
+        raise _buckled() from None
+    return np.asarray(np.linalg.inv(lower).T)
+
+
+def _buckled() -> ValueError:
+    return ValueError("axial_force must not compress the chain beyond its buckling load (see buckling_load)")
 
 
 def _lanczos(form: FlexibilityForm, count: int) -> tuple[Array, Array]:
-    """Return 1/ω and unit x of the lowest modes, by Lanczos iteration on the operator and its transpose."""
+    """Return 1/ω and x of unit stored energy of the lowest modes, by Lanczos iteration."""
     from scipy.sparse.linalg import LinearOperator, eigsh
 
-    hinges = len(form.flexibility_root)
-    if 10 * count > hinges:
+    size = len(form.flexibility_root)
+    if 10 * count > size:
         raise ValueError(
-            f"modes must be at most {hinges // 10}, a tenth of the chain's, for a chain of more than "
+            f"modes must be at most {size // 10}, a tenth of the chain's, for a chain of more than "
             f"{MAX_DENSE} hinges, got {count}"
         )
 
     def compliance(x: Array) -> Array:
-        inside = form.allowed(x.reshape(hinges, -1))
+        inside = form.allowed(x.reshape(size, -1))
         return form.allowed(form.adjoint(form.kinetic(inside)))
 
-    operator = LinearOperator((hinges, hinges), matvec=compliance, matmat=compliance, dtype=np.float64)
+    operator = LinearOperator((size, size), matvec=compliance, matmat=compliance, dtype=np.float64)
     # A fixed start vector makes the result reproducible; a random one has a part in every mode.
-    start = form.allowed(np.random.default_rng(0).standard_normal((hinges, 1)))[:, 0]
+    start = form.allowed(np.random.default_rng(0).standard_normal((size, 1)))[:, 0]
     # 1/ω² falls as 1/n⁴, so few vectors suffice; an error of 1e-10 in them is one of 1e-20 in ω.
-    few = min(2 * count + 6, hinges)
-    x = eigsh(operator, k=count, which="LA", v0=start, tol=1e-10, ncv=few)[1][:, ::-1]
+    few = min(2 * count + 6, size)
+    w = eigsh(operator, k=count, which="LA", v0=start, tol=1e-10, ncv=few, **_metric(form))[1][:, ::-1]
     # One Rayleigh-Ritz step on |F x| itself: a singular value loses only ω_n/ω_1, its square (ω_n/ω_1)².
-    x = form.allowed(x)
+    w = np.linalg.qr(w - form.forbidden @ (form.forbidden.T @ w))[0]
+    x = form.allowed(w)
+    if form.tension:
+        x = x @ _unit_energy(form, w, x)
     _, inverse, turn = np.linalg.svd(np.linalg.qr(form.kinetic(x), mode="r"))
     return inverse, x @ turn.T
+
+
+def _metric(form: FlexibilityForm) -> dict[str, Any]:
+    """Return the stored energy as a metric, for the Lanczos iteration, where it is not simply |w|²."""
+    from scipy.sparse.linalg import LinearOperator, cg
+
+    if not form.tension:
+        return {}
+    size = len(form.flexibility_root)
+
+    def stored(w: Array) -> Array:
+        column = w.reshape(size, -1)
+        bent = form.allowed(form.geometric(form.allowed(column)))
+        return (1 - form.unstored)[:, None] * column + form.tension * bent
+
+    def solved(w: Array) -> Array:
+        # Identity and a compact operator: a few steps to the last digit.
+        found, failed = cg(metric, w, rtol=1e-14, atol=0.0, maxiter=500)
+        if failed:
+            raise _buckled()
+        return np.asarray(found)
+
+    metric = LinearOperator((size, size), matvec=stored, dtype=np.float64)
+    return {"M": metric, "Minv": LinearOperator((size, size), matvec=solved, dtype=np.float64)}
 
 
 def _in_physical_units(model: LinearModel, omega: Array, shape: Array, slope: Array) -> Modes:
@@ -140,7 +187,7 @@ def _in_physical_units(model: LinearModel, omega: Array, shape: Array, slope: Ar
     sign = np.sign(shape[largest, np.arange(shape.shape[1])]) / np.sqrt(units.mass)
     return Modes(
         omega * units.angular_frequency,
-        model.chain.boundary.rigid_body_modes,
+        model.rigid_body_modes,
         model.chain.node_position,
         (shape * sign).T,
         (slope * sign / units.length).T,

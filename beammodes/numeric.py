@@ -10,7 +10,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from beammodes.chain import Chain
 from beammodes.checks import shown
-from beammodes.mechanics import Algebra, coordinate_names, motion_terms, null_space
+from beammodes.coordinates import coordinate_names, null_space
+from beammodes.loading import Load, checked_load
+from beammodes.mechanics import Algebra, motion_terms
 
 __all__ = ["CompiledEquations", "NumericLinearModel", "compile_equations"]
 
@@ -50,7 +52,7 @@ class CompiledEquations:
     ----------
     coordinates : tuple of str
         Names of q; see `beammodes.mechanics` for their order and signs.
-    mass_matrix, spring_moments, constraints, constraint_jacobian : casadi.Function
+    mass_matrix, static_forces, constraints, constraint_jacobian : casadi.Function
         M, s, c and ∂c/∂q of q.
     velocity_terms : casadi.Function
         h of (q, q').
@@ -61,7 +63,7 @@ class CompiledEquations:
     coordinates: tuple[str, ...]
     mass_matrix: casadi.Function
     velocity_terms: casadi.Function
-    spring_moments: casadi.Function
+    static_forces: casadi.Function
     constraints: casadi.Function
     constraint_jacobian: casadi.Function
     static_jacobian: casadi.Function
@@ -87,11 +89,11 @@ class CompiledEquations:
     def residual(self, q: ArrayLike, speed: ArrayLike, acceleration: ArrayLike) -> Array:
         """Return  M(q) q'' + h(q, q') + s(q),  what the constraint forces must balance, shape (n,)."""
         inertia = _array(self.mass_matrix(q)) @ np.asarray(acceleration)
-        static = _array(self.spring_moments(q))[:, 0]
+        static = _array(self.static_forces(q))[:, 0]
         return np.asarray(inertia + _array(self.velocity_terms(q, speed))[:, 0] + static)
 
 
-def compile_equations(chain: Chain) -> CompiledEquations:
+def compile_equations(chain: Chain, *, load: Load | None = None) -> CompiledEquations:
     """Return the nonlinear equations of motion of a chain, compiled, in the chain's physical units.
 
         M_ij = a_ij cos(θ_i - θ_j),   h_i = Σ_j a_ij sin(θ_i - θ_j) θ_j'²,   s = ∂V/∂q
@@ -100,6 +102,8 @@ def compile_equations(chain: Chain) -> CompiledEquations:
     ----------
     chain : Chain
         Of a few hundred pieces at most: the graph grows with their number squared.
+    load : Load, optional
+        An axial force.
 
     Raises
     ------
@@ -120,17 +124,17 @@ def compile_equations(chain: Chain) -> CompiledEquations:
     size, units = len(names), chain.units
     q, speed = casadi.SX.sym("q", size), casadi.SX.sym("u", size)
     algebra = Algebra(float, casadi.sin, casadi.cos, units.length, units.mass, units.stiffness)
-    terms = motion_terms(chain, casadi.vertsplit(q), casadi.vertsplit(speed), algebra)
+    terms = motion_terms(chain, casadi.vertsplit(q), casadi.vertsplit(speed), algebra, checked_load(load))
     rows = [casadi.horzcat(*row) for row in terms.mass_matrix]
-    mass, springs, closures = casadi.vertcat(*rows), _column(terms.spring_moments), _column(terms.closures)
+    mass, static, closures = casadi.vertcat(*rows), _column(terms.static_forces), _column(terms.closures)
     multipliers = casadi.SX.sym("multipliers", closures.rows())
     jacobian = casadi.jacobian(closures, q)
-    balance = springs - jacobian.T @ multipliers if closures.rows() else springs
+    balance = static - jacobian.T @ multipliers if closures.rows() else static
     return CompiledEquations(
         tuple(names),
         casadi.Function("mass_matrix", [q], [mass]),
         casadi.Function("velocity_terms", [q, speed], [_column(terms.velocity_terms)]),
-        casadi.Function("spring_moments", [q], [springs]),
+        casadi.Function("static_forces", [q], [static]),
         casadi.Function("constraints", [q], [closures]),
         casadi.Function("constraint_jacobian", [q], [jacobian]),
         casadi.Function("static_jacobian", [q, multipliers], [casadi.jacobian(balance, q)]),

@@ -1,22 +1,108 @@
-"""Pieces and springs of a chain as users give them: read, checked, and idle ones condensed away."""
+"""A chain's pieces, springs and supports as bare numbers: read, checked, joined to end bodies, condensed."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable
+from dataclasses import dataclass, replace
 from fractions import Fraction
 
 import numpy as np
 from numpy.typing import NDArray
 
 from beammodes.checks import real, shown, whole_number
-from beammodes.ends import Boundary
 
-__all__ = ["MAX_PIECES", "Number", "check_pieces", "not_idle", "piece_numbers"]
+__all__ = ["MAX_PIECES", "Body", "Number", "Pieces", "check_pieces", "check_turning", "piece_numbers"]
 
 Number = Fraction | float
 
+#: Mass, rotary inertia about the centre of mass, and how far outward of the end that lies.
+Body = tuple[Number, Number, Number]
+
 #: Longer chains are refused: their arrays alone would fill memory. Lookups of errors know no such limit.
 MAX_PIECES = 10_000_000
+
+
+@dataclass(frozen=True)
+class Pieces:
+    """Pieces from left to right, the springs between them, and the stiffness of the two ends' supports.
+
+    Attributes
+    ----------
+    length, mass, centre, rotary_inertia : tuple, one entry a piece
+        `centre` is the distance of the centre of mass from the piece's left tip, and may lie outside the
+        piece where an end body is part of it; the inertia is about that centre.
+    joint_stiffness : tuple, one entry fewer
+    supports : ((K_t, K_r), (K_t, K_r))
+        Of the left and the right end, `math.inf` where they hold.
+    """
+
+    length: tuple[Number, ...]
+    mass: tuple[Number, ...]
+    centre: tuple[Number, ...]
+    rotary_inertia: tuple[Number, ...]
+    joint_stiffness: tuple[Number, ...]
+    supports: tuple[tuple[Number, Number], tuple[Number, Number]]
+
+    def turned(self) -> Pieces:
+        """Return the same chain seen from the other side."""
+        centre = tuple(length - c for length, c in zip(self.length, self.centre, strict=True))
+        return Pieces(
+            self.length[::-1],
+            self.mass[::-1],
+            centre[::-1],
+            self.rotary_inertia[::-1],
+            self.joint_stiffness[::-1],
+            self.supports[::-1],
+        )
+
+    def with_bodies(self, left: Body, right: Body) -> Pieces:
+        """Return these pieces with bodies fixed to the outer two, as parts of them."""
+        return self._with_left_body(*left).turned()._with_left_body(*right).turned()
+
+    def condensed(self) -> Pieces:
+        """Return these pieces without outer ones that have nothing to move.
+
+        An outer piece of length zero whose turning meets neither inertia nor a holding end has its hinge in
+        series with the end's rotational spring: one spring k K_r/(k + K_r), none where K_r = 0. A point mass
+        on it stays, at the tip of the next piece.
+        """
+        return self._left_condensed().turned()._left_condensed().turned()
+
+    def _with_left_body(self, mass: Number, inertia: Number, offset: Number) -> Pieces:
+        if not mass and not inertia:
+            return self
+        own, centre = self.mass[0], self.centre[0]
+        total = own + mass
+        apart = centre + offset
+        turning = self.rotary_inertia[0] + inertia
+        if total:
+            # The common centre of mass, and both about it.
+            turning += own * mass / total * apart**2
+            centre = (own * centre - mass * offset) / total
+        return replace(
+            self,
+            mass=(total, *self.mass[1:]),
+            centre=(centre, *self.centre[1:]),
+            rotary_inertia=(turning, *self.rotary_inertia[1:]),
+        )
+
+    def _left_condensed(self) -> Pieces:
+        (translation, rotation), right = self.supports
+        inert = not self.length[0] and not self.rotary_inertia[0] and not self.mass[0] * self.centre[0]
+        if not inert or rotation == math.inf or len(self.length) == 1:
+            return self
+        hinge = self.joint_stiffness[0]
+        series = hinge * rotation / (hinge + rotation) if rotation else rotation
+        rest = Pieces(
+            self.length[1:],
+            self.mass[1:],
+            self.centre[1:],
+            self.rotary_inertia[1:],
+            self.joint_stiffness[1:],
+            ((translation, series), right),
+        )
+        return rest._with_left_body(self.mass[0], self.rotary_inertia[0], self.centre[0])
 
 
 def piece_numbers(name: str, values: Iterable[Number] | NDArray[np.float64]) -> tuple[Number, ...]:
@@ -37,42 +123,33 @@ def _number(name: str, value: Number) -> Number:
     return value if isinstance(value, Fraction) else number
 
 
-def check_pieces(
-    boundary: Boundary, pieces: dict[str, tuple[Number, ...]], springs: tuple[Number, ...]
-) -> None:
+def check_pieces(columns: dict[str, tuple[Number, ...]]) -> None:
     """Raise ValueError naming the first number that makes no chain; zero-length ends may be massless."""
-    count = whole_number("number of pieces", len(pieces["length"]), most=MAX_PIECES)
-    for name, values in {**pieces, "joint_stiffness": springs}.items():
+    length, mass, springs = columns["length"], columns["mass"], columns["joint_stiffness"]
+    count = whole_number("number of pieces", len(length), most=MAX_PIECES)
+    for name, values in columns.items():
         expected = count - 1 if name == "joint_stiffness" else count
         if len(values) != expected:
             raise ValueError(f"{name} must have {expected} entries for {count} pieces, got {len(values)}")
-        if values and min(values) < 0:
+        if values and min(values) < 0 and name != "centre":
             raise ValueError(f"{name} must not be negative, got {shown(min(values))}")
     if springs and min(springs) == 0:
         raise ValueError("joint_stiffness must be greater than 0, got 0")
     for name in ("length", "mass"):
-        if any(value == 0 for value in pieces[name][1:-1]):
+        if any(value == 0 for value in columns[name][1:-1]):
             raise ValueError(f"{name} must be greater than 0 for every piece but the outer two")
-    for i in {0, count - 1}:
-        if pieces["length"][i] and not pieces["mass"][i]:
-            raise ValueError(f"mass[{i}] must be greater than 0 for a piece that has a length")
-    held = {0} if boundary.left.holds_rotation else set()
-    held |= {count - 1} if boundary.right.holds_rotation else set()
-    for i, (mass, inertia) in enumerate(zip(pieces["mass"], pieces["rotary_inertia"], strict=True)):
-        if mass and not inertia and i not in held:
-            # Its angle would cost no energy: a mode of infinite frequency.
-            raise ValueError(f"rotary_inertia[{i}] must be greater than 0 for a piece that turns, got 0")
-
-
-def not_idle(boundary: Boundary, *columns: tuple[Number, ...]) -> slice:
-    """Return the pieces that remain when idle outer ones are condensed away.
-
-    A massless piece of length zero that nothing holds in rotation turns freely, so its spring is in series
-    with no resistance: the hinge does nothing.
-    """
-    idle = [not any(numbers) for numbers in zip(*columns, strict=True)]
-    first = int(idle[0] and not boundary.left.holds_rotation)
-    last = len(idle) - int(idle[-1] and not boundary.right.holds_rotation)
-    if not any(columns[0][first:last]):
+    if not any(length):
         raise ValueError("length must hold at least one piece that has a length, got only zeros")
-    return slice(first, last)
+    for i in {0, count - 1}:
+        if length[i] and not mass[i]:
+            raise ValueError(f"mass[{i}] must be greater than 0 for a piece that has a length")
+
+
+def check_turning(pieces: Pieces) -> None:
+    """Raise ValueError if a piece turns without inertia: a mode of infinite frequency."""
+    held = [False] * len(pieces.length)
+    held[0] |= pieces.supports[0][1] == math.inf
+    held[-1] |= pieces.supports[1][1] == math.inf
+    for i, (inertia, fast) in enumerate(zip(pieces.rotary_inertia, held, strict=True)):
+        if not inertia and not fast and (pieces.length[i] or not pieces.mass[i] * pieces.centre[i]):
+            raise ValueError(f"rotary_inertia[{i}] must be greater than 0 for a piece that turns, got 0")

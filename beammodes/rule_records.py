@@ -19,6 +19,7 @@ from typing import Any, Protocol, runtime_checkable
 
 from beammodes.checks import shown
 from beammodes.ends import Boundary, End
+from beammodes.loading import Load, checked_load
 
 __all__ = ["MAX_END_WEIGHTS", "Layout", "Rule", "RuleMaker", "Weight"]
 
@@ -59,7 +60,8 @@ class Rule:
         What it does in one sentence; who uses it; where it comes from.
     clamped, guided : tuple of Weight
         Weights of the hinges nearest an end of that kind, the end's own hinge first.
-        Ends free of bending moment (pinned, free) have no hinge and correct nothing.
+        Ends free of bending moment (pinned, free) have no hinge and correct nothing. `End.statics` says
+        which of the four applies to an end with springs or a body.
     order : mapping from str to int
         Declared order of the frequency error for the kinds of end, and for "inside": e ~ 1/N**order.
     stub : Fraction
@@ -106,26 +108,31 @@ class Rule:
     def __hash__(self) -> int:
         return hash((self.name, self.clamped, self.guided, self.stub, self.rotary_inertia))
 
-    def declared_order(self, boundary: Boundary) -> int:
-        """Return p in e ~ 1/N**p for free vibration: the smallest of inside and both ends."""
-        return min(self.order["inside"], self.order[boundary.left.name], self.order[boundary.right.name])
+    def declared_order(self, boundary: Boundary, load: Load | None = None) -> int:
+        """Return p in e ~ 1/N**p: the smallest of inside and both ends, and at best 2 under axial force.
+
+        Elastic supports and end bodies are included; buckling loads have the order under axial force.
+        """
+        ends = (boundary.left.statics, boundary.right.statics)
+        order = min(self.order["inside"], *(self.order[end] for end in ends))
+        return min(order, 2) if checked_load(load).axial_force else order
 
     def end_weights(self, end: End) -> tuple[Weight, ...]:
         """Return the weights that this rule prescribes at `end`, the end's own hinge first."""
-        return {"clamped": self.clamped, "guided": self.guided}.get(end.name, ())
+        return {"clamped": self.clamped, "guided": self.guided}.get(end.statics, ())
 
     def piece_lengths(self, boundary: Boundary, segments: int) -> list[Fraction]:
         """Return the pieces' lengths in segments, left to right.
 
-        An end whose rotation is held acts on a piece of its own: of length zero where the hinge is at
-        the wall. All other ends act on the outermost rod.
+        An end that can bend the beam acts on a piece of its own: of length zero where the hinge is at
+        the wall. An end without moment (pinned, free, a point mass) acts on the outermost rod.
         """
         one, half = Fraction(1), Fraction(1, 2)
         if self.stub == half:
             return [half, *[one] * (segments - 1), half]
         at_wall = [] if self.stub else [Fraction(0)]
-        left = at_wall if boundary.left.holds_rotation else []
-        right = at_wall if boundary.right.holds_rotation else []
+        left = at_wall if boundary.left.statics in ("clamped", "guided") else []
+        right = at_wall if boundary.right.statics in ("clamped", "guided") else []
         return [*left, *[one] * segments, *right]
 
     def hinge_weights(self, boundary: Boundary, segments: int) -> list[Fraction]:

@@ -13,10 +13,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from beammodes.beam_theory import euler_bernoulli
 from beammodes.chain import MAX_PIECES, Chain
 from beammodes.checks import shown, whole_number
 from beammodes.ends import BoundaryLike
-from beammodes.exact_beam import euler_bernoulli
 from beammodes.grids import ChainGrid
 from beammodes.linear import linearize
 from beammodes.modes import solve_modes

@@ -8,75 +8,112 @@ rounding it is an error relative to the *highest* mode. In the hinges' rotations
 where F gives each piece's deflection and rotation, times √mass and √inertia, by cumulative sums of φ. With
 x = D^½ φ the singular values of  F D^{-½}  are 1/ω: the lowest modes come first and keep their digits.
 
-The left tip's deflection y₀ and angle θ₀ come beside φ. With the firmer end on the left, what the ends hold
-is, row by row (a row is there only if its end holds that quantity):
+Beside φ stand the left tip's deflection y₀ and angle θ₀. With the firmer end on the left the four quantities
+that ends hold or support are
 
-                 y₀  θ₀    φ_1 ... φ_h
-    left          1   0         0              y₀ = 0, or a rigid-body mode
-                  0   1         0              θ₀ = 0
-    right         1   L      L - x_j           the first of these fixes θ₀ where the left end leaves it free;
-                  0   1         1              any other constrains φ. θ₀ held by none is a rigid-body mode.
+                     y₀  θ₀    φ_1 ... φ_h
+    left   K_t        1   0         0
+           K_r        0   1         0
+    right  K_t        1   L      L - x_j
+           K_r        0   1         1
 
-A rigid-body mode stores nothing, so an elastic mode is orthogonal to it: it is projected out of F.
+The two stiffest of them that differ on (y₀, θ₀) take the place of y₀ and θ₀. Supported by a spring one is a
+hinge like any other, of rotation or deflection x/√K; held it is zero; unsupported it is a rigid-body mode.
+The other two follow from φ. Where one of these is held, it excludes a direction of x; where a spring supports
+it, the stored energy ½ |x|² gains ½ (r·x)², and x = (I + r rᵀ)^{-½} w takes it up: so from the softest spring
+to a wall nothing is ever large, and w that excludes a direction is the limit of w that stiffens it.
+
+A rigid-body mode stores nothing, so an elastic mode is orthogonal to it: it is projected out of F. An axial
+force T adds  ½ T Σ l_i θ_i²  to the stored energy and makes a rigid rotation elastic.
 """
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from beammodes.chain import Chain
+from beammodes.end_coordinates import EndCoordinates, end_coordinates
+from beammodes.loading import Load, checked_load
 
-__all__ = ["FlexibilityForm", "flexibility_form"]
+__all__ = ["FlexibilityForm", "flexibility_form", "is_turned"]
 
 Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
 class FlexibilityForm:
-    """F D^{-½} on the rotations that the ends allow, as an operator on arrays of shape (hinges, columns).
+    """F D^{-½} on what the ends allow, as an operator on arrays x of shape (coordinates, columns).
+
+    Coordinates are the end quantities that springs support, at most two, then the hinges' rotations.
 
     Attributes
     ----------
-    length, root_mass, root_inertia : ndarray, shape (pieces,)
-        Of the pieces, the chain's firmer end first.
-    flexibility_root : ndarray, shape (hinges,)
-        D^{-½}, so that φ = flexibility_root x.
-    tip_angle : ndarray, shape (hinges,)
-        θ₀ that φ entails through the end conditions.
-    forbidden : ndarray, shape (hinges, constraints)
+    length, centre, root_mass, root_inertia : ndarray, shape (pieces,)
+        Of the pieces, the chain's firmer end first; `centre` is that of mass, from the left tip.
+    flexibility_root : ndarray, shape (coordinates,)
+        D^{-½}, so that end quantities and φ are flexibility_root x.
+    tip_deflection, tip_angle : ndarray, shape (coordinates,)
+        y₀ and θ₀ that these entail.
+    forbidden : ndarray, shape (coordinates, constraints)
         Orthonormal columns: what the end conditions exclude of x.
+    stiffened, softening : ndarray, shape (coordinates, springs) and (springs,)
+        Orthonormal directions that further springs stiffen, and (1 + r²)^{-½} - 1 of each.
+    unstored : ndarray, shape (coordinates,)
+        1 for a rigid rotation that is a coordinate because an axial force resists it, else 0.
     rigid_deflection, rigid_angle : ndarray, shape (nodes, modes) and (pieces, modes)
         The rigid-body modes, of unit modal mass.
+    tension : float
+        Axial force.
     """
 
     length: Array
+    centre: Array
     root_mass: Array
     root_inertia: Array
     flexibility_root: Array
+    tip_deflection: Array
     tip_angle: Array
     forbidden: Array
+    stiffened: Array
+    softening: Array
+    unstored: Array
     rigid_deflection: Array
     rigid_angle: Array
+    tension: float
 
-    def allowed(self, x: Array) -> Array:
-        """Return x without what the end conditions exclude."""
-        return x - self.forbidden @ (self.forbidden.T @ x) if self.forbidden.size else x
+    def allowed(self, w: Array) -> Array:
+        """Return the x of w: without what the end conditions exclude, and softened where springs resist."""
+        x = w - self.forbidden @ (self.forbidden.T @ w) if self.forbidden.size else w
+        if self.stiffened.size:
+            x = x + self.stiffened @ (self.softening[:, None] * (self.stiffened.T @ x))
+        return x
+
+    def angles(self, x: Array) -> Array:
+        """Return the pieces' angles, shape (pieces, columns), rigid-body modes not yet taken out."""
+        # In place throughout: on a million hinges fresh arrays cost more than the arithmetic.
+        hinges = len(self.length) - 1
+        ends = len(x) - hinges
+        angle = np.empty((hinges + 1, x.shape[1]))
+        np.multiply(self.flexibility_root[ends:, None], x[ends:], out=angle[1:])
+        angle[0] = self.tip_angle[ends:] @ angle[1:]
+        angle[0] += (self.tip_angle * self.flexibility_root)[:ends] @ x[:ends]
+        np.cumsum(angle, axis=0, out=angle)
+        return angle
 
     def motion(self, x: Array) -> tuple[Array, Array]:
         """Return the nodes' deflections (nodes, columns) and the pieces' angles of x, both elastic only."""
-        # In place throughout: on a million hinges fresh arrays cost more than the arithmetic.
-        angle = np.empty((len(self.length), x.shape[1]))
-        np.multiply(self.flexibility_root[:, None], x, out=angle[1:])
-        angle[0] = self.tip_angle @ angle[1:]
-        np.cumsum(angle, axis=0, out=angle)
+        angle = self.angles(x)
         deflection = np.empty((len(angle) + 1, angle.shape[1]))
         deflection[0] = 0.0
+        if self.tip_deflection.any():
+            deflection[0] = (self.tip_deflection * self.flexibility_root) @ x
         np.multiply(self.length[:, None], angle, out=deflection[1:])
         np.cumsum(deflection, axis=0, out=deflection)
-        if self.rigid_angle.size:
+        if self.rigid_deflection.size:
             amount = self._rigid_images().T @ self._weighed(deflection, angle)
             deflection -= self.rigid_deflection @ amount
             angle -= self.rigid_angle @ amount
@@ -87,15 +124,33 @@ class FlexibilityForm:
         return self._weighed(*self.motion(x))
 
     def adjoint(self, image: Array) -> Array:
-        """Return the transpose of `kinetic` applied to `image`, shape (hinges, columns)."""
-        if self.rigid_angle.size:
+        """Return the transpose of `kinetic` applied to `image`, shape (coordinates, columns)."""
+        if self.rigid_deflection.size:
             rigid = self._rigid_images()
             image = image - rigid @ (rigid.T @ image)
-        pieces, length = len(self.length), self.length[:, None]
+        pieces = len(self.length)
         force = self.root_mass[:, None] * image[:pieces]
-        carried = _sum_from_right(force) - force / 2
-        moment = _sum_from_right(self.root_inertia[:, None] * image[pieces:] + length * carried)
-        return np.asarray(self.flexibility_root[:, None] * (moment[1:] + np.outer(self.tip_angle, moment[0])))
+        beyond = _sum_from_right(force)
+        lift = beyond[0].copy()
+        beyond -= force
+        beyond *= self.length[:, None]
+        beyond += self.root_inertia[:, None] * image[pieces:]
+        beyond += self.centre[:, None] * force
+        return self._from_angles(_sum_from_right(beyond), lift)
+
+    def geometric(self, x: Array) -> Array:
+        """Return  ∂/∂x of ½ Σ l_i θ_i²,  what a unit axial force adds to the stored energy's derivative."""
+        moment = _sum_from_right(self.length[:, None] * self.angles(x))
+        return self._from_angles(moment, np.zeros(x.shape[1]))
+
+    def _from_angles(self, moment: Array, lift: Array) -> Array:
+        """Return what moments summed from the right, and the lift of the left tip, do to x."""
+        pull = np.outer(self.tip_angle, moment[0])
+        if self.tip_deflection.any():
+            pull += np.outer(self.tip_deflection, lift)
+        pull[len(pull) - len(self.length) + 1 :] += moment[1:]
+        pull *= self.flexibility_root[:, None]
+        return pull
 
     def _rigid_images(self) -> Array:
         return self._weighed(self.rigid_deflection, self.rigid_angle)
@@ -103,66 +158,67 @@ class FlexibilityForm:
     def _weighed(self, deflection: Array, angle: Array) -> Array:
         pieces = len(angle)
         image = np.empty((2 * pieces, angle.shape[1]))
-        np.add(deflection[:-1], deflection[1:], out=image[:pieces])
-        image[:pieces] *= self.root_mass[:, None] / 2
+        np.multiply(self.centre[:, None], angle, out=image[:pieces])
+        image[:pieces] += deflection[:-1]
+        image[:pieces] *= self.root_mass[:, None]
         np.multiply(self.root_inertia[:, None], angle, out=image[pieces:])
         return image
 
 
-def flexibility_form(chain: Chain) -> FlexibilityForm:
+def flexibility_form(chain: Chain, load: Load | None = None) -> FlexibilityForm:
     """Return the flexibility form of a chain; it runs from the chain's firmer end.
 
     The chain is read in its own units, so singular values are 1/ω in `chain.units.angular_frequency`.
     """
-    turned = chain.boundary != chain.boundary.canonical
-    columns = (chain.piece_length, chain.piece_mass, chain.piece_rotary_inertia, chain.hinge_stiffness)
-    length, mass, inertia, stiffness = (
-        np.array(values[::-1] if turned else values, dtype=np.float64) for values in columns
-    )
-    root = 1 / np.sqrt(stiffness)
-    tip_angle, constraints = _end_conditions(chain, length)
-    forbidden = np.linalg.qr(root[:, None] * constraints)[0]
-    held = np.array(chain.held_angles[::-1] if turned else chain.held_angles)
-    # A held piece does not turn; without this a mode's rounding would reach a massless piece's inertia.
-    inertia[held] = 0.0
+    pieces = chain.pieces_and_springs
+    if is_turned(chain):
+        pieces = pieces.turned()
+    columns = (pieces.length, pieces.mass, pieces.centre, pieces.rotary_inertia)
+    length, mass, centre, inertia = (np.array(values, dtype=np.float64) for values in columns)
+    for end, piece in ((0, 0), (1, -1)):
+        # A held piece does not turn; without this a mode's rounding would reach a massless piece's inertia.
+        inertia[piece] *= pieces.supports[end][1] != math.inf
+    tension = float(chain.exact_units.force(checked_load(load).axial_force))
+    ends = end_coordinates(pieces, tension)
+    root = np.concatenate([ends.root, 1 / np.sqrt(np.array(pieces.joint_stiffness, dtype=np.float64))])
+    rows = ends.dependent_rows * root
+    forbidden = np.linalg.qr(rows[np.isinf(ends.dependent_stiffness)].T)[0]
     form = FlexibilityForm(
-        length, np.sqrt(mass), np.sqrt(inertia), root, tip_angle, forbidden, *_rigid_motions(chain, length)
+        length,
+        centre,
+        np.sqrt(mass),
+        np.sqrt(inertia),
+        root,
+        *ends.tip_rows,
+        forbidden,
+        *_stiffening(ends, rows, forbidden),
+        np.concatenate([ends.unstored, np.zeros(len(length) - 1)]),
+        *_rigid_motions(ends, length),
+        tension,
     )
     return _with_unit_rigid_modes(form)
 
 
-def _end_conditions(chain: Chain, length: Array) -> tuple[Array, Array]:
-    """Return θ₀ in terms of φ, and the rows on φ that θ₀ cannot satisfy, as columns (module's table)."""
-    boundary = chain.boundary.canonical
-    reach = _sum_from_right(length[1:, None])[:, 0]
-    rows = []
-    if boundary.right.holds_deflection:
-        rows.append((float(length.sum()), reach))
-    if boundary.right.holds_rotation:
-        rows.append((1.0, np.ones_like(reach)))
-    tip_angle = np.zeros_like(reach)
-    if rows and not boundary.left.holds_rotation:
-        coefficient, row = rows.pop(0)
-        tip_angle = -row / coefficient
-    return tip_angle, np.array([row for _, row in rows]).reshape(len(rows), len(reach)).T
+def is_turned(chain: Chain) -> bool:
+    """Say whether the chain's firmer end is its right one, so that its flexibility form runs backwards."""
+    left, right = chain.supports
+    return right > left
 
 
-def _rigid_motions(chain: Chain, length: Array) -> tuple[Array, Array]:
-    """Return the nodes' deflections and the pieces' angles of the rigid-body modes, not yet scaled.
+def _stiffening(ends: EndCoordinates, rows: Array, forbidden: Array) -> tuple[Array, Array]:
+    """Return the orthonormal directions that springs of dependent end quantities stiffen, and how much."""
+    finite = ~np.isinf(ends.dependent_stiffness) & (ends.dependent_stiffness > 0)
+    pulls = (np.sqrt(ends.dependent_stiffness[finite])[:, None] * rows[finite]).T
+    pulls -= forbidden @ (forbidden.T @ pulls)
+    direction, size, _ = np.linalg.svd(pulls, full_matrices=False)
+    return direction[:, size > 0], 1 / np.hypot(1, size[size > 0]) - 1
 
-    Turning is about the pinned tip, or about the middle of a beam that can also shift.
-    """
-    left, right = chain.boundary.canonical.left, chain.boundary.canonical.right
+
+def _rigid_motions(ends: EndCoordinates, length: Array) -> tuple[Array, Array]:
+    """Return the nodes' deflections and the pieces' angles of the rigid-body modes, not yet scaled."""
     node = np.concatenate([[0.0], np.cumsum(length)])
-    motions = []
-    if not left.holds_deflection:
-        motions.append((np.ones_like(node), np.zeros_like(length)))
-    if not left.holds_rotation and not (right.holds_deflection or right.holds_rotation):
-        pivot = 0.0 if left.holds_deflection else node[-1] / 2
-        motions.append((node - pivot, np.ones_like(length)))
-    deflection = np.array([motion[0] for motion in motions]).reshape(len(motions), len(node)).T
-    angle = np.array([motion[1] for motion in motions]).reshape(len(motions), len(length)).T
-    return deflection, angle
+    tip = np.array(ends.rigid).reshape(-1, 2)
+    return tip[:, 0] + np.outer(node, tip[:, 1]), np.outer(np.ones_like(length), tip[:, 1])
 
 
 def _with_unit_rigid_modes(form: FlexibilityForm) -> FlexibilityForm:

@@ -12,7 +12,7 @@ from beammodes.beam import Beam
 from beammodes.chain import Chain
 from beammodes.checks import choice, shown, whole_number
 from beammodes.ends import Boundary, BoundaryLike
-from beammodes.exact_beam import euler_bernoulli, wavenumber
+from beammodes.exact_beam import plain_modes, wavenumber
 from beammodes.linear import linearize
 from beammodes.matched_springs import MatchedSprings, frozen, shape_agreement, uniform_rods
 from beammodes.matching import Solution, closest
@@ -71,6 +71,8 @@ class SpringTask:
             )
         if beam is not None and not isinstance(beam, Beam):
             raise TypeError(f"beam must be a Beam, got {shown(beam)}")
+        if beam is not None and not beam.is_uniform:
+            raise ValueError(f"beam must be uniform for matched springs, got {shown(beam)}")
         word = choice("criterion", criterion, _CRITERIA)
         mirrored = _mirrored(pair, wanted_modes, len(layout.hinge_stiffness), symmetric)
         unit = flexibility_form(layout)
@@ -147,7 +149,7 @@ class SpringTask:
         distance = float(np.sum((np.log(ratio) - self.wanted) ** 2))
         given = ratio if self.boundary == self.pair else ratio[::-1]
         chain = uniform_rods(self.beam, self.boundary, self.segments, given)
-        exact = euler_bernoulli(self.beam, self.boundary, self.modes)
+        exact = plain_modes(self.beam, self.boundary, self.modes)
         found = solve_modes(linearize(chain), self.modes)
         shapes = exact.shape(np.minimum(found.position, self.beam.length))
         return MatchedSprings(

@@ -26,6 +26,7 @@ from beammodes.chain import Chain
 from beammodes.checks import choice, shown, whole_number
 from beammodes.exact_beam import wavenumber
 from beammodes.linear import linearize
+from beammodes.loading import Load
 from beammodes.modes import MAX_DENSE, solve_modes
 
 __all__ = [
@@ -111,7 +112,7 @@ def published_time_step(beam: Beam, modes: int) -> float:
     return float(constants[whole_number("modes", modes, most=len(constants)) - 1] / beam.frequency_unit)
 
 
-def stable_time_step(chain: Chain, integrator: str = "rk4") -> float:
+def stable_time_step(chain: Chain, integrator: str = "rk4", *, load: Load | None = None) -> float:
     """Return the largest fixed step at which the undamped linear chain is stable [s].
 
         h = 2√2 / ω_max  (rk4),   h = 2 / ω_max  (leapfrog, semi_implicit_euler)
@@ -122,6 +123,8 @@ def stable_time_step(chain: Chain, integrator: str = "rk4") -> float:
         Its own highest frequency decides, not the modes that one wants to see.
     integrator : str
         "rk4", "leapfrog" or "semi_implicit_euler".
+    load : Load, optional
+        An axial force.
 
     Returns
     -------
@@ -140,17 +143,18 @@ def stable_time_step(chain: Chain, integrator: str = "rk4") -> float:
     0.00424
     """
     limit = INTEGRATORS[choice("integrator", integrator, INTEGRATORS)]
-    highest = highest_angular_frequency(chain)
+    highest = highest_angular_frequency(chain, load=load)
     return limit / highest if highest else math.inf
 
 
-def highest_angular_frequency(chain: Chain) -> float:
+def highest_angular_frequency(chain: Chain, *, load: Load | None = None) -> float:
     """Return the chain's highest natural frequency, or a bound just above it for a long chain [rad/s].
 
     A chain of at most 500 hinges is solved. For a longer one the answer is the largest of its joints' own
-    frequencies,  ω² ≤ max_j  k_j b_jᵀ M_j⁻¹ b_j,  where M_j is the inertia of the two pieces at joint j,
-    each shared equally among its joints: kinetic and stored energy are sums over joints, so no mode can
-    exceed the largest ratio. On uniform rods it is the band edge √48 N², which the mode itself approaches.
+    frequencies,  ω² ≤ max_j  λ_max(M_j⁻¹ K_j),  where M_j is the inertia of the two pieces at joint j and
+    K_j its spring, supports and tension, each shared equally among its joints: kinetic and stored energy are
+    sums over joints, so no mode can exceed the largest ratio. On uniform rods it is the band edge √48 N²,
+    which the mode itself approaches.
 
     Examples
     --------
@@ -159,36 +163,47 @@ def highest_angular_frequency(chain: Chain) -> float:
     """
     if not isinstance(chain, Chain):
         raise TypeError(f"chain must be a Chain, got {shown(chain)}")
-    if chain.elastic_modes == 0:
+    model = linearize(chain, load=load)
+    if model.elastic_modes == 0:
         return 0.0
     if len(chain.hinge_stiffness) <= MAX_DENSE:
-        return float(solve_modes(linearize(chain)).angular_frequency[-1])
-    return _joint_bound(chain)
+        return float(solve_modes(model).angular_frequency[-1])
+    return _joint_bound(chain, model.load)
 
 
-def _joint_bound(chain: Chain) -> float:
+def _joint_bound(chain: Chain, load: Load) -> float:
     """Return the largest joint frequency, each joint's two pieces taken as free at their far tips.
 
-    In (deflection of the hinge, angle of the left piece, angle of the right piece) a piece with its hinge at
-    one tip has mass m, first moment ∓m l/2 and inertia J + m l²/4. A held piece keeps its angle.
+    In (deflection of the hinge, angle of the left piece, angle of the right piece) a piece with its centre of
+    mass a beyond the hinge has mass m, first moment m a and inertia J + m a². A held piece keeps its angle.
+    Supports and an axial force are shared among the joints as the inertia of their pieces is.
     """
-    length, mass = chain.length, chain.mass
-    inertia = chain.rotary_inertia + mass * length**2 / 4
+    length, mass, centre = chain.length, chain.mass, chain.centre
     joints = np.full(chain.pieces, 2.0)
     joints[[0, -1]] = 1.0
-    moment = mass * length / 2
     held = np.array(chain.held_angles)
-    total = (mass / joints)[:-1] + (mass / joints)[1:]
-    pulls = (-(moment / joints)[:-1], (moment / joints)[1:])
-    turns = ((inertia / joints)[:-1], (inertia / joints)[1:])
-    blocks = np.zeros((len(total), 3, 3))
-    blocks[:, 0, 0] = total
-    for side in (0, 1):
-        fixed = held[:-1] if side == 0 else held[1:]
-        blocks[:, side + 1, side + 1] = np.where(fixed, 1.0, turns[side])
-        blocks[:, 0, side + 1] = blocks[:, side + 1, 0] = np.where(fixed, 0.0, pulls[side])
-    load = np.stack(
-        [np.zeros(len(total)), np.where(held[:-1], 0.0, -1.0), np.where(held[1:], 0.0, 1.0)], axis=1
-    )
-    response = np.linalg.solve(blocks, load[:, :, None])[:, :, 0]
-    return float(np.sqrt((chain.joint_stiffness * (load * response).sum(axis=1)).max()))
+    inertia, stiffness = np.zeros((2, chain.pieces - 1, 3, 3))
+    pull = np.where(held, 0.0, max(0.0, float(load.axial_force)) * length)
+    for side, pieces, arm in ((1, slice(None, -1), centre - length), (2, slice(1, None), centre)):
+        share, free = 1 / joints[pieces], ~held[pieces]
+        moment = (mass * arm)[pieces] * free
+        turning = (chain.rotary_inertia + mass * arm**2)[pieces]
+        inertia[:, 0, 0] += mass[pieces] * share
+        inertia[:, 0, side] = inertia[:, side, 0] = moment * share
+        inertia[:, side, side] = np.where(free, turning * share, 1.0)
+        stiffness[:, side, side] = (chain.joint_stiffness + pull[pieces] * share) * free
+    both = -chain.joint_stiffness * ~held[:-1] * ~held[1:]
+    stiffness[:, 1, 2] = stiffness[:, 2, 1] = both
+    for joint, side, reach, (translation, rotation) in (
+        (0, 1, -length[0], chain.support_stiffness[0]),
+        (-1, 2, length[-1], chain.support_stiffness[1]),
+    ):
+        tip = np.array([1.0, 0.0, 0.0])
+        tip[side] = 0.0 if held[[0, -1][side - 1]] else reach
+        if np.isfinite(translation):
+            stiffness[joint] += translation * np.outer(tip, tip)
+        if np.isfinite(rotation):
+            stiffness[joint, side, side] += rotation
+    lower = np.linalg.inv(np.linalg.cholesky(inertia))
+    local = lower @ stiffness @ np.swapaxes(lower, 1, 2)
+    return float(np.sqrt(np.linalg.eigvalsh(local)[:, -1].max()))

@@ -59,7 +59,10 @@ def beam_statics(beam: Beam, boundary: BoundaryLike, load: str) -> Statics:
     if not isinstance(beam, Beam):
         raise TypeError(f"beam must be a Beam, got {shown(beam)}")
     pair, name = without_rigid_motion(Boundary.of(boundary)), choice("load", load, LOADS)
-    units = Units(beam.length, beam.mass_per_length * beam.length, beam.bending_stiffness / beam.length)
+    if not beam.is_uniform:
+        raise ValueError(f"beam must be uniform, got {shown(beam)}")
+    mass, stiffness = beam.mean_mass_per_length, beam.mean_bending_stiffness
+    units = Units(beam.length, mass * beam.length, stiffness / beam.length)
     return Statics(name, units, _beam_response(pair.canonical, name))
 
 

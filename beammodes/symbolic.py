@@ -11,7 +11,9 @@ import sympy
 
 from beammodes.chain import Chain, Number
 from beammodes.checks import shown
-from beammodes.mechanics import Algebra, Energies, coordinate_names, energies, motion_terms, null_space
+from beammodes.coordinates import coordinate_names, null_space
+from beammodes.loading import Load, checked_load
+from beammodes.mechanics import Algebra, Energies, energies, motion_terms
 
 __all__ = ["EquationsOfMotion", "ExactLinearModel", "equations_of_motion", "symbolic_energies"]
 
@@ -83,8 +85,8 @@ class EquationsOfMotion:
         q, q' and q''; see `beammodes.mechanics` for their order and signs.
     mass_matrix : sympy.Matrix, shape (n, n)
         M(q).
-    velocity_terms, spring_moments : sympy.Matrix, shape (n, 1)
-        h(q, q') and s(q).
+    velocity_terms, static_forces : sympy.Matrix, shape (n, 1)
+        h(q, q') and s(q) = ∂V/∂q.
     constraints : sympy.Matrix, shape (c, 1)
         c(q); empty for a chain whose right end is not held.
     multipliers : tuple of sympy.Symbol
@@ -96,7 +98,7 @@ class EquationsOfMotion:
     accelerations: tuple[sympy.Symbol, ...]
     mass_matrix: sympy.Matrix
     velocity_terms: sympy.Matrix
-    spring_moments: sympy.Matrix
+    static_forces: sympy.Matrix
     constraints: sympy.Matrix
     multipliers: tuple[sympy.Symbol, ...]
 
@@ -110,19 +112,20 @@ class EquationsOfMotion:
         """M q'' + h + s - (∂c/∂q)ᵀ λ, which is zero along every motion, shape (n, 1)."""
         inertia = self.mass_matrix * sympy.Matrix(self.accelerations)
         reaction = self.constraint_jacobian.T * sympy.Matrix(len(self.multipliers), 1, self.multipliers)
-        return inertia + self.velocity_terms + self.spring_moments - reaction
+        return inertia + self.velocity_terms + self.static_forces - reaction
 
     def linearize(self) -> ExactLinearModel:
         """Return exact M and K of small transverse vibration about the straight chain at rest.
 
-        M is evaluated there; K is the derivative of the static terms. The velocity terms are quadratic
-        in the speeds and leave nothing. The multipliers are zero at rest, so the constraints enter by
-        their gradient only. The axial coordinate x_0 is dropped: on the straight chain it is coupled
-        to no angle (the coupling is -s_j sin θ_j) and has no stiffness.
+        M is evaluated there; K is the derivative of the static forces, an axial force's among them. The
+        velocity terms are quadratic in the speeds and leave nothing. The multipliers of the closures that
+        are kept are zero at rest, so these enter by their gradient only. The axial coordinate x_0 is
+        dropped: on the straight chain it is coupled to no angle (the coupling is -s_j sin θ_j) and has no
+        stiffness.
         """
         rest = dict.fromkeys((*self.coordinates, *self.speeds), sympy.Integer(0))
         keep = [i for i, name in enumerate(self.coordinates) if str(name) != "x_0"]
-        static = self.spring_moments + self.velocity_terms.xreplace(dict.fromkeys(self.speeds, 0))
+        static = self.static_forces + self.velocity_terms.xreplace(dict.fromkeys(self.speeds, 0))
         stiffness = _jacobian(static, self.coordinates).xreplace(rest)
         mass = self.mass_matrix.xreplace(rest)
         rows = self.constraint_jacobian.xreplace(rest).tolist()
@@ -132,7 +135,9 @@ class EquationsOfMotion:
         return ExactLinearModel(coordinates, mass[keep, keep], stiffness[keep, keep], basis)
 
 
-def equations_of_motion(chain: Chain, *, symbols: bool | None = None) -> EquationsOfMotion:
+def equations_of_motion(
+    chain: Chain, *, load: Load | None = None, symbols: bool | None = None
+) -> EquationsOfMotion:
     """Return the nonlinear equations of motion of a chain, in symbols.
 
         M_ij = a_ij cos(θ_i - θ_j),   h_i = Σ_j a_ij sin(θ_i - θ_j) θ_j'²,   s = ∂V/∂q
@@ -141,6 +146,8 @@ def equations_of_motion(chain: Chain, *, symbols: bool | None = None) -> Equatio
     ----------
     chain : Chain
         Up to about 50 segments; every entry of M is an expression of its own.
+    load : Load, optional
+        An axial force; its number enters in units of EI/ell² where symbols are used.
     symbols : bool, optional
         True writes m, ell and EI for a segment's mass and length and the bending stiffness, beside exact
         rational factors; False puts the beam's numbers in. Default: symbols where the chain has a beam.
@@ -161,7 +168,7 @@ def equations_of_motion(chain: Chain, *, symbols: bool | None = None) -> Equatio
     """
     names = coordinate_names(_checked(chain))
     coordinates, speeds, accelerations = (_coordinate_symbols(names, dots) for dots in range(3))
-    terms = motion_terms(chain, coordinates, speeds, _algebra(chain, symbols))
+    terms = motion_terms(chain, coordinates, speeds, _algebra(chain, symbols), checked_load(load))
     closures = len(terms.closures)
     return EquationsOfMotion(
         coordinates,
@@ -169,13 +176,13 @@ def equations_of_motion(chain: Chain, *, symbols: bool | None = None) -> Equatio
         accelerations,
         sympy.Matrix(len(names), len(names), [entry for row in terms.mass_matrix for entry in row]),
         sympy.Matrix(len(names), 1, terms.velocity_terms),
-        sympy.Matrix(len(names), 1, terms.spring_moments),
+        sympy.Matrix(len(names), 1, terms.static_forces),
         sympy.Matrix(closures, 1, terms.closures),
         tuple(sympy.Symbol(f"lambda_{i + 1}") for i in range(closures)),
     )
 
 
-def symbolic_energies(chain: Chain, *, symbols: bool | None = None) -> Energies:
+def symbolic_energies(chain: Chain, *, load: Load | None = None, symbols: bool | None = None) -> Energies:
     """Return kinetic and potential energy and the closures in the symbols of `equations_of_motion`.
 
     Examples
@@ -185,9 +192,8 @@ def symbolic_energies(chain: Chain, *, symbols: bool | None = None) -> Energies:
     3*EI*theta_1**2/(2*ell)
     """
     names = coordinate_names(_checked(chain))
-    return energies(
-        chain, _coordinate_symbols(names, 0), _coordinate_symbols(names, 1), _algebra(chain, symbols)
-    )
+    q, u = _coordinate_symbols(names, 0), _coordinate_symbols(names, 1)
+    return energies(chain, q, u, _algebra(chain, symbols), checked_load(load))
 
 
 def _checked(chain: Chain) -> Chain:

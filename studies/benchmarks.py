@@ -57,7 +57,7 @@ def same_equations(segments: int = 3) -> float:
     """Return the largest difference of this project's and Kane's M and forcing at random states."""
     kane, q, u = kane_equations(segments)
     ours = bm.equations_of_motion(bm.Chain(bm.Beam.unit(), "clamped-free", segments))
-    static = -(ours.velocity_terms + ours.spring_moments)
+    static = -(ours.velocity_terms + ours.static_forces)
     plain = [sympy.Symbol(f"z{i}") for i in range(2 * segments)]
     rename = dict(zip((*q, *u), plain, strict=True))
     rename_ours = dict(zip((*ours.coordinates, *ours.speeds), plain, strict=True)) | KANE_UNITS

@@ -69,7 +69,7 @@ def rooms(stem: str) -> set[str]:
 
 def test_the_reader_of_imports_reads_imports() -> None:
     assert {"beam", "chain", "ends", "exact_beam", "rules", "__init__", "__main__"} <= set(FILES)
-    assert rooms("beam") == {"checks"}
+    assert rooms("beam") == {"beam_properties", "checks", "profiles", "tabulated"}
     assert {"chain", "beam", "advice"} <= rooms("commands")  # the first two inside functions
     assert "numpy" in imports("chain", inside_functions=False)
 
@@ -82,13 +82,40 @@ def test_no_import_cycle() -> None:
 
 def test_the_exact_beam_shares_no_code_with_the_chain() -> None:
     # design.md, "Rooms": the judge imports only beam and ends (and the argument checks) and itself.
-    assert rooms("exact_beam") <= {"beam", "ends", "checks", "wavenumbers"}
+    assert rooms("exact_beam") <= {*GIVEN, "wavenumbers"}
     assert rooms("wavenumbers") <= {"ends", "checks"}
 
 
-@pytest.mark.parametrize("stem", ["exact_beam", "wavenumbers", "beam", "ends", "checks"])
-def test_the_judge_reaches_no_further(stem: str) -> None:
-    assert rooms(stem) <= {"beam", "ends", "checks", "wavenumbers"}
+JUDGES = {
+    "beam_reflection",
+    "beam_stiffness",
+    "beam_waves",
+    "count_roots",
+    "euler_buckling",
+    "long_decimals",
+    "low_modes",
+    "spectral_beam",
+    "spectral_energy",
+    "spectral_grid",
+    "spectral_shapes",
+    "supported_beam",
+    "supported_shapes",
+    "unit_beam",
+}
+
+
+@pytest.mark.parametrize("stem", sorted(JUDGES))
+def test_the_other_exact_beams_share_no_code_with_the_chain_either(stem: str) -> None:
+    assert rooms(stem) <= GIVEN | JUDGES
+
+
+# What a beam is: its sections, its ends, its load.
+GIVEN = {"beam", "beam_properties", "checks", "ends", "loading", "profiles", "supports", "tabulated"}
+
+
+@pytest.mark.parametrize("stem", sorted(GIVEN))
+def test_what_is_given_knows_nothing_of_chains_or_solutions(stem: str) -> None:
+    assert rooms(stem) <= GIVEN
 
 
 @EVERY_FILE

@@ -1,9 +1,10 @@
-"""The beam: three positive numbers, frozen, and the frequency unit they set."""
+"""The beam: its length and properties, frozen, and the frequency unit they set."""
 
 from __future__ import annotations
 
 import dataclasses
 import math
+import pickle
 from fractions import Fraction
 from typing import Any
 
@@ -14,13 +15,15 @@ from hypothesis import strategies as st
 
 from beammodes.beam import Beam
 from beammodes.checks import shown
+from beammodes.profiles import Table
 
 FIELDS = ("length", "bending_stiffness", "mass_per_length")
 BAD_TYPES = [None, True, "1.2", "six", 1j, [1.2], (1.2,), np.array(1.2), b"1", object()]
 BAD_VALUES = [math.nan, math.inf, -math.inf, 0, 0.0, -0.0, -1, -2.5, 10**400, -(10**400), Fraction(-1, 3)]
 bad = st.one_of(
     st.text(), st.none(), st.booleans(), st.complex_numbers(), st.floats(max_value=0.0),
-    st.integers(max_value=0), st.lists(st.floats()), st.sampled_from(BAD_TYPES), st.sampled_from(BAD_VALUES),
+    st.integers(max_value=0), st.lists(st.floats(max_value=0.0)),
+    st.sampled_from(BAD_TYPES), st.sampled_from(BAD_VALUES),
 )  # fmt: skip
 
 
@@ -99,3 +102,107 @@ def test_frequency_unit_scales(length: float, stiffness: float, mass: float, fac
     assert Beam(length, stiffness, factor * mass).frequency_unit == pytest.approx(
         unit / factor**0.5, rel=1e-14
     )
+
+
+# --- Properties that vary --------------------------------------------------------------------------------
+
+PROPERTIES = ("bending_stiffness", "mass_per_length", "rotary_inertia_per_length")
+
+
+def varied(field: str, value: Any, length: float = 2.0) -> Beam:
+    return Beam(length, **{"bending_stiffness": 1.0, "mass_per_length": 1.0, field: value})
+
+
+@pytest.mark.parametrize("field", PROPERTIES)
+@pytest.mark.parametrize("row", [[3, 2, 1], (3.0, 2.0, 1.0), np.array([3, 2, 1]), [Fraction(3), 2, 1.0]])
+def test_sequences_are_kept_as_tables(field: str, row: Any) -> None:
+    beam = varied(field, row, length=1.5)
+    steps = Table((0.0, 0.5, 0.5, 1.0, 1.0, 1.5), (3.0, 3.0, 2.0, 2.0, 1.0, 1.0))
+    assert getattr(beam, field) == steps
+    assert beam == varied(field, steps, length=1.5) and hash(beam) == hash(varied(field, steps, length=1.5))
+    assert not beam.is_uniform and beam.breaks == (0.5, 1.0)
+
+
+@pytest.mark.parametrize("field", PROPERTIES)
+def test_what_is_constant_is_kept_as_a_number(field: str) -> None:
+    number = varied(field, 4.0)
+    assert varied(field, [4, 4, 4]) == varied(field, Table((0.0, 2.0), (4.0, 4.0))) == number
+    assert number.is_uniform and number.breaks == ()
+
+
+def test_means_are_the_number_itself_or_the_integral() -> None:
+    third = Beam(0.3, 0.1, 0.7)
+    assert (third.mean_bending_stiffness, third.mean_mass_per_length) == (0.1, 0.7)
+    # By hand: the mean of [3, 2, 1] is 2; that of e^(-x) over 0..2 is (1 - e^-2)/2.
+    beam = Beam(2.0, [3.0, 2.0, 1.0], lambda x: math.exp(-x))
+    assert beam.mean_bending_stiffness == pytest.approx(2.0, rel=1e-15)
+    assert beam.mean_mass_per_length == pytest.approx((1.0 - math.exp(-2.0)) / 2.0, rel=1e-15)
+    assert beam.frequency_unit == pytest.approx(math.sqrt(2.0 / beam.mean_mass_per_length) / 4.0, rel=1e-15)
+
+
+def test_breaks_are_where_any_property_has_a_step_or_a_kink() -> None:
+    # Thirds and sixths meet but for rounding; equal neighbours make no break.
+    kink = Table((0.0, 0.2, 0.4, 1.1), (1.0, 2.0, 3.0, 3.0))
+    beam = Beam(1.1, [3, 2, 1], [6, 6, 5, 4, 4, 4], kink)
+    assert np.allclose(beam.breaks, (1.1 / 3, 0.4, 1.1 / 2, 2.2 / 3), rtol=1e-15, atol=0.0)
+
+
+def test_a_table_that_ends_a_rounding_off_the_beam_is_moved_to_its_end() -> None:
+    table = Beam(1.2, Table((0.0, 3 * 0.4), (1.0, 2.0)), 1.0).bending_stiffness
+    assert table == Table((0.0, 1.2), (1.0, 2.0)) and 3 * 0.4 != 1.2
+
+
+@pytest.mark.parametrize("field", PROPERTIES)
+@pytest.mark.parametrize(
+    ("given", "told"),
+    [
+        ([1.0, -2.0, 3.0], r"got -2\.0 on part 2 of 3"),
+        ([1.0, math.nan], r"must be finite, got nan"),
+        ([1.0, "2"], r"must be a real number, got '2'"),
+        (np.ones((2, 2)), r"must be a real number, got array"),
+        (Table((0.0, 1.0), (1.0, 2.0)), r"tabulated from 0 to the beam's length 2\.0, got .* 1\.0"),
+        (Table((0.0, 2.0), (1.0, -1.0)), r"got -1\.0 at x = 2\.0"),
+        (lambda x: 1.0 - x, r"got -0\.[0-9]+ at x = 1\.[0-9]+$"),
+        (lambda x: x * math.nan, r"at x = 0\.0 must be finite, got nan"),
+        (lambda _: "stiff", r"at x = 0\.0 must be a real number, got 'stiff'"),
+        (lambda x: 2.0 + float(np.size(x) > 1), r"one value at each position, got 3\.0 for an array"),
+    ],
+)  # fmt: skip
+def test_wrong_properties_are_refused_with_place_and_value(field: str, given: Any, told: str) -> None:
+    with pytest.raises((TypeError, ValueError), match=rf"^{field} .*{told}"):
+        varied(field, given)
+
+
+@pytest.mark.parametrize("given", [[2.0, 0.0], Table((0.0, 2.0), (1.0, 0.0)), lambda x: 1.0 - 0.5 * x])
+def test_a_taper_to_nothing_is_refused_except_of_rotary_inertia(given: Any) -> None:
+    for field in PROPERTIES[:2]:
+        with pytest.raises(
+            ValueError, match=rf"^{field} must be greater than 0, got 0\.0 .* taper to nothing"
+        ):
+            varied(field, given)
+    assert not varied(PROPERTIES[2], given).is_uniform
+
+
+@given(
+    field=st.sampled_from(PROPERTIES),
+    good=st.lists(st.floats(0.1, 10.0), min_size=1, max_size=4),
+    spoilt=st.one_of(st.floats(max_value=-1e-300), st.just(math.nan), st.text(), st.none(), st.booleans()),
+    place=st.integers(0, 4),
+)
+def test_one_bad_number_spoils_a_sequence(field: str, good: list[Any], spoilt: object, place: int) -> None:
+    row = [*good[:place], spoilt, *good[place:]]
+    with pytest.raises((TypeError, ValueError), match=f"^{field} must ") as info:
+        varied(field, row)
+    assert shown(row) in str(info.value)
+
+
+def test_a_beam_that_varies_is_a_value() -> None:
+    beam = Beam(1.0, [2, 1], 1.0, 0.1)
+    assert dataclasses.replace(beam, length=1.0) == pickle.loads(pickle.dumps(beam)) == beam
+    assert dataclasses.replace(beam, mass_per_length=lambda x: 1.0 + x) != beam
+
+
+def test_rotary_inertia_may_be_zero_and_not_negative() -> None:
+    assert Beam(1.0, 1.0, 1.0, -0.0) == Beam.unit() and Beam.unit().rotary_inertia_per_length == 0.0
+    with pytest.raises(ValueError, match=r"^rotary_inertia_per_length must not be negative, got -1"):
+        Beam(1.0, 1.0, 1.0, -1)

@@ -6,6 +6,7 @@ import json
 import math
 import os
 import re
+import shlex
 import subprocess
 import sys
 from pathlib import Path
@@ -306,7 +307,7 @@ def test_bad_usage(arguments: list[str], capsys: pytest.CaptureFixture[str]) -> 
 
 def test_help_lists_commands_and_examples(capsys: pytest.CaptureFixture[str]) -> None:
     ran = Ran(["--help"], capsys)
-    examples = [line.split()[1:] for line in ran.lines if line.startswith("  beammodes ")]
+    examples = [shlex.split(line)[1:] for line in ran.lines if line.startswith("  beammodes ")]
     assert len(examples) >= 4
     for arguments in examples:  # and they work
         assert Ran(arguments, capsys).lines

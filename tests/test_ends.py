@@ -174,8 +174,8 @@ def test_frozen(field: str) -> None:
         ENDS["free"].holds_rotation = True  # type: ignore[misc]
 
 
-def test_a_new_end_is_no_surprise() -> None:
-    assert Boundary.of((End("free", False, False), "free")) == Boundary.of("free-free")
+def test_an_end_without_support_is_free() -> None:
+    assert Boundary.of((End(), "free")) == Boundary.of("free-free")
 
 
 @pytest.mark.parametrize("name", SIXTEEN)

@@ -11,10 +11,11 @@ import pytest
 import sympy
 
 from beammodes.beam import Beam
+from beammodes.beam_theory import euler_bernoulli
 from beammodes.chain import Chain
 from beammodes.discretization import relative_error
 from beammodes.ends import BOUNDARIES, ENDS
-from beammodes.exact_beam import euler_bernoulli, wavenumber
+from beammodes.exact_beam import wavenumber
 from beammodes.law import _slope_energy, end_defects, error_law, interior_coefficient
 from beammodes.linear import linearize
 from beammodes.modes import solve_modes

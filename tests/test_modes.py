@@ -11,9 +11,9 @@ import pytest
 
 from beammodes import modes as modes_module
 from beammodes.beam import Beam
+from beammodes.beam_theory import euler_bernoulli
 from beammodes.chain import Chain
 from beammodes.ends import BOUNDARIES, ENDS, Boundary
-from beammodes.exact_beam import euler_bernoulli
 from beammodes.linear import MAX_ASSEMBLED, linearize
 from beammodes.modes import solve_modes
 from beammodes.rules import RULES

@@ -108,7 +108,7 @@ def test_weights_are_one_inside_and_at_ends_without_moment(name: str) -> None:
             if not end.holds_rotation:  # pinned, free: no bending moment there, design.md seam 2
                 assert weights_from_end[:reach] == [1] * reach
             else:
-                prescribed = rule.clamped if end.name == "clamped" else rule.guided
+                prescribed = rule.clamped if end.word == "clamped" else rule.guided
                 assert weights_from_end[: len(prescribed)] == [w.at(Fraction(size)) for w in prescribed]
 
 

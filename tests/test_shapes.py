@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 
 from beammodes.beam import Beam
+from beammodes.beam_theory import euler_bernoulli
 from beammodes.chain import Chain
 from beammodes.ends import BOUNDARIES
-from beammodes.exact_beam import euler_bernoulli
 from beammodes.inverse import matched
 from beammodes.linear import linearize
 from beammodes.modes import solve_modes

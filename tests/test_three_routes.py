@@ -12,9 +12,9 @@ from sympy.physics import mechanics as sympy_mechanics
 
 from beammodes.beam import Beam
 from beammodes.chain import Chain
+from beammodes.coordinates import coordinate_names
 from beammodes.ends import BOUNDARIES, ENDS, Boundary
 from beammodes.linear import nodal_deflections, nodal_matrices
-from beammodes.mechanics import coordinate_names
 from beammodes.numeric import compile_equations
 from beammodes.rules import RULES
 from beammodes.symbolic import EquationsOfMotion, equations_of_motion, symbolic_energies
@@ -95,7 +95,7 @@ def test_motion_terms_are_the_derivatives_of_the_energies(boundary: str, segment
         momentum = parts.kinetic.diff(speed)
         rate = sum(momentum.diff(x) * v for x, v in zip((*q, *u), (*u, *a), strict=True))
         lagrange.append(rate - parts.kinetic.diff(coordinate) + parts.potential.diff(coordinate))
-    built = equations.mass_matrix * sympy.Matrix(a) + equations.velocity_terms + equations.spring_moments
+    built = equations.mass_matrix * sympy.Matrix(a) + equations.velocity_terms + equations.static_forces
     values = dict(zip((*q, *u, *a), np.random.default_rng(1).uniform(-1, 1, 3 * len(q)), strict=True))
     values |= {
         sympy.Symbol(name, positive=True): value for name, value in (("m", 0.7), ("ell", 1.3), ("EI", 2))
@@ -124,7 +124,7 @@ def test_compiled_equations_equal_the_symbolic_ones_at_large_angles(boundary: st
         return np.array(matrix.subs(values).evalf().tolist(), dtype=float).reshape(matrix.shape)
 
     balance = numbers(equations.mass_matrix) @ a
-    balance += numbers(equations.velocity_terms)[:, 0] + numbers(equations.spring_moments)[:, 0]
+    balance += numbers(equations.velocity_terms)[:, 0] + numbers(equations.static_forces)[:, 0]
     np.testing.assert_allclose(compiled.residual(q, u, a), balance, rtol=1e-11, atol=1e-12)
     np.testing.assert_allclose(
         compiled.constraint_jacobian(q).full(), numbers(equations.constraint_jacobian), rtol=1e-12, atol=1e-13
@@ -177,7 +177,7 @@ def test_equations_equal_kanes_method_at_random_states() -> None:
             atol=1e-13,
         )
         # Kane's forcing stands on the other side of the equation.
-        static = -(ours.velocity_terms + ours.spring_moments).subs(same)
+        static = -(ours.velocity_terms + ours.static_forces).subs(same)
         np.testing.assert_allclose(
             np.array(static.tolist(), float),
             np.array(forcing.subs(theirs).tolist(), float),

@@ -13,9 +13,10 @@ import pytest
 from numpy.typing import NDArray
 
 from beammodes.beam import Beam
+from beammodes.beam_theory import euler_bernoulli
 from beammodes.chain import Chain
 from beammodes.ends import BOUNDARIES, Boundary
-from beammodes.exact_beam import euler_bernoulli, wavenumber
+from beammodes.exact_beam import wavenumber
 from beammodes.inverse import Matched, match_springs, matched
 from beammodes.linear import linearize, nodal_matrices
 from beammodes.matched_springs import MatchedSprings, NoPositiveSprings
@@ -394,7 +395,7 @@ def tuned_error(boundary: str | Boundary, segments: int, tuned: int, mode: int) 
     )
 
 
-CLAMPED = [pair for pair in BOUNDARIES if pair.left.name == "clamped"]
+CLAMPED = [pair for pair in BOUNDARIES if pair.left.word == "clamped"]
 
 
 @pytest.mark.parametrize("mode", [1, 2, 3])

@@ -1,0 +1,70 @@
+"""The exact beam, whatever its ends, loads and sections: one door to the three solutions that judge."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from beammodes.beam import Beam
+from beammodes.checks import shown, whole_number
+from beammodes.ends import Boundary, BoundaryLike
+from beammodes.exact_beam import BeamModes, plain_modes
+from beammodes.loading import Load, checked_load
+from beammodes.profiles import mean_over
+
+if TYPE_CHECKING:
+    from beammodes.spectral_beam import SpectralBeamModes
+    from beammodes.supported_beam import SupportedBeamModes
+
+__all__ = ["euler_bernoulli"]
+
+
+def euler_bernoulli(
+    beam: Beam, boundary: BoundaryLike, modes: int, *, load: Load | None = None
+) -> BeamModes | SupportedBeamModes | SpectralBeamModes:
+    """Return the first elastic modes of a beam under Euler-Bernoulli theory.
+
+    (EI φ'')'' - T φ'' = ω² (ρA φ - (ρI φ')')  with two homogeneous conditions at each end.
+
+    A uniform beam between plain ends is `BeamModes`; ends with springs or bodies, an axial force or rotary
+    inertia make it `supported_beam.SupportedBeamModes`, and a beam that is not uniform is
+    `spectral_beam.SpectralBeamModes`, good to 1e-10. All three are read alike.
+
+    Parameters
+    ----------
+    beam : Beam
+    boundary : str, pair of ends or Boundary
+        Its ends; the one named first is at x = 0.
+    modes : int
+        How many elastic modes, 1 to 10⁶ of a uniform beam.
+    load : Load, optional
+        An axial force.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If `beam` is not a Beam, `boundary` cannot be read, `modes` is not a whole number in range, or the
+        axial force buckles the beam.
+
+    Examples
+    --------
+    >>> beam = Beam(length=1.2, bending_stiffness=85.0, mass_per_length=0.62)
+    >>> euler_bernoulli(beam, "clamped-free", 3).frequency.round(3)
+    array([ 4.55 , 28.515, 79.843])
+    >>> euler_bernoulli(beam, "clamped-free(mass=0.2)", 3).frequency.round(3)
+    array([ 3.146, 22.957, 68.397])
+    """
+    if not isinstance(beam, Beam):
+        raise TypeError(f"beam must be a Beam, got {shown(beam)}")
+    pair, pull = Boundary.of(boundary), checked_load(load)
+    count = whole_number("modes", modes, most=10**6)
+    if not beam.is_uniform:
+        from beammodes.spectral_beam import spectral_modes
+
+        return spectral_modes(beam, pair, count, pull)
+    if pull.axial_force or beam.rotary_inertia_per_length or not pair.is_plain:
+        from beammodes.supported_beam import supported_modes
+
+        return supported_modes(
+            beam, pair, count, pull, mean_over(beam.rotary_inertia_per_length, beam.length)
+        )
+    return plain_modes(beam, pair, count)

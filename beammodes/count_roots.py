@@ -1,0 +1,90 @@
+"""Roots of an equation whose roots below any point can be counted: all of them in order, to 24 digits."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from decimal import Decimal, localcontext
+from typing import NamedTuple
+
+__all__ = ["ROOT_DIGITS", "Sample", "ordered_roots"]
+
+#: Roots closer than this, relatively, are one double root: far below what a double can tell.
+ROOT_DIGITS = 24
+_CLOSE = Decimal(10) ** -ROOT_DIGITS
+
+
+class Sample(NamedTuple):
+    """A place, how many roots lie below it, and an analytic function that vanishes at the roots only."""
+
+    place: Decimal
+    below: int
+    value: Decimal
+
+
+def ordered_roots(
+    evaluate: Callable[[Decimal], Sample], low: Sample, high: Sample, most: int
+) -> list[Decimal]:
+    """Return the first roots between two places above zero, ascending, a double root twice.
+
+    Geometric bisection by the counts isolates each root within a factor of two, so that roots many decades
+    apart cost no more than neighbours; the function's sign change then refines it.
+
+    Parameters
+    ----------
+    evaluate : callable
+        Samples the equation at a place.
+    low, high : Sample
+        The ends of the range.
+    most : int
+        How many roots to return at most.
+
+    Examples
+    --------
+    >>> def evaluate(x):
+    ...     return Sample(x, sum(x > root for root in (2, 9)), (x - 2) * (x - 9))
+    >>> roots = ordered_roots(evaluate, evaluate(Decimal("0.001")), evaluate(Decimal(100)), 2)
+    >>> [float(root) for root in roots]
+    [2.0, 9.0]
+    """
+    found: list[Decimal] = []
+    with localcontext() as context:
+        context.prec = 3 * ROOT_DIGITS
+        pending = [(low, high)]
+        while pending and len(found) < most:
+            left, right = pending.pop()
+            inside = right.below - left.below
+            if inside and right.place - left.place < _CLOSE * left.place:
+                found += [right.place] * inside
+            elif inside == 1 and right.place < 2 * left.place:
+                found.append(_refined(evaluate, left, right))
+            elif inside:
+                middle = evaluate((left.place * right.place).sqrt())
+                pending += [(middle, right), (left, middle)]
+    return found[:most]
+
+
+def _refined(evaluate: Callable[[Decimal], Sample], left: Sample, right: Sample) -> Decimal:
+    """Return the one root between two samples (Chandrupatla, Advances in Engineering Software 28, 1997)."""
+    half = Decimal("0.5")
+    new, opposite, fraction = left, right, half
+    while True:
+        trial = evaluate(new.place + fraction * (opposite.place - new.place))
+        if (trial.value > 0) == (new.value > 0):
+            new, old = trial, new
+        else:
+            new, opposite, old = trial, new, opposite
+        best = min(new, opposite, key=lambda sample: abs(sample.value))
+        width = abs(opposite.place - new.place)
+        if not best.value or width < 2 * _CLOSE * best.place:
+            return best.place
+        least = _CLOSE * best.place / width
+        fraction = min(max(_interpolated(new, opposite, old), least), 1 - least)
+
+
+def _interpolated(new: Sample, opposite: Sample, old: Sample) -> Decimal:
+    """Return the step towards `opposite` by inverse quadratic interpolation where safe, else one half."""
+    (a, _, fa), (b, _, fb), (c, _, fc) = new, opposite, old
+    along, rise = (a - b) / (c - b), (fa - fb) / (fc - fb)
+    if rise**2 < along and (1 - rise) ** 2 < 1 - along:
+        return fa / (fb - fa) * fc / (fb - fc) + (c - a) / (b - a) * fa / (fc - fa) * fb / (fc - fb)
+    return Decimal("0.5")

@@ -1,0 +1,134 @@
+"""A beam cut into rigid pieces: their masses and inertias, and the flexibility of what lies at each hinge.
+
+All numbers are in the chain's own units (`beammodes.units`), in which those of a uniform beam are exact.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Sequence
+from fractions import Fraction
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from beammodes.beam import Beam
+from beammodes.pieces import Number
+from beammodes.profiles import mean_over, mean_reciprocal, moments, profile_breaks
+from beammodes.rules import Layout, Rule
+from beammodes.units import ExactUnits
+
+__all__ = ["Rods", "hinge_flexibilities", "rigid_rods", "step_weights"]
+
+_ROD, _POINT_MASSES = Fraction(1, 12), Fraction(1, 4)
+
+
+class Rods(NamedTuple):
+    """Mass, centre of mass from the left tip, and rotary inertia about it, of every piece."""
+
+    mass: tuple[Number, ...]
+    centre: tuple[Number, ...]
+    rotary_inertia: tuple[Number, ...]
+
+
+def rigid_rods(beam: Beam, lengths: Sequence[Fraction], shape: Fraction, units: ExactUnits) -> Rods:
+    """Return the pieces of a beam that is cut into `lengths`, in segments.
+
+    `shape` is a piece's rotary inertia over mass times length²: 1/12 keeps the mass where the beam has it,
+    1/4 gathers it at the piece's two ends. The section's own rotary inertia comes on top.
+
+    Examples
+    --------
+    >>> rigid_rods(Beam.unit(), [Fraction(1, 2), Fraction(1)], Fraction(1, 12), ExactUnits.of(Beam.unit(), 2))
+    Rods(mass=(Fraction(1, 2), Fraction(1, 1)),
+         centre=(Fraction(1, 4), Fraction(1, 2)),
+         rotary_inertia=(Fraction(1, 96), Fraction(1, 12)))
+    """
+    if not beam.is_uniform:
+        return _nonuniform_rods(beam, lengths, shape, units)
+    section = (
+        Fraction(mean_over(beam.rotary_inertia_per_length, beam.length))
+        * units.length
+        / (units.mass * units.length**2)
+    )
+    kinds = {length: shape * length**3 + section * length for length in set(lengths)}
+    halves = {length: length / 2 for length in set(lengths)}
+    return Rods(
+        tuple(lengths),
+        tuple(halves[length] for length in lengths),
+        tuple(kinds[length] for length in lengths),
+    )
+
+
+def _nonuniform_rods(beam: Beam, lengths: Sequence[Fraction], shape: Fraction, units: ExactUnits) -> Rods:
+    edges = _positions(lengths, units)
+    scale, ell = float(units.mass), float(units.length)
+    length = np.diff(edges) / ell
+    mass, moment, second = moments(beam.mass_per_length, edges)
+    mass, moment, second = mass / scale, moment / (scale * ell), second / (scale * ell**2)
+    shift = np.divide(moment, mass, out=np.zeros_like(mass), where=mass > 0)
+    spread = second - moment * shift
+    # Two point masses at the tips that have the piece's mass and centre.
+    gathered = mass * (length / 2 + shift) * (length / 2 - shift)
+    part = float((shape - _ROD) / (_POINT_MASSES - _ROD))
+    section = moments(beam.rotary_inertia_per_length, edges)[0] / (scale * ell**2)
+    inertia = (1 - part) * spread + part * gathered + section
+    return Rods(*(tuple(values.tolist()) for values in (mass, length / 2 + shift, inertia)))
+
+
+def hinge_flexibilities(beam: Beam, lengths: Sequence[Fraction], units: ExactUnits) -> list[Number]:
+    """Return, for each hinge, the mean of EI over the EI there, which a rule's weight multiplies.
+
+    At a step of EI it is the mean of both sides: each half cell bends with its own.
+
+    Examples
+    --------
+    >>> hinge_flexibilities(Beam.unit(), [Fraction(1)] * 2, ExactUnits.of(Beam.unit(), 2))
+    [Fraction(1, 1)]
+    """
+    if beam.is_uniform:
+        return [Fraction(1)] * (len(lengths) - 1)
+    position = _positions(lengths, units)[1:-1]
+    ratio = beam.mean_bending_stiffness * mean_reciprocal(beam.bending_stiffness, position)
+    return [float(value) for value in ratio]
+
+
+def step_weights(
+    beam: Beam, rule: Layout, lengths: Sequence[Fraction], units: ExactUnits
+) -> dict[int, Fraction]:
+    """Return what to add to the weights of hinges near steps and kinks of EI, by hinge.
+
+    M²/EI is not smooth there, so a rule is a quadrature of its own on either side. One with end weights of
+    order above 2 applies them on both, as at a clamped end, if the step lies where an end could: on a hinge,
+    or half a segment from two for a half stub. The trapezoidal order 2 is left where it does not apply to a
+    step on a hinge, and order 1 where a step lies elsewhere.
+
+    Examples
+    --------
+    >>> from beammodes.rules import RULES
+    >>> beam = Beam(1.0, [2.0, 1.0], 1.0)
+    >>> step_weights(beam, RULES["gregory"], [Fraction(1)] * 8, ExactUnits.of(beam, 8))[3]       # 2 x 3/8 - 1
+    Fraction(-1, 4)
+    """
+    added: dict[int, Fraction] = {}
+    if not isinstance(rule, Rule) or rule.order["clamped"] < 3 or rule.stub == 1:
+        return added
+    hinges = {position: j for j, position in enumerate(itertools.accumulate(lengths[:-1]))}
+    for step in profile_breaks(beam.bending_stiffness):
+        place = step / float(units.length)
+        node = round(place)
+        if abs(place - node) > 1e-9 * max(1, node):
+            continue
+        for side, (k, weight) in itertools.product((-1, 1), enumerate(rule.clamped)):
+            hinge = hinges.get(node + side * (k + rule.stub))
+            if hinge is not None:
+                # A hinge on the step has half its weight from either side.
+                own = Fraction(1, 1 if k or rule.stub else 2)
+                added[hinge] = added.get(hinge, Fraction(0)) + weight.constant - own
+    return added
+
+
+def _positions(lengths: Sequence[Fraction], units: ExactUnits) -> NDArray[np.float64]:
+    edges = itertools.accumulate(lengths, initial=Fraction(0))
+    return np.array([float(edge * units.length) for edge in edges])

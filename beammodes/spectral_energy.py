@@ -1,0 +1,174 @@
+"""A beam's stored energy between any two ends, made ½ |w|² by the choice of coordinates w."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from beammodes.beam import Beam
+from beammodes.ends import Boundary
+from beammodes.loading import Load
+from beammodes.spectral_grid import Grid
+
+__all__ = ["Motions", "kinetic_rows", "slope_rows", "supported_motions", "with_axial_force"]
+
+Floats = NDArray[np.float64]
+
+# A straight line α + βx at each end quantity: y(0), y'(0), y(1), y'(1) and the chord's slope y(1) - y(0).
+_LINES = np.array([[1.0, 0.0], [0.0, 1.0], [1.0, 1.0], [0.0, 1.0], [0.0, 1.0]])
+
+# Nearer to the buckling load rounding decides on which side of it a compression is.
+_LEAST_MARGIN = 1e-13
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Motions:
+    """Motions of a beam with L = mean EI = mean ρA = 1, a column each: κ at the grid's points, y(0), y'(0).
+
+    Parameters
+    ----------
+    elastic : ndarray, shape (points + 2, columns)
+        The motion elastic · w stores ½ |w|².
+    rigid : ndarray, shape (points + 2, rigid-body modes)
+        Straight motions that store nothing.
+    margin : float [-]
+        1 - P / buckling load in compression P, else 1: rounding grows as its reciprocal.
+    """
+
+    elastic: Floats
+    rigid: Floats
+    margin: float = 1.0
+
+    @property
+    def turns_freely(self) -> bool:
+        """Whether a rigid rotation stores nothing."""
+        return bool(self.rigid[-1].any())
+
+
+def supported_motions(beam: Beam, boundary: Boundary, grid: Grid, load: Load) -> Motions:
+    """Return the motions, stored energy being that of bending, supports and the tension of the chord.
+
+    ½ ∫EI κ² + ½ Σ K e²  over the end quantities e; tension T > 0 stores ½ T (y(1) - y(0))², besides what
+    `with_axial_force` adds. Stiffnesses may span 24 decades and be infinite, so the two stiffest quantities
+    that fix a straight line are coordinates, of compliance 1/√K, and the others change the identity by rank
+    one each, the stiffest first: no stiffness is ever added to a smaller one.
+
+    Parameters
+    ----------
+    beam : Beam
+    boundary : Boundary
+    grid : Grid
+        The beam's points.
+    load : Load
+        Its axial force T; compression is left to `with_axial_force`.
+    """
+    stiffness = _end_stiffness(beam, boundary, max(_tension(beam, load), 0.0))
+    rows = _end_rows(grid)
+    order = sorted(range(5), key=lambda i: -stiffness[i])
+    # Any second quantity will do except that two slopes leave the line free to shift.
+    pair = [order[0], next(i for i in order[1:] if np.linalg.det(_LINES[[order[0], i]]) != 0.0)]
+    line = np.linalg.inv(_LINES[pair])
+    bending = np.diag(1.0 / np.sqrt(grid.weight * grid.stiffness))
+    elastic = [np.vstack((bending, -line @ rows[pair, :-2] @ bending))]
+    rigid = [np.zeros((len(grid.x) + 2, 0))]
+    for quantity, alone in zip(pair, line.T, strict=True):
+        straight = np.concatenate((np.zeros_like(grid.x), alone))[:, None]
+        if stiffness[quantity]:
+            elastic.append(straight / math.sqrt(stiffness[quantity]))
+        else:
+            rigid.append(straight)
+    motions = np.hstack(elastic)
+    for quantity in order:
+        if stiffness[quantity] and quantity not in pair:
+            motions = _stiffened(motions, rows[quantity] @ motions, stiffness[quantity])
+    return Motions(motions, np.hstack(rigid))
+
+
+def with_axial_force(motions: Motions, beam: Beam, grid: Grid, load: Load) -> Motions:
+    """Return the motions with the energy ½ ∫ T y'² counted; that of the chord is already, in tension.
+
+    Raises
+    ------
+    ValueError
+        If compression exceeds the buckling load; the message names axial_force.
+    """
+    from scipy.linalg import solve_triangular
+
+    tension = _tension(beam, load)
+    if tension == 0.0:
+        return motions
+    margin = 1.0
+    if tension > 0.0:
+        bent = slope_rows(grid, chord=True) @ motions.elastic
+        factor = np.linalg.qr(np.vstack((np.eye(bent.shape[1]), math.sqrt(tension) * bent)))[1]
+    else:
+        slope = slope_rows(grid) @ motions.elastic
+        margin = 1.0 + tension * float(np.linalg.norm(slope, 2)) ** 2
+        if motions.turns_freely or margin <= _LEAST_MARGIN:
+            raise ValueError(
+                "axial_force must not compress the beam beyond its buckling load, "
+                f"got {float(load.axial_force)}"
+            )
+        factor = np.linalg.cholesky(np.eye(slope.shape[1]) + tension * (slope.T @ slope)).T
+    stored = solve_triangular(factor, motions.elastic.T, trans="T").T
+    return Motions(stored, motions.rigid, min(margin, 1.0))
+
+
+def slope_rows(grid: Grid, *, chord: bool = False) -> Floats:
+    """Return rows G with |G · motion|² = ∫ y'² dx, or with `chord` ∫ (y' - chord's slope)² dx."""
+    slope = np.hstack((grid.slope, np.zeros((len(grid.x), 1)), np.ones((len(grid.x), 1))))
+    if chord:
+        slope = slope - _end_rows(grid)[4]
+    return np.sqrt(grid.weight)[:, None] * slope
+
+
+def kinetic_rows(beam: Beam, boundary: Boundary, grid: Grid) -> Floats:
+    """Return rows P with |P · motion|² = ∫ρA y² + ∫ρI y'² + Σ m (y ± aθ)² + Jθ² over the end bodies."""
+    ones = np.ones((len(grid.x), 1))
+    deflection = np.hstack((grid.deflection, ones, grid.x[:, None]))
+    rows = [np.sqrt(grid.weight * grid.mass)[:, None] * deflection]
+    if grid.rotary.any():
+        rows.append(np.sqrt(grid.rotary)[:, None] * slope_rows(grid))
+    ends, length = _end_rows(grid), beam.length
+    whole = beam.mean_mass_per_length * length
+    for end, outward, first in ((boundary.left, -1.0, 0), (boundary.right, 1.0, 2)):
+        mass, inertia, offset = (float(number) for number in end.moving_body)
+        centre = ends[first] + outward * offset / length * ends[first + 1]
+        rows.append(math.sqrt(mass / whole) * centre[None])
+        rows.append(math.sqrt(inertia / whole) / length * ends[first + 1][None])
+    return np.vstack(rows)
+
+
+def _end_stiffness(beam: Beam, boundary: Boundary, tension: float) -> list[float]:
+    length, bending = beam.length, beam.mean_bending_stiffness
+    stiffness = []
+    for end in (boundary.left, boundary.right):
+        stiffness.append(float(end.translational_stiffness) / bending * length**3)
+        stiffness.append(float(end.rotational_stiffness) / bending * length)
+    return [*stiffness, tension]
+
+
+def _tension(beam: Beam, load: Load) -> float:
+    return float(load.axial_force) * beam.length**2 / beam.mean_bending_stiffness
+
+
+def _end_rows(grid: Grid) -> Floats:
+    """Return y(0), y'(0), y(1), y'(1) and y(1) - y(0) as rows over a motion, shape (5, points + 2)."""
+    none, moment = np.zeros_like(grid.x), grid.weight * (1.0 - grid.x)
+    return np.hstack((np.array([none, none, moment, grid.weight, moment]), _LINES))
+
+
+def _stiffened(motions: Floats, row: Floats, stiffness: float) -> Floats:
+    """Return motions · (I + stiffness · row rowᵀ)^(-1/2); a projection where the stiffness is infinite."""
+    size = float(np.linalg.norm(row))
+    if size == 0.0:
+        return motions
+    unit, share = row / size, 1.0
+    if stiffness < math.inf:
+        ratio = math.sqrt(stiffness) * size
+        grown = math.hypot(1.0, ratio)
+        share = ratio / grown * (ratio / (1.0 + grown))
+    return motions - np.outer(motions @ unit, share * unit)

@@ -1,0 +1,180 @@
+"""One end of a beam: what holds it, and the rigid body fixed to it."""
+
+from __future__ import annotations
+
+import math
+import re
+from dataclasses import dataclass, fields
+from fractions import Fraction
+from typing import Any
+
+from beammodes.checks import choice, real, shown
+
+__all__ = ["ENDS", "End", "end_from_text"]
+
+
+@dataclass(frozen=True)
+class End:
+    """One end of a beam: supports of its deflection and rotation, and a rigid body fixed to it.
+
+    With y and θ the end's deflection and rotation and a the offset, it stores and carries
+
+        ½ K_t y² + ½ K_r θ²,        ½ m (y' ± a θ')² + ½ J θ'²    (+ at the right end).
+
+    `ENDS` holds the four special ones: clamped, pinned, guided and free. Numbers given as `Fraction`
+    stay exact in the chain.
+
+    Parameters
+    ----------
+    translational_stiffness : float [N/m]
+        K_t of a spring between the end and the ground, across the beam: `math.inf` holds the deflection,
+        0 leaves it free.
+    rotational_stiffness : float [N m/rad]
+        K_r likewise, of the rotation.
+    mass : float [kg]
+        m of a rigid body fixed to the end.
+    rotary_inertia : float [kg m²]
+        J of that body about its centre of mass.
+    offset : float [m]
+        a, how far beyond the end, along the beam and outward, the body's centre of mass lies.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If a number is not real, is negative (`offset` may be), or is not finite (stiffnesses may be).
+
+    Examples
+    --------
+    >>> End(translational_stiffness=math.inf) == ENDS["pinned"]
+    True
+    >>> print(End(mass=0.5, offset=0.1))
+    free(mass=0.5, offset=0.1)
+    """
+
+    translational_stiffness: float | Fraction = 0.0
+    rotational_stiffness: float | Fraction = 0.0
+    mass: float | Fraction = 0.0
+    rotary_inertia: float | Fraction = 0.0
+    offset: float | Fraction = 0.0
+
+    def __post_init__(self) -> None:
+        for field in fields(self):
+            value = getattr(self, field.name)
+            held = field.name.endswith("stiffness") and value == math.inf
+            number = math.inf if held else real(field.name, value)
+            if number < 0.0 and field.name != "offset":
+                raise ValueError(f"{field.name} must not be negative, got {shown(value)}")
+            # A minus sign on zero would make two names of one end.
+            kept = value if isinstance(value, Fraction) else number + 0.0
+            object.__setattr__(self, field.name, kept)
+
+    @property
+    def holds_deflection(self) -> bool:
+        """Whether the end's deflection is zero."""
+        return self.translational_stiffness == math.inf
+
+    @property
+    def holds_rotation(self) -> bool:
+        """Whether the end's rotation is zero."""
+        return self.rotational_stiffness == math.inf
+
+    @property
+    def is_elastic(self) -> bool:
+        """Whether a spring neither holds the end nor leaves it free."""
+        return any(0 < k < math.inf for k in (self.translational_stiffness, self.rotational_stiffness))
+
+    @property
+    def is_grounded(self) -> bool:
+        """Whether anything ties the end to the ground, so that it also holds the beam along its axis."""
+        return self.translational_stiffness > 0 or self.rotational_stiffness > 0
+
+    @property
+    def moving_body(self) -> tuple[float | Fraction, float | Fraction, float | Fraction]:
+        """Mass, rotary inertia and offset as far as the supports let them move, else zeros."""
+        mass, inertia, offset = self.mass, self.rotary_inertia, self.offset
+        if self.holds_rotation:
+            return (0.0, 0.0, 0.0) if self.holds_deflection else (mass, 0.0, 0.0)
+        if self.holds_deflection and not offset:
+            return 0.0, inertia, 0.0
+        return mass, inertia, offset if mass else 0.0
+
+    @property
+    def word(self) -> str | None:
+        """Clamped, pinned, guided or free if the end is no more than that, else None."""
+        return None if self.is_elastic or any(self.moving_body) else self._held
+
+    @property
+    def statics(self) -> str:
+        """The word whose rule applies here: by what the beam can feel at this end.
+
+        "pinned" or "free" where it feels no moment (nothing resists rotation), "guided" where the rotation
+        is held and it feels no shear force, "clamped" everywhere else: a rule's clamped springs then sit
+        between the beam and the body or support. So a rule jumps as a rotational stiffness or a rotary
+        inertia goes to zero. The frequencies follow continuously, since the wall's spring is in series with
+        what vanishes; but as an inertia vanishes on its wall spring, the chain's highest frequency grows
+        beyond bounds and its stable time step falls to zero: leave out an inertia that does not matter.
+        As the translational spring of a guided end vanishes the wall's spring jumps to the guided one: up
+        to there the error has the rule's order at clamped ends.
+        """
+        mass, inertia, offset = self.moving_body
+        if not self.rotational_stiffness and not inertia and not (mass and offset):
+            return "pinned" if self.holds_deflection else "free"
+        shearless = self.holds_rotation and not self.translational_stiffness and not mass
+        return "guided" if shearless else "clamped"
+
+    @property
+    def _held(self) -> str:
+        return _WORDS[self.holds_deflection, self.holds_rotation]
+
+    def __str__(self) -> str:
+        numbers = [f"{f.name}={float(getattr(self, f.name))!r}" for f in fields(self) if self._tells(f.name)]
+        return f"{self._held}({', '.join(numbers)})" if numbers else self._held
+
+    def _tells(self, name: str) -> bool:
+        value: float | Fraction = getattr(self, name)
+        return value != 0 and value != math.inf
+
+
+_WORDS = {(True, True): "clamped", (True, False): "pinned", (False, True): "guided", (False, False): "free"}
+
+#: The four ends, the firmer first: this order makes the canonical names of pairs.
+ENDS: dict[str, End] = {
+    word: End(math.inf if deflection else 0.0, math.inf if rotation else 0.0)
+    for (deflection, rotation), word in _WORDS.items()
+}
+_ALIASES = {"cantilever": "clamped", "fixed": "clamped", "hinged": "pinned", "sliding": "guided"}
+
+
+def end_from_text(text: str) -> End | None:
+    """Return the end that a word stands for, with numbers in parentheses; None if the word is unknown.
+
+    Raises
+    ------
+    ValueError
+        If what stands in the parentheses is no number of an `End`.
+
+    Examples
+    --------
+    >>> end_from_text("free(mass=0.5)")
+    End(translational_stiffness=0.0, rotational_stiffness=0.0, mass=0.5, rotary_inertia=0.0, offset=0.0)
+    """
+    match = re.fullmatch(r"\s*([a-z]+)\s*(?:\(([^()]*)\))?\s*", text.lower())
+    word = _ALIASES.get(match[1], match[1]) if match else ""
+    if match is None or word not in ENDS:
+        return None
+    held = ENDS[word]
+    numbers: dict[str, Any] = {name: getattr(held, name) for name in _SUPPORTS}
+    for part in (match[2] or "").split(",") if match[2] else []:
+        name, _, value = (piece.strip() for piece in part.partition("="))
+        choice("number of an end", name, _NUMBERS)
+        if name in _SUPPORTS and numbers[name]:
+            raise ValueError(f"{name} of a {word} end must be left out, got {shown(part.strip())}")
+        try:
+            numbers[name] = float(value)
+        except ValueError:
+            raise ValueError(f"{name} must be a number, got {shown(value)}") from None
+    return End(**numbers)
+
+
+_NUMBERS = tuple(field.name for field in fields(End))
+_SUPPORTS = _NUMBERS[:2]

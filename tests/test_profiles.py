@@ -1,0 +1,154 @@
+"""Properties along a beam: limits at steps, moments of intervals, and the errors of tables."""
+
+from __future__ import annotations
+
+import math
+import time
+from itertools import pairwise
+from typing import Any
+
+import mpmath as mp
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from beammodes.profiles import Table, mean_over, mean_reciprocal, moments, profile_breaks, value_at
+
+STEPPED = Table((0.0, 0.5, 0.5, 1.2, 2.0), (1.0, 2.0, 4.0, 4.0, 3.0))
+
+
+def test_limits_at_a_step() -> None:
+    at = [0.0, 0.25, 0.5, 0.6, 1.6, 2.0]
+    assert value_at(STEPPED, at, -1).tolist() == [1.0, 1.5, 2.0, 4.0, 3.5, 3.0]
+    assert value_at(STEPPED, at, 1).tolist() == [1.0, 1.5, 4.0, 4.0, 3.5, 3.0]
+    assert value_at(STEPPED, at).tolist() == [1.0, 1.5, 3.0, 4.0, 3.5, 3.0]
+    assert mean_reciprocal(STEPPED, at)[2] == 0.5 * (1 / 2.0 + 1 / 4.0)
+
+
+@given(parts=st.integers(2, 40), hinges=st.integers(2, 4000), length=st.floats(0.01, 100.0))
+def test_a_hinge_at_a_step_finds_it_whatever_the_rounding(parts: int, hinges: int, length: float) -> None:
+    inner = [length * i / parts for i in range(1, parts) for _ in range(2)]
+    table = Table((0.0, *inner, length), tuple(float(v) for i in range(parts) for v in (i, i)))
+    segments = parts * hinges
+    x = np.cumsum(np.full(segments, length / segments))[hinges - 1 : -1 : hinges]
+    assert value_at(table, x, -1).tolist() == list(range(parts - 1))
+    assert value_at(table, x, 1).tolist() == list(range(1, parts))
+
+
+@pytest.mark.parametrize("profile", [3.0, STEPPED, np.cos, math.cos, lambda _: 3.0, lambda x: max(x, -1.0)])
+@pytest.mark.parametrize("x", [0.5, [0.5], [[0.1, 0.5], [0.6, 2.0]], []])
+def test_values_have_the_shape_of_x(profile: Any, x: Any) -> None:
+    values = value_at(profile, x)
+    assert values.shape == np.shape(x) and values.dtype == np.float64
+    one_by_one = [float(value_at(profile, at)) for at in np.ravel(x)]
+    assert np.allclose(values.ravel(), one_by_one, rtol=1e-15, atol=0.0)
+    assert np.allclose(mean_reciprocal(profile, 0.6), 1.0 / value_at(profile, 0.6), rtol=1e-15)
+
+
+def exact_moments(density: Any, low: float, high: float, cuts: list[float]) -> list[float]:
+    """Moments by mpmath's adaptive quadrature at 30 digits, split at the steps."""
+    with mp.workdps(30):
+        points = [mp.mpf(low), *(mp.mpf(x) for x in cuts if low < x < high), mp.mpf(high)]
+        middle = (points[0] + points[-1]) / 2
+        return [float(mp.quad(lambda x, k=k: density(x) * (x - middle) ** k, points)) for k in range(3)]
+
+
+def stepped(x: Any) -> Any:
+    return (
+        1 + 2 * x if x < 0.5 else mp.mpf(4) if x < mp.mpf(1.2) else 4 - (x - mp.mpf(1.2)) / (2 - mp.mpf(1.2))
+    )
+
+
+@pytest.mark.parametrize(
+    ("profile", "density", "cuts"),
+    [
+        (7.0, lambda _: mp.mpf(7), []),
+        (STEPPED, stepped, [0.5, 1.2]),
+        (lambda x: np.exp(-x), lambda x: mp.exp(-x), []),
+        (lambda x: math.exp(-x), lambda x: mp.exp(-x), []),
+        (lambda x: 1 / (2.2 - x), lambda x: 1 / (mp.mpf(2.2) - x), []),
+    ],
+)  # fmt: skip
+def test_moments_against_quadrature_in_30_digits(profile: Any, density: Any, cuts: list[float]) -> None:
+    edges = np.array([0.0, 0.3, 0.5, 0.9, 1.5, 2.0])
+    found = np.array(moments(profile, edges)).T
+    for (low, high), row in zip(pairwise(edges), found, strict=True):
+        exact = exact_moments(density, low, high, cuts)
+        # The first moment vanishes for an even density: its scale is the mass times the width.
+        scale = np.array([exact[0], exact[0] * (high - low), exact[2]])
+        assert np.abs(row - exact).max() <= 1e-14 * scale.max()
+        assert abs(row[2] - exact[2]) <= 1e-14 * exact[2]
+
+
+def test_moments_of_the_whole_follow_from_the_parts() -> None:
+    edges = np.linspace(0.0, 2.0, 1001)
+    m0, m1, m2 = moments(STEPPED, edges)
+    shift = 0.5 * (edges[1:] + edges[:-1]) - 1.0
+    whole = moments(STEPPED, [0.0, 2.0])
+    parts = (m0.sum(), (m1 + shift * m0).sum(), (m2 + 2 * shift * m1 + shift**2 * m0).sum())
+    assert np.allclose(np.ravel(whole), parts, rtol=1e-13, atol=0.0)
+    assert m0.sum() / 2.0 == pytest.approx(mean_over(STEPPED, 2.0), rel=1e-14)
+
+
+def test_a_hundred_thousand_intervals_are_quick() -> None:
+    edges = np.linspace(0.0, 2.0, 100_001)
+    for profile in (3.0, STEPPED, lambda x: np.exp(-x)):
+        start = time.perf_counter()
+        moments(profile, edges)
+        assert time.perf_counter() - start < 0.5
+
+
+def test_breaks() -> None:
+    assert profile_breaks(STEPPED) == (0.5, 1.2)
+    assert profile_breaks(3.0) == profile_breaks(np.cos) == ()
+    # A step of no height and equal slopes is none; a step of no height may still be a kink.
+    assert profile_breaks(Table((0.0, 1.0, 1.0, 2.0), (1.0, 2.0, 2.0, 3.0))) == ()
+    assert profile_breaks(Table((0.0, 1.0, 1.0, 2.0), (1.0, 2.0, 2.0, 2.0))) == (1.0,)
+
+
+def test_a_table_is_a_value() -> None:
+    table = Table(np.array([0, 1, 2]), [1, 2, 3])
+    assert table == Table((0.0, 1.0, 2.0), (1.0, 2.0, 3.0)) and len({table, Table([0, 1, 2], [1, 2, 3])}) == 1
+    with pytest.raises(AttributeError):
+        table.x = (0.0, 1.0)  # type: ignore[misc]
+
+
+@pytest.mark.parametrize(
+    ("x", "value", "told"),
+    [
+        ((0.0, 1.0), (1.0,), "value must be at least two numbers"),
+        ((0.0, 1.0), (1.0, 2.0, 3.0), "value must be as many numbers as x, 2, got 3"),
+        ((0.1, 1.0), (1.0, 2.0), "x must start at 0, the left end of the beam, got 0.1"),
+        ((0.0, 1.0, 0.5), (1.0, 2.0, 3.0), "x must be ascending, got 0.5 after 1.0"),
+        ((0.0, 0.0, 1.0), (1.0, 2.0, 3.0), "x must have each position once, or twice inside for a step"),
+        ((0.0, 1.0, 1.0), (1.0, 2.0, 3.0), "x must have each position once, or twice inside for a step"),
+        ((0.0, 0.5, 0.5, 0.5, 1.0), (1.0,) * 5, "x must have each position once, or twice inside for a step"),
+        ("ab", (1.0, 2.0), "x must be a sequence of real numbers, got 'ab'"),
+        ((0.0, 1.0), 3.0, "value must be a sequence of real numbers, got 3.0"),
+        ((0.0, 1.0), (1.0, math.nan), "value must be finite, got nan"),
+    ],
+)  # fmt: skip
+def test_wrong_tables(x: Any, value: Any, told: str) -> None:
+    with pytest.raises((TypeError, ValueError)) as info:
+        Table(x, value)
+    assert str(info.value).startswith(told)
+
+
+bad = st.one_of(
+    st.text(), st.none(), st.booleans(), st.floats(), st.binary(), st.lists(st.floats(), max_size=1),
+    st.lists(st.text(), min_size=1), st.lists(st.none(), min_size=1),
+    st.lists(st.floats(max_value=-1e-300), min_size=1), st.just(np.array(1.0)), st.just(np.ones((2, 2))),
+)  # fmt: skip
+
+
+@given(x=bad)
+def test_bad_positions_are_refused_by_name(x: Any) -> None:
+    with pytest.raises((TypeError, ValueError), match=r"^x must "):
+        Table(x, (1.0, 2.0))
+
+
+@given(value=bad.filter(lambda value: not isinstance(value, list) or len(value) != 2))
+def test_bad_values_are_refused_by_name(value: Any) -> None:
+    with pytest.raises((TypeError, ValueError), match=r"^value must "):
+        Table((0.0, 1.0), value)
