@@ -36,7 +36,7 @@ from beammodes.chain_numbers import ChainNumbers
 from beammodes.checks import shown, whole_number
 from beammodes.ends import Boundary, BoundaryLike
 from beammodes.pieces import MAX_PIECES, Number, Pieces, check_pieces, check_turning, piece_numbers
-from beammodes.rods import hinge_flexibilities, rigid_rods, step_weights
+from beammodes.rods import hinge_flexibilities, profile_weights, rigid_rods
 from beammodes.rules import AnyRule, Layout, layout_of
 from beammodes.units import ExactUnits, Units
 
@@ -84,7 +84,7 @@ class Chain(ChainNumbers):
         units, exact = Units.of(beam, count), ExactUnits.of(beam, count)
         lengths = record.piece_lengths(boundary, count)
         weights = list(record.hinge_weights(boundary, count))
-        for hinge, added in step_weights(beam, record, lengths, exact).items():
+        for hinge, added in profile_weights(beam, boundary, record, lengths, exact).items():
             weights[hinge] += added
         if any(weight <= 0 for weight in set(weights)):
             raise ValueError(

@@ -6,7 +6,7 @@ All numbers are in the chain's own units (`beammodes.units`), in which those of 
 from __future__ import annotations
 
 import itertools
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from fractions import Fraction
 from typing import NamedTuple
 
@@ -14,12 +14,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from beammodes.beam import Beam
+from beammodes.ends import Boundary
 from beammodes.pieces import Number
 from beammodes.profiles import mean_over, mean_reciprocal, moments, profile_breaks
 from beammodes.rules import Layout, Rule
 from beammodes.units import ExactUnits
 
-__all__ = ["Rods", "hinge_flexibilities", "rigid_rods", "step_weights"]
+__all__ = ["Rods", "hinge_flexibilities", "profile_weights", "rigid_rods"]
 
 _ROD, _POINT_MASSES = Fraction(1, 12), Fraction(1, 4)
 
@@ -94,39 +95,53 @@ def hinge_flexibilities(beam: Beam, lengths: Sequence[Fraction], units: ExactUni
     return [float(value) for value in ratio]
 
 
-def step_weights(
-    beam: Beam, rule: Layout, lengths: Sequence[Fraction], units: ExactUnits
+def profile_weights(
+    beam: Beam, boundary: Boundary, rule: Layout, lengths: Sequence[Fraction], units: ExactUnits
 ) -> dict[int, Fraction]:
-    """Return what to add to the weights of hinges near steps and kinks of EI, by hinge.
+    """Return what a rule adds to its weights where EI varies, by hinge.
 
-    M²/EI is not smooth there, so a rule is a quadrature of its own on either side. One with end weights of
-    order above 2 applies them on both, as at a clamped end, if the step lies where an end could: on a hinge,
-    or half a segment from two for a half stub. The trapezoidal order 2 is left where it does not apply to a
-    step on a hinge, and order 1 where a step lies elsewhere.
+    M²/EI is not smooth at a step or kink of EI, so a rule is a quadrature of its own on either side. One with
+    end weights of order above 2 applies them on both, as at a clamped end, if the step lies where an end
+    could: on a hinge, or half a segment from two for a half stub. Order 2 is left to other rules there, and
+    to all where a step lies half-way between; order 1 where it lies elsewhere. At a guided end M²/EI is even
+    only if EI is, so the weights of a clamped end take the place of the mirror's.
 
     Examples
     --------
     >>> from beammodes.rules import RULES
     >>> beam = Beam(1.0, [2.0, 1.0], 1.0)
-    >>> step_weights(beam, RULES["gregory"], [Fraction(1)] * 8, ExactUnits.of(beam, 8))[3]       # 2 x 3/8 - 1
+    >>> ends, rods = Boundary.of("pinned-pinned"), [Fraction(1)] * 8
+    >>> profile_weights(beam, ends, RULES["gregory"], rods, ExactUnits.of(beam, 8))[3]       # 2 x 3/8 - 1
     Fraction(-1, 4)
     """
     added: dict[int, Fraction] = {}
-    if not isinstance(rule, Rule) or rule.order["clamped"] < 3 or rule.stub == 1:
+    if isinstance(beam.bending_stiffness, float) or not isinstance(rule, Rule) or rule.order["clamped"] < 3:
         return added
-    hinges = {position: j for j, position in enumerate(itertools.accumulate(lengths[:-1]))}
+    count = len(lengths) - 1
+    for end, hinges in ((boundary.left, range(count)), (boundary.right, range(count - 1, -1, -1))):
+        if end.statics == "guided":
+            mirror = itertools.chain((w.constant for w in rule.guided), itertools.repeat(Fraction(1)))
+            for hinge, weight, own in zip(hinges, rule.clamped, mirror, strict=False):
+                added[hinge] = added.get(hinge, Fraction(0)) + weight.constant - own
+    for hinge, more in _step_weights(beam, rule, lengths, units):
+        added[hinge] = added.get(hinge, Fraction(0)) + more
+    return added
+
+
+def _step_weights(
+    beam: Beam, rule: Rule, lengths: Sequence[Fraction], units: ExactUnits
+) -> Iterator[tuple[int, Fraction]]:
+    positions = {position: j for j, position in enumerate(itertools.accumulate(lengths[:-1]))}
     for step in profile_breaks(beam.bending_stiffness):
         place = step / float(units.length)
         node = round(place)
-        if abs(place - node) > 1e-9 * max(1, node):
+        if rule.stub == 1 or abs(place - node) > 1e-9 * max(1, node):
             continue
         for side, (k, weight) in itertools.product((-1, 1), enumerate(rule.clamped)):
-            hinge = hinges.get(node + side * (k + rule.stub))
+            hinge = positions.get(node + side * (k + rule.stub))
             if hinge is not None:
                 # A hinge on the step has half its weight from either side.
-                own = Fraction(1, 1 if k or rule.stub else 2)
-                added[hinge] = added.get(hinge, Fraction(0)) + weight.constant - own
-    return added
+                yield hinge, weight.constant - Fraction(1, 1 if k or rule.stub else 2)
 
 
 def _positions(lengths: Sequence[Fraction], units: ExactUnits) -> NDArray[np.float64]:

@@ -19,5 +19,10 @@ NAMES = (
     "segments_map",
     "cost_front",
     "quadrature",
+    "figure_3",
+    "figure_5",
+    "truck",
+    "axial_force",
+    "nonuniform",
     "accuracy",
 )

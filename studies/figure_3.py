@@ -1,0 +1,149 @@
+"""Figure 3 of the report: a beam clamped to a rigid body that is free to move."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from typing import Literal
+
+import matplotlib
+import numpy as np
+import xarray
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.layout_engine import ConstrainedLayoutEngine
+
+import beammodes as bm
+from beammodes.plots import GREY, STYLE, label_along, method_style
+from beammodes.tables import csv_table, tidy_rows
+from studies import Progress, figure_6
+from studies.drawing import CHAIN, SPRING, bold_title, draw_box, draw_chain, draw_spiral, mode_shapes, picture
+
+#: The report gives its body no numbers; these are chosen: a square block as heavy as the beam, the beam
+#: clamped to the middle of one side. In units of the beam's mass and length.
+SIDE = 0.2
+BODY = bm.End(mass=1.0, rotary_inertia=SIDE**2 / 6, offset=SIDE / 2)
+BOUNDARY = bm.Boundary(BODY, bm.ENDS["free"])
+WALL = "clamped-free"
+TITLE = "Figure 3 · beam clamped to a rigid body that is free to move"
+BODIES = "the body is a square block\nof side 0.2 L, as heavy as the beam"
+DRAWN, MODES = 4, 3
+RULES = ("mitiguy", "gregory")
+COLUMNS = ("held_by", *figure_6.COLUMNS[1:])
+SHAPE_COLUMNS = ("mode", "node", "position", "deflection", "exact_deflection")
+# Largest deflection drawn, in lengths of the beam.
+AMPLITUDE = 0.2
+# Where the lines of each mode are named: mitiguy, gregory, and mitiguy on walls.
+Places = tuple[tuple[float, Literal["above", "below"]], ...]
+PLACES: tuple[Places, ...] = (
+    ((13.5, "above"), (14.5, "above"), (14, "below")),
+    ((14, "above"), (15, "below"), (13, "below")),
+    ((13, "above"), (12, "above"), (14, "below")),
+)
+
+
+def data(
+    progress: Progress | None = None, boundary: bm.Boundary = BOUNDARY, wall: str = WALL
+) -> xarray.Dataset:
+    """Errors for N = 1..20 on free bodies and on fixed walls; mode shapes for N = 4 on free bodies."""
+    tables = []
+    for i, pair in enumerate((boundary, wall)):
+        table = bm.error_dataset(boundary=[pair], segments=range(1, 21), modes=MODES, rule=RULES)
+        tables.append(table.squeeze("boundary", drop=True))
+        if progress is not None:
+            progress(i + 1, 2)
+    errors = xarray.concat(tables, "held_by").assign_coords(held_by=["free body", "fixed wall"])
+    chain = bm.Chain(bm.Beam.unit(), boundary, DRAWN)
+    shapes = mode_shapes(chain, MODES).assign(spring=("hinge", chain.joint_stiffness / DRAWN))
+    return errors.merge(shapes)
+
+
+def draw(
+    table: xarray.Dataset, title: str = TITLE, bodies: str = BODIES, places: tuple[Places, ...] = PLACES
+) -> Figure:
+    """The chain, its first modes over the beam's, and their errors against N."""
+    with matplotlib.rc_context(STYLE):
+        figure = Figure(figsize=(9.0, 6.6), layout=ConstrainedLayoutEngine(wspace=0.06))
+        bold_title(figure, title)
+        grid = figure.add_gridspec(3, MODES, height_ratios=[0.75, 1.25, 2.5])
+        _draw_system(figure.add_subplot(grid[0, :]), table, bodies)
+        panels: list[Axes] = []
+        for column, mode in enumerate(table.mode.values):
+            one = table.sel(mode=mode)
+            _draw_mode(figure.add_subplot(grid[1, column]), one)
+            first = panels[0] if panels else None
+            panels.append(figure.add_subplot(grid[2, column], sharex=first, sharey=first))
+            panels[-1].tick_params(labelleft=first is None)
+            _draw_errors(panels[-1], one)
+        panels[0].set_ylabel("frequency error  [%]")
+        panels[0].text(20.5, 130, "chain too stiff", color=GREY, ha="right", va="top", fontsize=10)
+        panels[0].text(20.5, -50, "chain too soft", color=GREY, ha="right", va="bottom", fontsize=10)
+        note = "vertical axis: signed errors, linear within ±0.1 %, logarithmic beyond"
+        figure.supxlabel(note, fontsize=10, color=GREY, x=0.99, ha="right")
+        names = ("mitiguy (report)", "gregory", "mitiguy, fixed wall" + "s" * (len(_bodies(table)) - 1))
+        for ax, where in zip(panels, places, strict=True):
+            _, still, *rules = ax.get_lines()
+            lines = zip((*rules, still), names, where, strict=True)
+            label_along(ax, [(line, name, *place) for line, name, place in lines], size=10)
+    return figure
+
+
+def _bodies(table: xarray.Dataset) -> list[tuple[int, float]]:
+    """Which end pieces carry a block, and where its left side is from the beam's end."""
+    both = table.sizes["hinge"] > DRAWN
+    return [(0, -SIDE), (-1, 0.0)] if both else [(0, -SIDE)]
+
+
+def _draw_system(ax: Axes, table: xarray.Dataset, bodies: str) -> None:
+    position = table.position.values
+    draw_chain(ax, position, np.zeros_like(position), slice(1, -1))
+    for x, spring in zip(position[1:-1], table.spring.values, strict=True):
+        draw_spiral(ax, x, 0.0, 0.04)
+        text = str(Fraction(spring).limit_denominator(99))
+        ax.text(x, 0.12, text, ha="center", va="bottom", color=SPRING)
+    for piece, left in _bodies(table):
+        draw_box(ax, (position[piece], 0.0), 0.0, (left, -SIDE / 2, SIDE, SIDE))
+    ax.text(1.4, 0.12, "report's springs (rule mitiguy) in EI/ℓ, ℓ = L/4", va="bottom", color=SPRING)
+    text = f"Numbers chosen here: {bodies}.\nFrequencies ω are in √(EI/ρAL⁴)."
+    ax.text(1.4, 0.09, text, va="top", fontsize=10, linespacing=1.35)
+    picture(ax, (-0.24, 3.15), (-0.13, 0.22))
+
+
+def _draw_mode(ax: Axes, one: xarray.Dataset) -> None:
+    up, position = AMPLITUDE * one.deflection.values, one.position.values
+    ax.plot([0, 1], [0, 0], color=GREY, linewidth=0.7, zorder=0)
+    ax.plot(one.x, AMPLITUDE * one.curve, color="black", linewidth=1.3, zorder=4)
+    draw_chain(ax, position, up, slice(1, -1))
+    for piece, left in _bodies(one):
+        angle = float(np.arctan(AMPLITUDE * one.rotation.values[piece]))
+        draw_box(ax, (position[piece], up[piece]), angle, (left, -SIDE / 2, SIDE, SIDE))
+    picture(ax, (-0.24, 1.24), (-0.36, 0.27))
+    unit = bm.Beam.unit().frequency_unit / (2 * np.pi)
+    error = 100 * float(one.frequency / one.exact_frequency - 1)
+    ax.set_title(f"mode {int(one.mode)}", fontsize=11, fontweight="bold", loc="left")
+    ax.set_title(f"chain of {DRAWN}: {error:+.1f} %".replace("-", "−"), fontsize=11, loc="right", color=CHAIN)
+    text = f"exact beam (black): ω = {float(one.exact_frequency) / unit:.4g}"
+    ax.text(0.5, -0.34, text, ha="center", fontsize=10).set_in_layout(False)
+
+
+def _draw_errors(ax: Axes, one: xarray.Dataset) -> None:
+    percent = 100 * one.relative_error
+    ax.axhline(0.0, color="#555555", linewidth=0.8)
+    wall = percent.sel(held_by="fixed wall", rule="mitiguy").dropna("segments")
+    ax.plot(wall.segments, wall, color=GREY, linestyle=(0, (4, 2)), linewidth=1.3)
+    for rule in RULES:
+        line = percent.sel(held_by="free body", rule=rule).dropna("segments")
+        ax.plot(line.segments, line, marker="o", markersize=3.5, **method_style(rule))
+    ax.set_yscale("symlog", linthresh=0.1, linscale=0.6)
+    ax.set_yticks([-10, -1, -0.1, 0, 0.1, 1, 10], ["−10", "−1", "−0.1", "0", "0.1", "1", "10"])
+    ax.set(xlim=(0, 20.8), ylim=(-60, 160), xticks=range(0, 21, 5), xlabel="number of segments N")
+    ax.minorticks_off()
+
+
+def tables(table: xarray.Dataset) -> dict[str, str]:
+    """The errors as tidy CSV, and the mode shapes, by ending of the file name."""
+    errors = table[["angular_frequency", "exact_angular_frequency", "relative_error"]]
+    shapes = table[["deflection", "exact_deflection"]]
+    return {
+        ".csv": csv_table(COLUMNS, tidy_rows(errors, COLUMNS)),
+        "_shapes.csv": csv_table(SHAPE_COLUMNS, tidy_rows(shapes, SHAPE_COLUMNS)),
+    }

@@ -1,0 +1,143 @@
+"""Figure 2 of the report: a truck whose bed is flexible, between a cab and a load on springs."""
+
+from __future__ import annotations
+
+import matplotlib
+import numpy as np
+import xarray
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.layout_engine import ConstrainedLayoutEngine
+
+import beammodes as bm
+from beammodes.plots import COLOURS, GREY, STYLE
+from beammodes.tables import csv_table, tidy_rows
+from studies import Progress
+from studies.drawing import CHAIN, bold_title, draw_box, draw_chain, draw_coil, mode_shapes, picture
+
+# A light truck; the report's picture has no numbers, so these are chosen. SI units.
+BED = bm.Beam(
+    length=4.0,  # m, from axle to axle
+    bending_stiffness=2 * 210e9 * 1.12e-5,  # two steel channels 200 x 70 x 6 mm
+    mass_per_length=60.0,  # kg/m, rails and deck
+)
+CAB_SIZE, LOAD_SIZE = (1.7, 1.3), (1.8, 0.9)  # m, length and height
+CAB_MASS, LOAD_MASS = 1800.0, 2600.0  # kg
+# Solid blocks, their middles a little inboard of the axles; both springs of an axle together.
+FRONT = bm.End(
+    translational_stiffness=210e3,
+    mass=CAB_MASS,
+    rotary_inertia=CAB_MASS * (CAB_SIZE[0] ** 2 + CAB_SIZE[1] ** 2) / 12,
+    offset=-0.2,
+)
+REAR = bm.End(
+    translational_stiffness=230e3,
+    mass=LOAD_MASS,
+    rotary_inertia=LOAD_MASS * (LOAD_SIZE[0] ** 2 + LOAD_SIZE[1] ** 2) / 12,
+    offset=-0.6,
+)
+SEGMENTS, STIFFER = 4, 1e4
+MODES = ("heave", "pitch", "bending 1", "bending 2")
+COLUMNS = ("bed", "mode", "motion", "frequency", "exact_frequency", "relative_error")
+SHAPE_COLUMNS = ("bed", "mode", "node", "position", "deflection", "exact_deflection")
+# Drawing, in m: the bed's height, the wheels' radius, the gap under cab and load; the largest deflection,
+# and the largest turn [rad].
+HEIGHT, WHEEL, GAP, AMPLITUDE, TURN = 0.85, 0.33, 0.3, 0.25, 0.32
+
+
+def data(progress: Progress | None = None) -> xarray.Dataset:
+    """Frequencies [Hz] and shapes of four modes, with this bed and with one ten thousand times as stiff."""
+    parts = []
+    for i, factor in enumerate((1.0, STIFFER)):
+        bed = bm.Beam(BED.length, factor * BED.mean_bending_stiffness, BED.mean_mass_per_length)
+        parts.append(mode_shapes(bm.Chain(bed, (FRONT, REAR), SEGMENTS), len(MODES)))
+        if progress is not None:
+            progress(i + 1, 2)
+    table = xarray.concat(parts, "bed").assign_coords(bed=["flexible", "rigid"], motion=("mode", list(MODES)))
+    return table.assign(relative_error=table.frequency / table.exact_frequency - 1)
+
+
+def draw(table: xarray.Dataset) -> Figure:
+    """The truck; heave and pitch with a rigid bed and with this one; and what only this one does."""
+    with matplotlib.rc_context(STYLE):
+        figure = Figure(figsize=(9.0, 9.0), layout=ConstrainedLayoutEngine(wspace=0.05, hspace=0.03))
+        bold_title(figure, "Figure 2 · a truck whose bed is flexible, as a chain of four rods")
+        panels = figure.subplots(4, 2)
+        _draw_numbers(*panels[0], table)
+        shown = [
+            ("rigid", 0),
+            ("flexible", 0),
+            ("rigid", 1),
+            ("flexible", 1),
+            ("flexible", 2),
+            ("flexible", 3),
+        ]
+        for ax, (bed, mode) in zip(panels[1:].flat, shown, strict=True):
+            one = table.sel(bed=bed).isel(mode=mode)
+            # No block may turn so far that it would strike the bed.
+            amplitude = min(AMPLITUDE, TURN / float(np.abs(one.rotation).max()))
+            _draw_truck(ax, one, 0.0, faint=True)
+            _draw_truck(ax, one, amplitude)
+            title = f"{bed} bed, {one.motion.item()}: {float(one.exact_frequency):#.4g} Hz"
+            ax.set_title(title, fontsize=11, fontweight="bold", loc="left")
+            if bed == "flexible":
+                error = f"chain {100 * float(one.relative_error):+.2g} %".replace("-", "−")
+                ax.set_title(error, fontsize=11, loc="right", color=CHAIN)
+    return figure
+
+
+def _draw_truck(ax: Axes, one: xarray.Dataset, amplitude: float, *, faint: bool = False) -> None:
+    """Draw the chain between its two blocks, over the beam; or, faintly, only where they are at rest."""
+    position, up = one.position.values, HEIGHT + amplitude * one.deflection.values
+    angle = np.arctan(amplitude * one.rotation.values)
+    look = {"colour": "none", "edge": "#BBBBBB", "zorder": 0.5} if faint else {}
+    for piece, end, (length, height), side in ((0, FRONT, CAB_SIZE, -1), (-1, REAR, LOAD_SIZE, 1)):
+        place = (float(position[piece]), float(up[piece]))
+        box = (side * float(end.offset) - length / 2, GAP, length, height)
+        draw_box(ax, place, float(angle[piece]), box, **look)
+        if not faint:
+            draw_box(ax, place, float(angle[piece]), (-0.12, 0.0, 0.24, GAP))
+            draw_coil(ax, position[piece], WHEEL, up[piece])
+    picture(ax, (-1.2, 5.0), (-0.03, 2.78))
+    if faint:
+        ax.plot(position, up, color="#BBBBBB", linewidth=1, zorder=0.5)
+        return
+    ax.axhline(0, color=GREY, linewidth=1)
+    draw_chain(ax, position, up, slice(1, -1), width=3.5)
+    ax.plot(one.x, HEIGHT + amplitude * one.curve, color="black", linewidth=1.2, zorder=4)
+
+
+def _draw_numbers(ax: Axes, beside: Axes, table: xarray.Dataset) -> None:
+    _draw_truck(ax, table.isel(bed=0, mode=0), 0.0)
+    ax.set_title("at rest", fontsize=11, fontweight="bold", loc="left")
+    top, kilonewton = HEIGHT + GAP, 1e3
+    for end, x, height, name in ((FRONT, 0.2, CAB_SIZE[1], "cab"), (REAR, 3.4, LOAD_SIZE[1], "load")):
+        ax.text(x, top + height / 2, f"{name}\n{end.mass:.0f} kg", ha="center", va="center")
+    for end, x in ((FRONT, 0.45), (REAR, BED.length - 0.45)):
+        text = f"{end.translational_stiffness / kilonewton:.0f} kN/m"
+        ax.text(x, 0.28, text, color=COLOURS[1], ha="left" if x < 1 else "right", va="center", fontsize=10)
+    ax.text(2.0, HEIGHT - 0.08, f"bed {BED.length:g} m", ha="center", va="top", color=CHAIN)
+    beside.axis("off")
+    stiff = float(table.exact_frequency.sel(bed="rigid").isel(mode=2))
+    stiffness, mass = BED.mean_bending_stiffness / 1e6, BED.mean_mass_per_length
+    text = (
+        "Illustrative numbers; the report gives none.\n"
+        "Bed: two steel channels 200 × 70 × 6 mm and a deck,\n"
+        f"EI = {stiffness:.2g} MN m², {mass:.0f} kg/m. Cab and load: solid blocks,\n"
+        "drawn to scale, fixed to its ends. Springs: both of an axle.\n"
+        f"Rigid bed: EI {STIFFER:,.0f} times as large, so that its\n"
+        f"bending, from {stiff:.0f} Hz on, does not matter.\n"
+        "Black, and Hz: exact beam. Blue: chain, report's springs.\n"
+        "Grey: at rest. Deflections are exaggerated."
+    )
+    beside.text(0.018, 1.0, text, va="top", fontsize=10, linespacing=1.5, transform=beside.transAxes)
+
+
+def tables(table: xarray.Dataset) -> dict[str, str]:
+    """The frequencies as tidy CSV, and the mode shapes, by ending of the file name."""
+    frequencies = table[["frequency", "exact_frequency", "relative_error"]]
+    shapes = table[["deflection", "exact_deflection"]]
+    return {
+        ".csv": csv_table(COLUMNS, tidy_rows(frequencies, COLUMNS)),
+        "_shapes.csv": csv_table(SHAPE_COLUMNS, tidy_rows(shapes, SHAPE_COLUMNS)),
+    }

@@ -1,0 +1,393 @@
+"""Chains of beams that vary along their length, beside the exact beam, and what theory itself leaves out."""
+
+from __future__ import annotations
+
+import math
+import warnings
+from dataclasses import replace
+from fractions import Fraction
+from itertools import accumulate
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+import beammodes as bm
+from beammodes.beam_theory import euler_bernoulli
+from beammodes.comparison import SHEAR_RATIO, SlendernessWarning, chain_errors, theory_errors
+from beammodes.loading import Load
+from beammodes.profiles import Table
+from beammodes.rods import profile_weights
+from beammodes.rules import RULES, AnyRule
+from beammodes.units import ExactUnits
+from studies import axial_force, nonuniform
+
+TAPERS = {
+    "linear EI": bm.Beam(1.0, lambda x: 1 - x / 2, 1.0),
+    "cubic EI, linear mass": bm.Beam(1.3, lambda x: 5 * (1 - x / 2.6) ** 3, lambda x: 1 - x / 2.6),
+    "mass only": bm.Beam(1.0, 1.0, lambda x: 1 - x / 2),
+}
+STEP = bm.Beam(1.0, [1.0, 0.25], 1.0)
+KINK = bm.Beam(1.0, Table((0.0, 0.5, 1.0), (1.0, 1.0, 0.4)), 1.0)
+QUARTERS = bm.Beam(1.0, [1.0, 1.0, 1.0, 0.1], 1.0)
+
+
+def first_error(beam: bm.Beam, boundary: str, segments: int, rule: AnyRule) -> float:
+    return float(chain_errors(bm.Chain(beam, boundary, segments, rule), 1)[0])
+
+
+def order(beam: bm.Beam, boundary: str, rule: AnyRule, few: int, many: int) -> float:
+    """p in e ~ 1/N**p of the first mode between two N; errors below 1e-11 would be rounding."""
+    one, other = (abs(first_error(beam, boundary, n, rule)) for n in (few, many))
+    assert min(one, other) > 1e-11
+    return math.log(one / other) / math.log(many / few)
+
+
+# --- Smooth tapers. Source: the trapezoidal rule has order 2, Gregory's third-order end weights leave 4. -
+
+
+@pytest.mark.parametrize("boundary", ["clamped-free", "clamped-clamped", "clamped-pinned", "free-clamped"])
+@pytest.mark.parametrize("name", TAPERS)
+def test_a_taper_costs_no_order(name: str, boundary: str) -> None:
+    beam = TAPERS[name]
+    for few, many in ((20, 40), (40, 80)):
+        assert order(beam, boundary, "mitiguy", few, many) == pytest.approx(2, abs=0.1)
+    errors = [abs(first_error(beam, boundary, n, "gregory")) for n in (20, 40, 80)]
+    shown = [(n, e) for n, e in zip((20, 40, 80), errors, strict=True) if e > 1e-11]
+    (few, one), (many, other) = shown[0], shown[-1]
+    assert len(shown) > 1 and math.log(one / other) / math.log(many / few) >= 3.8
+
+
+@pytest.mark.parametrize("name", TAPERS)
+def test_ends_without_moment_need_no_end_weights(name: str) -> None:
+    for rule in ("mitiguy", "gregory", "naive", "half_stub"):
+        assert order(TAPERS[name], "pinned-pinned", rule, 20, 80) == pytest.approx(4, abs=0.1)
+
+
+@pytest.mark.parametrize("boundary", ["clamped-guided", "pinned-guided"])
+def test_a_guided_end_where_the_stiffness_slopes(boundary: str) -> None:
+    # M²/EI is even about a guided end only if EI is: half weight is the trapezoidal rule, of order 2, and
+    # rules of higher order take a clamped end's weights there.
+    beam, rule = TAPERS["linear EI"], RULES["gregory"]
+    assert order(beam, boundary, "mitiguy", 40, 80) == pytest.approx(2, abs=0.1)
+    assert order(beam, boundary, "gregory", 40, 80) >= 3.8
+    everywhere = replace(rule, guided=rule.clamped)
+    same = [bm.Chain(beam, boundary, 9, record).joint_stiffness for record in (rule, everywhere)]
+    np.testing.assert_array_equal(*same)
+
+
+# --- Steps and kinks -------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("beam", "boundary", "few", "many"),
+    [
+        (STEP, "clamped-free", 20, 80),
+        (STEP, "clamped-guided", 20, 80),
+        (KINK, "clamped-free", 20, 80),
+        # Errors of the step and of the ends cancel in short chains of these.
+        pytest.param(STEP, "clamped-clamped", 80, 320, marks=pytest.mark.slow),
+        pytest.param(KINK, "clamped-clamped", 80, 320, marks=pytest.mark.slow),
+    ],
+)
+def test_a_hinge_on_a_step_or_kink_keeps_the_order(beam: bm.Beam, boundary: str, few: int, many: int) -> None:
+    # Source: the quadrature's order, on both sides of the step as at a clamped end.
+    for rule in ("gregory", "half_stub_corrected"):
+        assert order(beam, boundary, rule, few, many) >= 3.5
+    assert order(beam, boundary, "gregory2", few, many) >= 2.8
+    for rule in ("double_wall", "mitiguy", "half_stub"):
+        assert order(beam, boundary, rule, few, many) == pytest.approx(2, abs=0.1)
+
+
+@pytest.mark.parametrize("rule", ["mitiguy", "double_wall", "gregory2", "gregory", "half_stub_corrected"])
+def test_a_step_inside_a_segment_costs_the_order(rule: str) -> None:
+    # Each hinge stands for half a segment on either side. A step a quarter into a segment leaves a
+    # quarter of one with the wrong EI, order 1; one in the middle, where cells of two hinges meet: order 2.
+    assert order(QUARTERS, "clamped-free", rule, 65, 129) == pytest.approx(1, abs=0.15)
+    assert order(QUARTERS, "clamped-free", rule, 66, 130) == pytest.approx(2, abs=0.2)
+
+
+@pytest.mark.parametrize(("few", "many"), [(65, 129), (66, 130)])
+def test_the_error_of_a_misplaced_step_is_that_of_the_misplaced_stiffness(few: int, many: int) -> None:
+    # By Rayleigh, δω/ω = -½ ∫ M² δ(1/EI) dx / ω² with unit modal mass, δ(1/EI) where the cells misplace it:
+    # between the step and the edge of cells (segment's middle) next to it.
+    modes = euler_bernoulli(QUARTERS, "clamped-free", 1)
+    jump = 1 / 0.1 - 1 / 1.0
+    moment = float(modes.shape(np.array([0.75 - 1e-9]), derivative=2)[0, 0])
+    for n in (few, many):
+        edge = (math.floor(0.75 * n) + 0.5) / n
+        expected = -0.5 * moment**2 * jump * (0.75 - edge) / float(modes.angular_frequency[0]) ** 2
+        found = first_error(QUARTERS, "clamped-free", n, "gregory")
+        assert found == pytest.approx(expected, rel=0.05, abs=3 * 0.1 / n**2)
+
+
+# --- Weights near a step, in exact numbers ---------------------------------------------------------------
+
+
+def weights_and_places(rule: str, boundary: str, segments: int) -> list[tuple[Fraction, Fraction]]:
+    record, pair = RULES[rule], bm.Boundary.of(boundary)
+    lengths = record.piece_lengths(pair, segments)
+    weights = list(record.hinge_weights(pair, segments))
+    added = profile_weights(STEP, pair, record, lengths, ExactUnits.of(STEP, segments))
+    assert sum(added.values()) == 0
+    for j, change in added.items():
+        weights[j] += change
+    return list(zip(weights, accumulate(lengths[:-1]), strict=True))
+
+
+def test_weights_near_a_step() -> None:
+    # Gregory's end weights 3/8, 7/6, 23/24 from both sides of the step, at hinge 6.
+    weights = [w for w, _ in weights_and_places("gregory", "clamped-free", 12)]
+    sided = ["23/24", "7/6", "3/4", "7/6", "23/24"]
+    assert weights == [Fraction(w) for w in ("3/8", "7/6", "23/24", "1", *sided, "1", "1", "1")]
+    # Those of the midpoint rule, 13/12, 7/8, 25/24, either side of a step between two hinges.
+    weights = [w for w, _ in weights_and_places("half_stub_corrected", "clamped-free", 12)]
+    sided = ["25/24", "7/8", "13/12", "13/12", "7/8", "25/24"]
+    assert weights == [Fraction(w) for w in ("13/12", "7/8", "25/24", *sided, "1", "1", "1")]
+    # The trapezoidal rule has its own half weight from both sides, and nothing to add.
+    assert {w for w, _ in weights_and_places("double_wall", "clamped-free", 12)} == {Fraction(1, 2), 1}
+
+
+@pytest.mark.parametrize(
+    ("rule", "degree"), [("gregory", 2), ("half_stub_corrected", 2), ("gregory2", 1), ("double_wall", 1)]
+)
+@pytest.mark.parametrize("segments", [8, 12, 26])
+def test_quadrature_of_a_piecewise_polynomial_is_exact(rule: str, degree: int, segments: int) -> None:
+    left, right = ([Fraction(3), Fraction(-7, 5), Fraction(11, 3)], [Fraction(1), Fraction(4), Fraction(-9)])
+
+    def value(row: list[Fraction], x: Fraction) -> Fraction:
+        return sum((a * x**k for k, a in enumerate(row[: degree + 1])), Fraction(0))
+
+    half, total = Fraction(1, 2), Fraction(0)
+    for weight, place in weights_and_places(rule, "clamped-clamped", segments):
+        x = place / segments
+        sides = (value(left, x), value(right, x))
+        # A hinge on the step bends with the mean of both sides.
+        total += weight / segments * (sides[0] if x < half else sides[1] if x > half else sum(sides) / 2)
+    exact = sum(
+        (row[k] * (high ** (k + 1) - low ** (k + 1)) / (k + 1))
+        for row, low, high in ((left, Fraction(0), half), (right, half, Fraction(1)))
+        for k in range(degree + 1)
+    )
+    assert total == exact
+
+
+# --- Lists, as a user of a catheter's model has them -----------------------------------------------------
+
+
+def test_catheter() -> None:
+    # Source: the exact beam by `spectral_modes`, and orders 2 and 4 of hinges on every step.
+    stiffness = list(nonuniform.CATHETER_STIFFNESS)
+    stiffness[4] = -1.0
+    with pytest.raises(ValueError, match="part 5 of 12"):
+        bm.Beam(1.1, bending_stiffness=stiffness, mass_per_length=0.0045)
+    found = {
+        rule: np.array(
+            [chain_errors(bm.Chain(nonuniform.CATHETER, "clamped-free", n, rule)) for n in (12, 24, 36)]
+        )
+        for rule in ("mitiguy", "gregory")
+    }
+    ratio = found["mitiguy"][0] / found["mitiguy"][2]
+    assert ratio == pytest.approx(9, rel=0.02)
+    assert np.abs(found["mitiguy"][1]) == pytest.approx([0.000725, 0.002415, 0.003801], rel=1e-3)
+    assert (np.abs(found["gregory"][2]) < 0.05 * np.abs(found["mitiguy"][2])).all()
+
+
+@pytest.mark.parametrize("times", [1, 2, 3])
+def test_lists_are_the_chain_given_piece_by_piece(times: int) -> None:
+    stiffness, mass = np.array([9.0, 7.0, 7.0, 4.0, 2.0, 1.0]), np.array([3.0, 3.0, 2.0, 2.5, 1.0, 1.5])
+    n, length = 6 * times, 1.2
+    chain = bm.Chain(bm.Beam(length, list(stiffness), list(mass)), "clamped-free", n, "mitiguy")
+    ell, of_rod, heavy = length / n, np.repeat(stiffness, times), np.repeat(mass, times)
+    # Each half cell bends with its own EI; the wall has 6N/(3N-1) EI/ell, the report's.
+    inner = 1 / (ell * (1 / of_rod[1:] + 1 / of_rod[:-1]) / 2)
+    springs = np.array([6 * n / (3 * n - 1) * of_rod[0] / ell, *inner])
+    given = bm.Chain.from_pieces(
+        length=np.array([0.0, *[ell] * n]),
+        mass=np.array([0.0, *heavy * ell]),
+        rotary_inertia=np.array([0.0, *heavy * ell**3 / 12]),
+        joint_stiffness=springs,
+        boundary="clamped-free",
+    )
+    assert chain.joint_stiffness == pytest.approx(springs, rel=1e-14)
+    frequencies = [bm.solve_modes(bm.linearize(one), modes=n).angular_frequency for one in (chain, given)]
+    assert frequencies[0] == pytest.approx(frequencies[1], rel=1e-12)
+
+
+# --- Rotary inertia --------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("square", [1e-4, 1e-3])
+def test_rotary_inertia_of_pinned_pinned_chains_and_beams(square: float) -> None:
+    # y_j = sin qj: springs store 4 (1 - cos q)² N⁴, rods move with (2 + cos q)/3 + 2 r² N² (1 - cos q).
+    beam, n, mode = bm.Beam(1.0, 1.0, 1.0, square), 12, np.arange(1, 6)
+    c = np.cos(mode * np.pi / n)
+    inertia = (2 + c) / 3 + 2 * square * n**2 * (1 - c)
+    chain = bm.solve_modes(bm.linearize(bm.Chain(beam, "pinned-pinned", n, "gregory")), modes=5)
+    assert chain.angular_frequency == pytest.approx(2 * n**2 * (1 - c) / np.sqrt(inertia), rel=1e-12)
+    k = mode * np.pi
+    exact = euler_bernoulli(beam, "pinned-pinned", 5).angular_frequency
+    assert exact == pytest.approx(k**2 / np.sqrt(1 + square * k**2), rel=1e-12)
+
+
+@pytest.mark.filterwarnings("ignore::beammodes.comparison.SlendernessWarning")
+@pytest.mark.parametrize("rule", RULES)
+def test_rotary_inertia_leaves_order_two(rule: str) -> None:
+    beam = bm.Beam(1.0, 1.0, 1.0, 1e-3)
+    assert order(beam, "pinned-pinned", rule, 40, 80) == pytest.approx(2, abs=0.05)
+    if rule != "hencky":  # the leading term of the two closed forms above: -q² s/(24 (1 + s)), s = r² π²
+        s = 1e-3 * math.pi**2
+        leading = -((math.pi / 80) ** 2) * s / (24 * (1 + s))
+        assert first_error(beam, "pinned-pinned", 80, rule) == pytest.approx(leading, rel=0.01)
+
+
+@pytest.mark.filterwarnings("ignore::beammodes.comparison.SlendernessWarning")
+@pytest.mark.parametrize("rule", ["gregory", "half_stub_corrected"])
+def test_rotary_inertia_takes_order_four_from_clamped_ends_too(rule: str) -> None:
+    assert order(bm.Beam(1.0, 1.0, 1.0, 1e-2), "clamped-free", rule, 80, 160) == pytest.approx(2, abs=0.15)
+
+
+# --- What theory leaves out ------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("ratio", [SHEAR_RATIO, 2.5])
+@pytest.mark.parametrize("radius", [1e-3, 0.02])
+def test_theory_errors_of_pinned_pinned_beams(radius: float, ratio: float) -> None:
+    # Source: first order of Timoshenko's beam, -½ r² n² π² (1 + E/κG) for L = 1.
+    mode = np.arange(1, 4)
+    expected = -0.5 * (radius * mode * np.pi) ** 2 * (1 + ratio)
+    found = theory_errors(bm.Beam.unit(), "pinned-pinned", radius_of_gyration=radius, shear_ratio=ratio)
+    assert found == pytest.approx(expected, rel=0.01)
+    # With its own rotary inertia a beam has the first of the two terms already.
+    own = theory_errors(bm.Beam(1.0, 1.0, 1.0, radius**2), "pinned-pinned", shear_ratio=ratio)
+    assert own == pytest.approx(expected * ratio / (1 + ratio), rel=0.01 + 4 * (radius * 3 * np.pi) ** 2)
+
+
+def timoshenko(radius: float, ratio: float, mode: int) -> float:
+    """Lower ω of y = sin kx, ψ = cos kx:  ½∫ ψ'² + S (y' - ψ)²  against  ½ω²∫ y² + r² ψ², S = 1/(r² E/κG)."""
+    k, shear = mode * math.pi, 1 / (radius**2 * ratio)
+    stored = np.array([[shear * k**2, -shear * k], [-shear * k, k**2 + shear]])
+    root = np.diag([1.0, 1 / radius])
+    by_matrix = float(np.linalg.eigvalsh(root @ stored @ root)[0])
+    # The same from both roots' formula: r⁴ g λ² - (1 + r² k² (1 + g)) λ + k⁴ = 0.
+    b = 1 + (radius * k) ** 2 * (1 + ratio)
+    by_root = 2 * k**4 / (b + math.sqrt(b * b - 4 * ratio * (radius * k) ** 4))
+    assert by_matrix == pytest.approx(by_root, rel=1e-6)
+    return math.sqrt(by_root)
+
+
+@pytest.mark.parametrize("radius", [0.005, 0.01, 0.02])
+def test_theory_errors_against_a_timoshenko_beam(radius: float) -> None:
+    found = theory_errors(bm.Beam.unit(), "pinned-pinned", radius_of_gyration=radius)
+    for n, error in enumerate(found, start=1):
+        exact = timoshenko(radius, SHEAR_RATIO, n) / (n * math.pi) ** 2 - 1
+        # With a = 1 + g and s = r² k² the formula is -a s/2 + (3 a²/8 + g/2) s² ...: the second term is 1.87
+        # times the square of the first. 1 % of the first is left to the estimate's numerical derivative.
+        assert abs(error - exact) < 0.01 * abs(exact) + 2 * error**2
+
+
+def test_a_stout_beam_warns() -> None:
+    chain = bm.Chain(bm.Beam(1.0, 1.0, 1.0, 0.05**2), "clamped-free", 20, "mitiguy")
+    with pytest.warns(SlendernessWarning, match="shear, which Euler-Bernoulli theory leaves out") as caught:
+        errors = chain_errors(chain, 2)
+    assert caught[0].filename == __file__
+    theory = theory_errors(chain.beam, "clamped-free", 2)  # type: ignore[arg-type]
+    assert (np.abs(theory) > np.abs(errors)).all()
+
+
+def test_a_slender_beam_does_not_warn() -> None:
+    slender = bm.Beam(1.0, 1.0, 1.0, 1e-8)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        errors = chain_errors(bm.Chain(slender, "clamped-free", 10, "mitiguy"), 3)
+        chain_errors(bm.Chain(bm.Beam.unit(), "clamped-free", 50, "gregory"), 3)  # no radius is known
+    assert (np.abs(theory_errors(slender, "clamped-free")) < np.abs(errors)).all()
+
+
+# --- Bad arguments ---------------------------------------------------------------------------------------
+
+
+def bad_calls() -> list[tuple[Any, type[Exception], str]]:
+    unit = bm.Beam.unit()
+    loose = bm.Chain.from_pieces(
+        length=[0, 1], mass=[0, 1], rotary_inertia=[0, 1 / 12], joint_stiffness=[1.0], boundary="clamped-free"
+    )
+    chain = bm.Chain(unit, "clamped-free", 3)
+    buckled = Load(axial_force=-10.0)
+    return [
+        (lambda: bm.Beam(1.0, [1.0, -2.0], 1.0), ValueError, "^bending_stiffness"),
+        (lambda: bm.Beam(1.0, [1.0, "2"], 1.0), TypeError, "^bending_stiffness"),
+        (lambda: bm.Beam(1.0, 1.0, lambda x: 1 - x), ValueError, "^mass_per_length"),
+        (lambda: bm.Beam(1.0, 1.0, 1.0, [0.0, -1.0]), ValueError, "^rotary_inertia_per_length"),
+        (lambda: bm.Beam(2.0, Table((0, 1), (1, 2)), 1.0), ValueError, "^bending_stiffness"),
+        (lambda: chain_errors(unit), TypeError, "^chain"),  # type: ignore[arg-type]
+        (lambda: chain_errors(loose), ValueError, "^chain"),
+        (lambda: chain_errors(chain, 0), ValueError, "^modes"),
+        (lambda: chain_errors(chain, load=3.0), TypeError, "^load"),  # type: ignore[arg-type]
+        (lambda: chain_errors(chain, load=buckled), ValueError, "axial_force"),
+        (lambda: theory_errors(chain, "clamped-free"), TypeError, "^beam"),  # type: ignore[arg-type]
+        (lambda: theory_errors(unit, "clamped-free"), ValueError, "^radius_of_gyration"),
+        (
+            lambda: theory_errors(unit, "clamped-free", radius_of_gyration=0.0),
+            ValueError,
+            "^radius_of_gyration",
+        ),
+        (
+            lambda: theory_errors(unit, "clamped-free", radius_of_gyration=0.1, shear_ratio=-1),
+            ValueError,
+            "^shear_ratio",
+        ),
+        (lambda: theory_errors(unit, "clamped-hung", radius_of_gyration=0.1), ValueError, "^boundary"),
+    ]
+
+
+@pytest.mark.parametrize("case", range(15))
+def test_bad_arguments_are_named(case: int) -> None:
+    call, kind, told = bad_calls()[case]
+    with pytest.raises(kind, match=told):
+        call()
+
+
+# --- The two studies -------------------------------------------------------------------------------------
+
+
+def slope(errors: NDArray[np.float64], segments: NDArray[np.int64]) -> float:
+    shown = np.flatnonzero(np.isfinite(errors))[-4:]
+    return float(-np.polyfit(np.log(segments[shown]), np.log(np.abs(errors[shown])), 1)[0])
+
+
+@pytest.mark.slow
+def test_study_of_nonuniform_beams_shows_the_orders_that_it_names() -> None:
+    table = nonuniform.data()
+    named = {"1/N": 1, "1/N²": 2, "1/N⁴": 4}
+    for *_, places in nonuniform.PANELS:
+        for case, rule, text, *_ in places:
+            errors = table.relative_error.sel(case=case, rule=rule).values
+            declared = named[text.split()[-1]]
+            assert slope(errors, table.segments.values) == pytest.approx(declared, abs=0.35)
+    # The catheter's numbers of the test above, with two segments to a part.
+    report = table.catheter_error.sel(rule="mitiguy", parts=24).values
+    assert report == pytest.approx([-0.000725, -0.002415, -0.003801], rel=1e-3)
+
+
+@pytest.mark.slow
+def test_study_of_axial_force_shows_the_orders_that_it_names() -> None:
+    table = axial_force.data()
+    named = {"1/N²": 2, "1/N³": 3, "1/N⁴": 4}
+    for pair, lines in axial_force.LABELS.items():
+        for case, (text, *_) in lines.items():
+            if ":" in text:
+                errors = table.relative_error.sel(boundary=pair, case=case).values
+                found = slope(errors, table.segments.values)
+                assert found == pytest.approx(named[text.split()[-1]], abs=0.15)
+    # physics.md section 4: clamped-free, half the buckling load, N = 20; by Hencky 4 N² sin²(π/(4N)).
+    half = {"mitiguy": -1.4e-5, "gregory": -2.6e-4}
+    for case, error in half.items():
+        at = table.relative_error.sel(boundary="clamped-free", case=case, segments=20)
+        assert float(at) == pytest.approx(error, rel=0.03)
+    n = np.array(table.buckling_segments)
+    own = (4 * n * np.sin(np.pi / (4 * n)) / np.pi) ** 2 - 1
+    assert table.buckling_error.sel(rule="double_wall").values == pytest.approx(own, abs=1e-12)
+    # Two rods buckle at 8 EI/L² of π².
+    assert table.axial_force.sel(structure="mitiguy").min() == pytest.approx(-8 / math.pi**2, rel=1e-12)
