@@ -148,9 +148,10 @@ def _chain_load(chain: Chain) -> float:
         )
     if not chain.elastic_modes:
         return np.inf
-    dense = len(form.flexibility_root) <= MAX_DENSE
+    dense = form.hinges <= MAX_DENSE
     steepest = _dense_steepest(form) if dense else _iterated_steepest(form)
-    return float(chain.units.stiffness / chain.units.length / steepest)
+    # Where only an end without length turns, no compression does any work.
+    return float(chain.units.stiffness / chain.units.length / steepest) if steepest else np.inf
 
 
 def _dense_steepest(form: FlexibilityForm) -> float:

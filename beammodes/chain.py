@@ -184,7 +184,10 @@ class Chain(ChainNumbers):
     def elastic_modes(self) -> int:
         """How many modes store energy: the chain's independent motions, less the rigid-body modes."""
         (left, _), (right, _) = self.supports
-        tips = (left != math.inf) - (right == math.inf)
+        turning = zip(self.piece_length, self.held_angles, strict=True)
+        reaches = any(length and not held for length, held in turning)
+        # A right tip that nothing could move is held twice.
+        tips = (left != math.inf) - (right == math.inf and (left != math.inf or reaches))
         return max(0, tips + self.held_angles.count(False) - self.boundary.rigid_body_modes)
 
     @cached_property

@@ -85,9 +85,10 @@ def solve_modes(model: LinearModel, modes: int | None = None) -> Modes:
     count = model.elastic_modes if modes is None else whole_number("modes", modes)
     count = min(count, model.elastic_modes)
     form = flexibility_form(chain, model.load)
+    _check_buckling(form)
     if count == 0:
         inverse, x = np.zeros(0), np.zeros((len(form.flexibility_root), 0))
-    elif len(form.flexibility_root) <= MAX_DENSE:
+    elif form.hinges <= MAX_DENSE:
         inverse, x = _dense(form, count)
     else:
         inverse, x = _lanczos(form, count)
@@ -115,9 +116,13 @@ def _dense(form: FlexibilityForm, count: int) -> tuple[Array, Array]:
 def _unit_energy(form: FlexibilityForm, w: Array, x: Array) -> Array:
     """Return the upper triangle C⁻¹ of combinations that store unit energy, the axial force's included."""
     slope = np.sqrt(form.length)[:, None] * form.angles(x)
-    stored = w.T @ ((1 - form.unstored)[:, None] * w) + form.tension * (slope.T @ slope)
+    plain = np.sqrt(1 - form.unstored)[:, None] * w
+    if form.tension > 0:
+        # No products are formed: they would square the range of a strong tension on soft supports.
+        factor = np.linalg.qr(np.vstack([plain, np.sqrt(form.tension) * slope]), mode="r")
+        return np.asarray(np.linalg.inv(factor))
     try:
-        lower = np.linalg.cholesky(stored)
+        lower = np.linalg.cholesky(plain.T @ plain + form.tension * (slope.T @ slope))
     except np.linalg.LinAlgError:
         raise _buckled() from None
     return np.asarray(np.linalg.inv(lower).T)
@@ -125,6 +130,27 @@ def _unit_energy(form: FlexibilityForm, w: Array, x: Array) -> Array:
 
 def _buckled() -> ValueError:
     return ValueError("axial_force must not compress the chain beyond its buckling load (see buckling_load)")
+
+
+def _check_buckling(form: FlexibilityForm) -> None:
+    """Raise ValueError if compression turns a chain over or buckles a long one; of others a factor tells."""
+    from scipy.sparse.linalg import LinearOperator, eigsh
+
+    if form.tension >= 0:
+        return
+    if form.rigid_angle.any():
+        raise _buckled()
+    size = len(form.flexibility_root)
+    if form.hinges <= MAX_DENSE:
+        return
+
+    def released(w: Array) -> Array:
+        return form.tension * form.allowed(form.geometric(form.allowed(w.reshape(size, -1))))
+
+    operator = LinearOperator((size, size), matvec=released, matmat=released, dtype=np.float64)
+    start = form.allowed(np.random.default_rng(0).standard_normal((size, 1)))[:, 0]
+    if eigsh(operator, k=1, which="SA", v0=start, tol=1e-13, return_eigenvectors=False)[0] <= -1:
+        raise _buckled()
 
 
 def _lanczos(form: FlexibilityForm, count: int) -> tuple[Array, Array]:
@@ -171,11 +197,8 @@ def _metric(form: FlexibilityForm) -> dict[str, Any]:
         return (1 - form.unstored)[:, None] * column + form.tension * bent
 
     def solved(w: Array) -> Array:
-        # Identity and a compact operator: a few steps to the last digit.
-        found, failed = cg(metric, w, rtol=1e-14, atol=0.0, maxiter=500)
-        if failed:
-            raise _buckled()
-        return np.asarray(found)
+        # Identity and a compact operator: a few steps. What they leave open the Rayleigh-Ritz step restores.
+        return np.asarray(cg(metric, w, rtol=1e-10, atol=0.0, maxiter=2000)[0])
 
     metric = LinearOperator((size, size), matvec=stored, dtype=np.float64)
     return {"M": metric, "Minv": LinearOperator((size, size), matvec=solved, dtype=np.float64)}
@@ -184,7 +207,8 @@ def _metric(form: FlexibilityForm) -> dict[str, Any]:
 def _in_physical_units(model: LinearModel, omega: Array, shape: Array, slope: Array) -> Modes:
     units = model.chain.units
     largest = np.abs(shape).argmax(axis=0)
-    sign = np.sign(shape[largest, np.arange(shape.shape[1])]) / np.sqrt(units.mass)
+    # A mode in which only a hinged end turns has no deflection to take a sign from.
+    sign = np.where(shape[largest, np.arange(shape.shape[1])] < 0, -1.0, 1.0) / np.sqrt(units.mass)
     return Modes(
         omega * units.angular_frequency,
         model.rigid_body_modes,

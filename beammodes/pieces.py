@@ -93,7 +93,7 @@ class Pieces:
         if not inert or rotation == math.inf or len(self.length) == 1:
             return self
         hinge = self.joint_stiffness[0]
-        series = hinge * rotation / (hinge + rotation) if rotation else rotation
+        series = hinge / (1 + hinge / rotation) if rotation else rotation
         rest = Pieces(
             self.length[1:],
             self.mass[1:],

@@ -104,7 +104,8 @@ def profile_weights(
     end weights of order above 2 applies them on both, as at a clamped end, if the step lies where an end
     could: on a hinge, or half a segment from two for a half stub. Order 2 is left to other rules there, and
     to all where a step lies half-way between; order 1 where it lies elsewhere. At a guided end M²/EI is even
-    only if EI is, so the weights of a clamped end take the place of the mirror's.
+    only if EI is, so the weights of a clamped end take the place of the mirror's; each EI given as a table
+    or function counts as one that varies.
 
     Examples
     --------

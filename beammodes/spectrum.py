@@ -85,6 +85,11 @@ class FlexibilityForm:
     rigid_angle: Array
     tension: float
 
+    @property
+    def hinges(self) -> int:
+        """How many hinges the chain has."""
+        return len(self.length) - 1
+
     def allowed(self, w: Array) -> Array:
         """Return the x of w: without what the end conditions exclude, and softened where springs resist."""
         x = w - self.forbidden @ (self.forbidden.T @ w) if self.forbidden.size else w
@@ -182,7 +187,9 @@ def flexibility_form(chain: Chain, load: Load | None = None) -> FlexibilityForm:
     ends = end_coordinates(pieces, tension)
     root = np.concatenate([ends.root, 1 / np.sqrt(np.array(pieces.joint_stiffness, dtype=np.float64))])
     rows = ends.dependent_rows * root
-    forbidden = np.linalg.qr(rows[np.isinf(ends.dependent_stiffness)].T)[0]
+    held = rows[np.isinf(ends.dependent_stiffness)]
+    # What every motion meets anyway excludes nothing.
+    forbidden = np.linalg.qr(held[held.any(axis=1)].T)[0]
     form = FlexibilityForm(
         length,
         centre,
