@@ -13,6 +13,7 @@ from beammodes.commands import (
     Answer,
     answer_buckling,
     answer_error,
+    answer_export,
     answer_frequencies,
     answer_recommend,
     answer_segments,
@@ -36,7 +37,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         answer, text = command(options)
         output = json.dumps(answer, allow_nan=False) if options.json else text
-    except (TypeError, ValueError) as error:
+    except (TypeError, ValueError, OSError) as error:
         sys.stderr.write(f"beammodes: {_in_flags(str(error))}\n")
         return 2
     try:
@@ -63,6 +64,7 @@ def _parser() -> argparse.ArgumentParser:
         "  beammodes segments clamped-clamped --tolerance 0.01 --modes 3\n"
         "  beammodes recommend clamped-free --tolerance 0.01 --modes 3\n"
         '  beammodes error "clamped-free(mass=0.5)" --segments 6\n'
+        "  beammodes export clamped-free --segments 10 --length 1.2 --ei 85 --rho-a 0.62 --output beam.xml\n"
         "  beammodes time-step clamped-free --segments 10 --length 1.2 --ei 85 --rho-a 0.62",
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
@@ -140,6 +142,18 @@ def _integrator_option(sub: argparse.ArgumentParser) -> None:
     sub.add_argument("--integrator", default="rk4", help=text)
 
 
+def _export_options(sub: argparse.ArgumentParser) -> None:
+    _spring_options(sub)
+    sub.add_argument("--output", required=True, metavar="FILE", help=".xml (MJCF), .sdf, .urdf or .csv")
+    sub.add_argument("--format", help="mjcf, sdf, urdf or csv (default: by the file's ending)")
+    sub.add_argument("--name", default="chain", help="prefix of all names in the file (default: chain)")
+    sub.add_argument("--fragment", action="store_true", help="bodies only, to include in a model (MJCF)")
+    sub.add_argument("--timestep", type=_number, metavar="h", help="time step [s] (default: safe, accurate)")
+    sub.add_argument("--integrator", default="RK4", help="MuJoCo's RK4, Euler or implicitfast (default: RK4)")
+    sub.add_argument("--stiffness-damping", type=_number, default=0.0, metavar="b", help="dampers b k [s]")
+    sub.add_argument("--force", action="store_true", help="overwrite existing files")
+
+
 def _integer(text: str) -> int | str:
     # What is no integer is passed on, so that the library's own message names the argument. Python itself
     # refuses to read integers of more than 4300 digits.
@@ -162,6 +176,7 @@ def _in_flags(message: str) -> str:
         "bending_stiffness must": "--ei must",
         "mass_per_length must": "--rho-a must",
         "axial_force must": "--axial-force must",
+        "force=True": "--force",
     }
     for name, flag in flags.items():
         message = message.replace(name, flag)
@@ -180,6 +195,7 @@ _COMMANDS = (
     ("segments", answer_segments, "how many segments a tolerance needs", _tolerance_options),
     ("recommend", answer_recommend, "rules that meet a tolerance, cheapest first", _advice_options),
     ("time-step", answer_time_step, "largest stable fixed time step of a chain", _step_options),
+    ("export", answer_export, "a chain as a file for MuJoCo, Gazebo, Drake or URDF tools", _export_options),
     ("buckling", answer_buckling, "compression at which a chain buckles, beside the beam's", _spring_options),
 )
 

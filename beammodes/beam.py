@@ -4,11 +4,15 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from beammodes.beam_properties import PropertyLike, kept_property
-from beammodes.checks import positive_real
+from beammodes.checks import positive_real, shown
 from beammodes.profiles import Profile, mean_over, profile_breaks
 from beammodes.tabulated import SAME_PLACE
+
+if TYPE_CHECKING:
+    from beammodes.sections import Section
 
 __all__ = ["Beam"]
 
@@ -86,11 +90,64 @@ class Beam:
         """
         return cls(1.0, 1.0, 1.0)
 
+    @classmethod
+    def from_section(
+        cls,
+        section: Section,
+        *,
+        density: float,
+        elastic_modulus: float,
+        length: float,
+        rotary_inertia: bool = False,
+    ) -> Beam:
+        """Return the uniform beam of a cross-section and a material: EI, ρA and, if wanted, ρI.
+
+        Parameters
+        ----------
+        section : Section
+            One of `sections`, or anything with an `area` [m²] and a `second_moment` [m⁴].
+        density : float [kg/m³]
+            ρ.
+        elastic_modulus : float [Pa]
+            E, such as `materials.elastic_modulus` gives.
+        length : float [m]
+            L.
+        rotary_inertia : bool
+            Whether the section's rotary inertia ρI counts: Rayleigh's beam instead of Euler and Bernoulli's.
+
+        Raises
+        ------
+        TypeError, ValueError
+            If a number is not a finite real number greater than 0, or `section` lacks one of the two.
+
+        Examples
+        --------
+        >>> from beammodes.sections import Rectangle
+        >>> flat = Rectangle(width=0.02, height=0.002)
+        >>> beam = Beam.from_section(flat, density=7800.0, elastic_modulus=200e9, length=1.0)
+        >>> round(beam.bending_stiffness, 6), round(beam.mass_per_length, 6)
+        (2.666667, 0.312)
+        """
+        for name in ("area", "second_moment"):
+            if not hasattr(section, name):
+                raise TypeError(f"section must have its {name}, got {shown(section)}")
+        if not isinstance(rotary_inertia, bool):
+            raise TypeError(f"rotary_inertia must be True or False, got {shown(rotary_inertia)}")
+        rho, modulus = positive_real("density", density), positive_real("elastic_modulus", elastic_modulus)
+        area = positive_real("area of section", section.area)
+        moment = positive_real("second_moment of section", section.second_moment)
+        return cls(length, modulus * moment, rho * area, rho * moment if rotary_inertia else 0.0)
+
     @property
     def is_uniform(self) -> bool:
         """Whether all three properties are numbers; rotary inertia may still be one of them."""
         properties = (self.bending_stiffness, self.mass_per_length, self.rotary_inertia_per_length)
         return all(isinstance(profile, float) for profile in properties)
+
+    @property
+    def has_rotary_inertia(self) -> bool:
+        """Whether the section's rotary inertia is anything but zero."""
+        return not isinstance(self.rotary_inertia_per_length, float) or self.rotary_inertia_per_length > 0.0
 
     @property
     def mean_bending_stiffness(self) -> float:

@@ -23,11 +23,12 @@ def euler_bernoulli(
 ) -> BeamModes | SupportedBeamModes | SpectralBeamModes:
     """Return the first elastic modes of a beam under Euler-Bernoulli theory.
 
-    (EI φ'')'' - T φ'' = ω² (ρA φ - (ρI φ')')  with two homogeneous conditions at each end.
+    (EI φ'')'' - (T φ')' = ω² (ρA φ - (ρI φ')')  with two homogeneous conditions at each end.
 
     A uniform beam between plain ends is `BeamModes`; ends with springs or bodies, an axial force or rotary
-    inertia make it `supported_beam.SupportedBeamModes`, and a beam that is not uniform is
-    `spectral_beam.SpectralBeamModes`, good to 1e-10. All three are read alike.
+    inertia make it `supported_beam.SupportedBeamModes`, and a beam that is not uniform, or one that gravity,
+    a turning hub or a tip force pulls on, is `spectral_beam.SpectralBeamModes`, good to 1e-10. All three are
+    read alike.
 
     Parameters
     ----------
@@ -35,15 +36,15 @@ def euler_bernoulli(
     boundary : str, pair of ends or Boundary
         Its ends; the one named first is at x = 0.
     modes : int
-        How many elastic modes, 1 to 10⁶ of a uniform beam.
+        How many elastic modes, 1 to 10⁶ of a uniform beam under no more than an axial force, else 1 to 100.
     load : Load, optional
-        An axial force.
+        One that leaves the beam straight; frequencies are those that an observer on the hub sees.
 
     Raises
     ------
     TypeError, ValueError
         If `beam` is not a Beam, `boundary` cannot be read, `modes` is not a whole number in range, or the
-        axial force buckles the beam.
+        load bends the beam, buckles it, or pulls on it where nothing holds its left end.
 
     Examples
     --------
@@ -52,12 +53,14 @@ def euler_bernoulli(
     array([ 4.55 , 28.515, 79.843])
     >>> euler_bernoulli(beam, "clamped-free(mass=0.2)", 3).frequency.round(3)
     array([ 3.146, 22.957, 68.397])
+    >>> euler_bernoulli(beam, "clamped-free", 3, load=Load(spin_rate=50.0)).frequency.round(3)
+    array([ 9.705, 34.976, 86.607])
     """
     if not isinstance(beam, Beam):
         raise TypeError(f"beam must be a Beam, got {shown(beam)}")
     pair, pull = Boundary.of(boundary), checked_load(load)
     count = whole_number("modes", modes, most=10**6)
-    if not beam.is_uniform:
+    if not (beam.is_uniform and pull.is_axial):
         from beammodes.spectral_beam import spectral_modes
 
         return spectral_modes(beam, pair, count, pull)

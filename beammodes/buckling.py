@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import replace
 from typing import TYPE_CHECKING, overload
 
 import numpy as np
@@ -141,6 +142,8 @@ def buckling_dataset(
 
 def _chain_load(chain: Chain) -> float:
     form = flexibility_form(chain)
+    # A unit axial force pulls on each piece with its length.
+    form = replace(form, pull=form.length)
     if form.rigid_angle.any():
         raise ValueError(
             "boundary must resist a rigid rotation of the chain to have a buckling load, "

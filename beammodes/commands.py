@@ -13,6 +13,7 @@ __all__ = [
     "Answer",
     "answer_buckling",
     "answer_error",
+    "answer_export",
     "answer_frequencies",
     "answer_recommend",
     "answer_segments",
@@ -128,6 +129,27 @@ def answer_buckling(options: argparse.Namespace) -> Answer:
         )
     answer = {"buckling_load_n": load, "exact_buckling_load_n": exact, "relative_error": load / exact - 1}
     return answer, f"{load:.6g} N  (beam {exact:.6g} N, error {100 * answer['relative_error']:+.4g} %)"
+
+
+def answer_export(options: argparse.Namespace) -> Answer:
+    """Write a chain to a file for a simulator, and answer which files were written."""
+    from beammodes.damping import Damping
+    from beammodes.export import export_chain
+
+    damping = Damping(stiffness=options.stiffness_damping) if options.stiffness_damping else None
+    written = export_chain(
+        _chain(options),
+        options.output,
+        format=options.format,
+        name=options.name,
+        fragment=options.fragment,
+        damping=damping,
+        timestep=options.timestep,
+        integrator=options.integrator,
+        force=options.force,
+    )
+    names = [str(path) for path in written]
+    return {"files": names}, "\n".join(names)
 
 
 def answer_segments(options: argparse.Namespace) -> Answer:

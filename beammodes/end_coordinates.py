@@ -41,8 +41,10 @@ class EndCoordinates:
     rigid: list[tuple[float, float]]
 
 
-def end_coordinates(pieces: Pieces, tension: float = 0.0) -> EndCoordinates:
+def end_coordinates(pieces: Pieces, resistance: float = 0.0) -> EndCoordinates:
     """Return the end coordinates of a chain that runs from its firmer end.
+
+    `resistance` is what loads along the chain put up against a rigid rotation.
 
     Examples
     --------
@@ -62,10 +64,10 @@ def end_coordinates(pieces: Pieces, tension: float = 0.0) -> EndCoordinates:
     to_tip = np.linalg.inv(on_tip[chosen])
     scale, motions, unstored, rigid = [], [], [], []
     for k, motion in zip(chosen, to_tip.T, strict=True):
-        resisted = tension > 0 and motion[1] != 0
+        resisted = resistance > 0 and motion[1] != 0
         if 0 < stiffness[k] < math.inf or (not stiffness[k] and resisted):
-            # The size of a coordinate that no spring scales is free; this one suits the axial force's energy.
-            scale.append(stiffness[k] or tension * whole)
+            # The size of a coordinate that no spring scales is free; this one suits the load's energy.
+            scale.append(stiffness[k] or resistance)
             motions.append(motion)
             unstored.append(float(not stiffness[k]))
         elif not stiffness[k]:

@@ -30,6 +30,8 @@ _UNITS = {
 NUMBERS: dict[str, str] = {
     **{f"{side}_{f.name}": _UNITS[f.name] for side in ("left", "right") for f in fields(End)},
     "axial_force": "EI / L^2",
+    "spin_rate": "sqrt(EI / (rhoA L^4))",
+    "hub_radius": "L",
 }
 
 
@@ -73,7 +75,7 @@ class EndNumbers:
                     held = math.inf if values[i] == math.inf else values[i]
                     ends[side] = replace(ends[side], **{field: held})
                 else:
-                    pull = replace(pull, axial_force=values[i])
+                    pull = replace(pull, **{name: values[i]})
             yield index, Boundary(**ends), pull
 
 

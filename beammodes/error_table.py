@@ -47,10 +47,11 @@ def error_dataset(
         How many, from the first.
     rule : rule, or iterable of rules
     load : Load, optional
-        An axial force [EI/L²].
+        Loads along the beam or of a turning hub.
     over : mapping from names to numbers, optional
         Further dimensions: numbers of the ends, such as "right_mass" or "left_rotational_stiffness", and
-        "axial_force". They replace those of every boundary, whose two ends then stay in the order given.
+        "axial_force", "spin_rate" or "hub_radius". They replace those of every boundary, whose two ends
+        then stay in the order given.
 
     Returns
     -------
@@ -101,7 +102,7 @@ def error_dataset(
 
 
 def _exact_frequencies(boundary: Boundary, mode: NDArray[np.intp], load: Load) -> Array:
-    if boundary.is_plain and not load.axial_force:
+    if boundary.is_plain and load == Load():
         return np.asarray(wavenumber(boundary, mode)) ** 2
     return beam_frequencies(boundary, len(mode), load)
 

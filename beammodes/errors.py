@@ -74,7 +74,7 @@ def frequency_error(
         1-based index of an elastic mode.
     rule : str, Rule, or array of them; or one record from `mode_tuned` or `matched`
     load : Load, optional
-        Its axial force in EI/L².
+        Loads along the beam or of a turning hub, their numbers for L = EI = ρA = 1.
 
     Returns
     -------
@@ -97,7 +97,7 @@ def frequency_error(
     """
     rules: Any = rule
     pull = checked_load(load)
-    if pull.axial_force:
+    if pull != Load():
         return _supported(boundary, segments, mode, rules, pull)
     try:
         if isinstance(rule, Layout) and not isinstance(rule, Rule):
@@ -178,7 +178,7 @@ def segments_needed(
         How many modes, from the first.
     rule : str or Rule
     load : Load, optional
-        Its axial force in EI/L².
+        Loads along the beam or of a turning hub, their numbers for L = EI = ρA = 1.
 
     Raises
     ------
@@ -203,7 +203,7 @@ def segments_needed(
         error = frequency_error(ends, segments=count[:, None], mode=mode, rule=record, load=pull)
         return np.asarray(~(np.abs(error) <= limit).all(axis=1))
 
-    simple = ends.is_plain and not pull.axial_force
+    simple = ends.is_plain and pull == Load()
     grid = _segment_grid(len(mode)) if simple else _sparse_grid(len(mode))
     failing = np.flatnonzero(fails(grid))
     if not len(failing):

@@ -7,22 +7,25 @@ inertia at an end) has its angle as a coordinate of its own.
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import Any
+from typing import TYPE_CHECKING, overload
 
 import numpy as np
 from numpy.typing import NDArray
 
-from beammodes.chain import Chain, Number
+from beammodes.axial_pull import axial_pull, straight_load
+from beammodes.chain import Chain
 from beammodes.checks import shown
 from beammodes.loading import Load, checked_load
+from beammodes.nodal import free_angles, independent_nodes, nodal_matrices
 
-__all__ = ["MAX_ASSEMBLED", "LinearModel", "linearize", "nodal_deflections", "nodal_matrices"]
+if TYPE_CHECKING:
+    from beammodes.bent_model import BentModel
+    from beammodes.equilibria import Equilibrium
+
+__all__ = ["MAX_ASSEMBLED", "LinearModel", "linearize"]
 
 Array = NDArray[np.float64]
-Row = dict[int, Any]
 
 #: Matrices of more rows are not assembled: an assembled stiffness matrix of a long chain has already lost the
 #: digits of its lowest modes (its condition number grows as N⁴), so it would only mislead.
@@ -33,9 +36,10 @@ MAX_ASSEMBLED = 2000
 class LinearModel:
     """The linear chain  M u'' + K u = 0,  kept in its factors.
 
-    K = Bᵀ D B + supports + T G, with B the joints' relative rotations, D the joint stiffnesses on the
-    diagonal, and G = Σ l_i θ_iᵀ θ_i what an axial force T does; M is the pieces' inertia. `solve_modes` works
-    on these factors and never on the assembled matrices, which are for reading and for checking.
+    K = Bᵀ D B + supports + Σ P_i θ_iᵀ θ_i - Ω² M, with B the joints' relative rotations, D the joint
+    stiffnesses on the diagonal, P_i what loads along the chain do to a piece (`axial_pull`), the last term in
+    the plane of rotation of a turning hub only; M is the pieces' inertia. `solve_modes` works on these
+    factors and never on the assembled matrices, which are for reading and for checking.
 
     Attributes
     ----------
@@ -62,12 +66,12 @@ class LinearModel:
     @property
     def coordinates(self) -> tuple[str, ...]:
         """Names of the independent coordinates: deflections, left to right, then angles of end bodies."""
-        return (*(f"y_{node}" for node in _independent_nodes(self.chain)), *_free_angles(self.chain))
+        return (*(f"y_{node}" for node in independent_nodes(self.chain)), *free_angles(self.chain))
 
     @property
     def rigid_body_modes(self) -> int:
         """How many motions store nothing. An axial force lets a rigid rotation store energy."""
-        if not self.load.axial_force:
+        if not any(axial_pull(self.chain, self.load)):
             return self.chain.boundary.rigid_body_modes
         return int(not any(translation for translation, _ in self.chain.supports))
 
@@ -120,132 +124,68 @@ class LinearModel:
         )
 
 
-def linearize(chain: Chain, *, load: Load | None = None) -> LinearModel:
-    """Return the linear model of a chain's small transverse vibration about its straight shape.
+@overload
+def linearize(chain: Chain, *, load: Load | None = None, at: None = None) -> LinearModel: ...
+@overload
+def linearize(chain: Chain, *, load: Load | None = None, at: Equilibrium) -> BentModel: ...
+def linearize(
+    chain: Chain, *, load: Load | None = None, at: Equilibrium | None = None
+) -> LinearModel | BentModel:
+    """Return the linear model of a chain's small transverse vibration about its straight or another shape.
 
         M u'' + K u = 0
 
     Parameters
     ----------
     chain : Chain
-        Any chain; nothing is assembled here, so its length does not matter.
+        Any chain; without `at` nothing is assembled here, so its length does not matter.
     load : Load, optional
-        An axial force.
+        Loads that leave the chain straight: along it, or of a turning hub.
+    at : Equilibrium, optional
+        From `find_equilibrium`: vibrate about this shape of the chain, under the load that holds it there.
+
+    Returns
+    -------
+    LinearModel or BentModel
+        The latter about `at`, with full matrices.
 
     Raises
     ------
-    TypeError
-        If `chain` is no Chain or `load` no Load.
+    TypeError, ValueError
+        If `chain` is no Chain, `load` no Load or `at` no Equilibrium; if the load bends the chain, or pulls
+        on it where nothing holds its left end; if `at` is of another chain or load, or bent in the plane of
+        rotation of a turning hub.
 
     Examples
     --------
     >>> from beammodes.beam import Beam
-    >>> linearize(Chain(Beam.unit(), "clamped-free", segments=2)).stiffness_matrix
+    >>> chain = Chain(Beam.unit(), "clamped-free", segments=2)
+    >>> linearize(chain).stiffness_matrix
     array([[ 51.2, -16. ],
            [-16. ,   8. ]])
+
+    About the shape that it takes under its own weight, in angles:
+
+    >>> from beammodes.equilibria import find_equilibrium
+    >>> linearize(chain, at=find_equilibrium(chain, Load(gravity=20.0))).stiffness_matrix.round(6)
+    array([[13.071977, -2.      ],
+           [-2.      ,  4.416262]])
     """
     if not isinstance(chain, Chain):
         raise TypeError(f"chain must be a Chain, got {shown(chain)}")
-    return LinearModel(chain, checked_load(load))
+    if at is not None:
+        return _about(chain, load, at)
+    return LinearModel(chain, straight_load(chain, checked_load(load)))
 
 
-def nodal_deflections(chain: Chain) -> list[int | None]:
-    """Return, for each node of the chain, the index of its independent deflection, None where it is held.
+def _about(chain: Chain, load: Load | None, at: Equilibrium) -> BentModel:
+    from beammodes.bent_model import bent_model
+    from beammodes.equilibria import Equilibrium
 
-    Nodes are the left tip, the hinges and the right tip, 0 to p for p pieces. The two nodes of a piece
-    whose angle an end holds, or that has no length, deflect alike.
-    """
-    groups: list[list[int]] = [[0]]
-    for piece, held in enumerate(chain.held_angles):
-        alike = held or not chain.piece_length[piece]
-        groups[-1].append(piece + 1) if alike else groups.append([piece + 1])
-    index: list[int | None] = [None] * (chain.pieces + 1)
-    left, right = chain.boundary.left.holds_deflection, chain.boundary.right.holds_deflection
-    moving = groups[int(left) : len(groups) - int(right)]
-    for i, group in enumerate(moving):
-        for node in group:
-            index[node] = i
-    if (left and chain.pieces in groups[0]) or (right and 0 in groups[-1]):
-        return [None] * (chain.pieces + 1)
-    return index
-
-
-def nodal_matrices(
-    chain: Chain, number: Callable[[Number], Any], load: Load | None = None
-) -> tuple[list[list[Any]], list[list[Any]], list[list[Any]]]:
-    """Return B, M and K in nodal coordinates, in the chain's own units and the algebra of `number`.
-
-        piece i:   θ_i = (y_{i+1} - y_i)/l_i,   its centre of mass at  y_i + c_i θ_i
-        joint j:   θ_{j+1} - θ_j
-
-    M = Σ m (centre)ᵀ(centre) + J θᵀθ,   K = Σ k (joint)ᵀ(joint) + Σ_ends (K_t yᵀy + K_r θᵀθ) + T Σ l θᵀθ
-    """
-    index = nodal_deflections(chain)
-    slopes = _slopes(chain, index, number)
-    size = len(_independent_nodes(chain)) + len(_free_angles(chain))
-    mass, stiffness = ([[number(0)] * size for _ in range(size)] for _ in range(2))
-    tension = number(chain.exact_units.force(checked_load(load).axial_force))
-    for i, slope in enumerate(slopes):
-        centre = _sum(_unit(index[i], number), slope, number(chain.piece_centre[i]))
-        _add_square(mass, centre, number(chain.piece_mass[i]))
-        _add_square(mass, slope, number(chain.piece_rotary_inertia[i]))
-        _add_square(stiffness, slope, tension * number(chain.piece_length[i]))
-    joints = [_sum(slopes[j + 1], slopes[j], number(-1)) for j in range(chain.pieces - 1)]
-    for joint, spring in zip(joints, chain.hinge_stiffness, strict=True):
-        _add_square(stiffness, joint, number(spring))
-    for node, piece, supports in ((0, 0, chain.supports[0]), (-1, -1, chain.supports[1])):
-        for row, spring in zip((_unit(index[node], number), slopes[piece]), supports, strict=True):
-            _add_square(stiffness, row, number(0) if spring == math.inf else number(spring))
-    rotations = [[joint.get(i, number(0)) for i in range(size)] for joint in joints]
-    return rotations, mass, stiffness
-
-
-def _slopes(chain: Chain, index: list[int | None], number: Callable[[Number], Any]) -> list[Row]:
-    """Return every piece's angle in the nodal coordinates."""
-    angles = iter(range(len(_independent_nodes(chain)), 2 * chain.pieces))
-    slopes: list[Row] = []
-    for i, held in enumerate(chain.held_angles):
-        length = number(chain.piece_length[i])
-        if held:
-            slopes.append({})
-        elif not length:
-            slopes.append({next(angles): number(1)})
-        else:
-            right, left = _unit(index[i + 1], number), _unit(index[i], number)
-            slopes.append({k: value / length for k, value in _sum(right, left, number(-1)).items()})
-    return slopes
-
-
-def _unit(index: int | None, number: Callable[[Number], Any]) -> Row:
-    return {} if index is None else {index: number(1)}
-
-
-def _sum(first: Row, second: Row, factor: Any) -> Row:
-    """Return  first + factor second  of two rows."""
-    total = dict(first)
-    for i, value in second.items():
-        total[i] = total[i] + factor * value if i in total else factor * value
-    return total
-
-
-def _add_square(matrix: list[list[Any]], row: Row, factor: Any) -> None:
-    """Add  factor rowᵀ row."""
-    for i, left in row.items():
-        for j, right in row.items():
-            matrix[i][j] += factor * left * right
-
-
-def _independent_nodes(chain: Chain) -> list[int]:
-    """Return the node that names each independent deflection, the first of those that move alike."""
-    index = nodal_deflections(chain)
-    seen: dict[int, int] = {}
-    for node, i in enumerate(index):
-        if i is not None:
-            seen.setdefault(i, node)
-    return list(seen.values())
-
-
-def _free_angles(chain: Chain) -> list[str]:
-    """Return the names of the angles of pieces of length zero that turn."""
-    turning = zip(chain.piece_length, chain.held_angles, strict=True)
-    return [f"theta_{i}" for i, (length, held) in enumerate(turning) if not length and not held]
+    if not isinstance(at, Equilibrium):
+        raise TypeError(f"at must be an Equilibrium from find_equilibrium() or None, got {shown(at)}")
+    if at.chain is not chain and at.chain != chain:
+        raise ValueError(f"at must be of the same chain, {shown(chain)}, got one of {shown(at.chain)}")
+    if load is not None and checked_load(load) != at.load:
+        raise ValueError(f"load must be left out or be that of at, {at.load}, got {load}")
+    return bent_model(at)

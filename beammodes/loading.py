@@ -1,42 +1,101 @@
-"""What loads a beam while it vibrates."""
+"""What loads a beam while it vibrates, bends or moves."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from fractions import Fraction
 
-from beammodes.checks import real, shown
+from beammodes.checks import choice, real, shown
 
-__all__ = ["Load", "checked_load"]
+__all__ = ["PLANES", "Load", "Vector", "checked_load"]
+
+Number = float | Fraction
+
+#: A force or an acceleration: along the beam at rest, and across it.
+Vector = tuple[Number, Number]
+
+#: The plane of vibration of a turning beam: that of the rotation, or the one through its axis.
+PLANES = ("lag", "flap")
 
 
 @dataclass(frozen=True)
 class Load:
-    """Loads under which a beam or a chain vibrates.
+    """Loads on a beam or a chain; numbers given as `Fraction` stay exact.
+
+    Forces are dead: they keep their direction. The axes are those of the beam at rest, x along it and y up. A
+    body on an end that holds it across the beam is not felt along it either.
 
     Parameters
     ----------
     axial_force : float [N]
-        T, tension positive: a pair of dead loads of fixed direction that pull the beam's two ends apart (and
-        not the bodies' centres of mass). Kept exact if given as a `Fraction`.
+        T, tension positive: a pair of forces that pull the beam's two ends apart (and not the bodies' centres
+        of mass).
+    spin_rate : float [rad/s]
+        Ω, at which a hub turns with the beam's left end.
+    hub_radius : float [m]
+        From the axis of rotation to the beam's left end.
+    plane : str
+        "lag" if the beam moves in the plane of rotation, "flap" out of it, along the axis.
+    gravity : float or pair [m/s²]
+        Downward, so that 9.81 pulls along -y; or its components (g_x, g_y).
+    tip_force : float or pair [N]
+        On the right tip, along y; or its components (F_x, F_y).
+    tip_moment : float [N m]
+        On the right tip, counter-clockwise.
 
     Raises
     ------
     TypeError, ValueError
-        If a number is not real or not finite.
+        If a number is not real or not finite, a rate or radius is negative, or the plane is unknown.
 
     Examples
     --------
-    >>> Load(axial_force=-2.0)
-    Load(axial_force=-2.0)
+    >>> Load(gravity=9.81).gravity
+    (0.0, -9.81)
     """
 
-    axial_force: float | Fraction = 0.0
+    axial_force: Number = 0.0
+    spin_rate: Number = 0.0
+    hub_radius: Number = 0.0
+    plane: str = "flap"
+    gravity: Number | Vector = (0.0, 0.0)
+    tip_force: Number | Vector = (0.0, 0.0)
+    tip_moment: Number = 0.0
 
     def __post_init__(self) -> None:
-        number = real("axial_force", self.axial_force)
-        if not isinstance(self.axial_force, Fraction):
-            object.__setattr__(self, "axial_force", number + 0.0)
+        for name in ("axial_force", "spin_rate", "hub_radius", "tip_moment"):
+            object.__setattr__(self, name, _kept(name, getattr(self, name)))
+        for name in ("spin_rate", "hub_radius"):
+            if getattr(self, name) < 0:
+                raise ValueError(f"{name} must not be negative, got {shown(getattr(self, name))}")
+        choice("plane", self.plane, PLANES)
+        object.__setattr__(self, "gravity", _vector("gravity", self.gravity, -1))
+        object.__setattr__(self, "tip_force", _vector("tip_force", self.tip_force, 1))
+
+    @property
+    def weight(self) -> Vector:
+        """`gravity` as a pair."""
+        return self.gravity if isinstance(self.gravity, tuple) else (0.0, self.gravity)
+
+    @property
+    def tip(self) -> Vector:
+        """`tip_force` as a pair."""
+        return self.tip_force if isinstance(self.tip_force, tuple) else (0.0, self.tip_force)
+
+    @property
+    def bends(self) -> bool:
+        """Whether a straight beam is not in equilibrium under it."""
+        return bool(self.weight[1] or self.tip[1] or self.tip_moment)
+
+    @property
+    def needs_hub(self) -> bool:
+        """Whether something must hold the beam's left end along its axis."""
+        return bool(self.spin_rate or any(self.weight) or any(self.tip) or self.tip_moment)
+
+    @property
+    def is_axial(self) -> bool:
+        """Whether there is no more to it than the axial force."""
+        return not self.needs_hub
 
 
 def checked_load(load: Load | None) -> Load:
@@ -44,3 +103,17 @@ def checked_load(load: Load | None) -> Load:
     if load is not None and not isinstance(load, Load):
         raise TypeError(f"load must be a Load or None, got {shown(load)}")
     return load or Load()
+
+
+def _kept(name: str, value: Number) -> Number:
+    number = real(name, value)
+    # A minus sign on zero would make two loads of one.
+    return value if isinstance(value, Fraction) else number + 0.0
+
+
+def _vector(name: str, value: object, sign: int) -> Vector:
+    if isinstance(value, tuple | list):
+        if len(value) != 2:
+            raise ValueError(f"{name} must have two components, got {shown(value)}")
+        return _kept(f"{name}[0]", value[0]), _kept(f"{name}[1]", value[1])
+    return 0.0, _kept(name, sign * value) if isinstance(value, Fraction) else sign * real(name, value) + 0.0

@@ -29,14 +29,15 @@ holds the chain axially.
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from beammodes.axial_pull import hub_load
 from beammodes.chain import Chain, Number
 from beammodes.coordinates import axially_free_left, moving_pieces, tip_names, unpack
-from beammodes.loading import Load
+from beammodes.load_field import Algebra, LoadField, static_forces, support_units
+from beammodes.loading import Load, checked_load
 
 __all__ = [
     "Algebra",
@@ -45,19 +46,11 @@ __all__ = [
     "energies",
     "inertia_coefficients",
     "motion_terms",
+    "piece_energies",
 ]
 
 
-@dataclass(frozen=True)
-class Algebra:
-    """What the physics needs of a number system: constants, sine and cosine, and the chain's three units."""
-
-    number: Callable[[Number], Any]
-    sin: Callable[[Any], Any]
-    cos: Callable[[Any], Any]
-    length: Any
-    mass: Any
-    stiffness: Any
+Pair = tuple[Any, Any]
 
 
 @dataclass(frozen=True)
@@ -107,16 +100,51 @@ def energies(
 ) -> Energies:
     """Return the chain's energies in coordinates `q` and speeds `u` (ordered as `coordinate_names`).
 
-    With the tips' deflections y and the outer pieces' angles θ at either end,
+    With the tips' deflections y and the outer pieces' angles θ at either end, the axial force T, and forces,
+    moments and weights of `loading.Load`,
 
         T = ½ Σ (m_i (x_i'² + y_i'²) + J_i θ_i'²),
-        V = ½ Σ k_j (θ_{j+1} - θ_j)² + ½ Σ_ends (K_t y² + K_r θ²) - (axial force) Σ l_i cos θ_i
+        V = ½ Σ k_j (θ_{j+1} - θ_j)² + ½ Σ_ends (K_t y² + K_r θ²)
+            - T Σ l_i cos θ_i - F·r_tip - M_tip θ_tip - Σ m_i g·r_i
+            - ½ Ω² Σ m_i ((R + x_i)² + y_i²)                       in the plane of rotation of a hub
+            - ½ Ω² Σ (m_i (R + x_i)² + J_i cos² θ_i)               across it
+
+    Under spin, coordinates are relative to the turning hub, and the kinetic energy is that of motion relative
+    to it: what vibration about an equilibrium needs. (Coriolis forces are of second order in an inextensible
+    beam's deflection.)
+    """
+    hub_load(chain, checked_load(load))
+    (tip, angle), (tip_speed, spin) = unpack(chain, q), unpack(chain, u)
+    kinetic, potential, (x, y) = piece_energies(chain, tip, tip_speed, angle, spin, algebra, load)
+    return Energies(kinetic, potential, _closures(chain, x, y, algebra))
+
+
+def piece_energies(
+    chain: Chain,
+    tip: Pair,
+    tip_speed: Pair,
+    angle: Sequence[Any],
+    spin: Sequence[Any],
+    algebra: Algebra,
+    load: Load | None = None,
+    base: Pair = (0, 0),
+) -> tuple[Any, Any, Pair]:
+    """Return kinetic and potential energy from all pieces' motion, and the right tip's position.
+
+    Parameters
+    ----------
+    tip, tip_speed : pair
+        Position and velocity of the left tip.
+    angle, spin : sequence, one a piece
+        Angles and rates of all pieces, held ones included.
+    base : pair
+        Deflection and angle of what the elastic supports stand on.
     """
     number, length_unit = algebra.number, algebra.length
-    tip, angle = unpack(chain, q)
-    tip_speed, spin = unpack(chain, u)
     (x, y), (x_speed, y_speed) = tip, tip_speed
     twice_kinetic: Any = number(0)
+    field = LoadField.of(chain, load, algebra)
+    work: Any = number(0)
     for i in range(chain.pieces):
         mass = number(chain.piece_mass[i]) * algebra.mass
         inertia = number(chain.piece_rotary_inertia[i]) * algebra.mass * length_unit**2
@@ -124,18 +152,18 @@ def energies(
         cosine, sine = algebra.cos(angle[i]), algebra.sin(angle[i])
         across, along = x_speed - centre * sine * spin[i], y_speed + centre * cosine * spin[i]
         twice_kinetic += mass * (across**2 + along**2) + inertia * spin[i] ** 2
+        work += field.work(mass, inertia, x + centre * cosine, y + centre * sine, cosine)
         x_speed, y_speed = x_speed - length * sine * spin[i], y_speed + length * cosine * spin[i]
         x, y = x + length * cosine, y + length * sine
     twice_potential: Any = number(0)
     for j, stiffness in enumerate(chain.hinge_stiffness):
         twice_potential += number(stiffness) * algebra.stiffness * (angle[j + 1] - angle[j]) ** 2
     for (along_y, turning), deflection, rotation in zip(
-        _support_units(chain, algebra), (tip[1], y), (angle[0], angle[-1]), strict=True
+        support_units(chain, algebra), (tip[1], y), (angle[0], angle[-1]), strict=True
     ):
-        twice_potential += along_y * deflection**2 + turning * rotation**2
-    force = _axial_force(chain, load, algebra)
-    potential = twice_potential / 2 - force * (x - tip[0])
-    return Energies(twice_kinetic / 2, potential, _closures(chain, x, y, algebra))
+        twice_potential += along_y * (deflection - base[0]) ** 2 + turning * (rotation - base[1]) ** 2
+    work += field.axial * (x - tip[0]) + field.tip[0] * x + field.tip[1] * y + field.moment * angle[-1]
+    return twice_kinetic / 2, twice_potential / 2 - work, (x, y)
 
 
 def motion_terms(
@@ -162,12 +190,7 @@ def motion_terms(
         mass_matrix = [[algebra.number(total) * algebra.mass, *zeros, *row], *mass_matrix]
         drag = [s * value * w**2 for s, value, w in zip(moment, pull, spin, strict=True)]
         velocity = [-sum(drag, algebra.number(0)), *velocity]
-    (x, y), angles = unpack(chain, q)
-    tip = y
-    for length, value in zip(chain.piece_length, angles, strict=True):
-        x += algebra.number(length) * algebra.length * algebra.cos(value)
-        y += algebra.number(length) * algebra.length * algebra.sin(value)
-    static = _static_forces(chain, (tip, y), angles, algebra, load)
+    x, y, static = static_forces(chain, q, algebra, load)
     return MotionTerms(mass_matrix, velocity, static, _closures(chain, x, y, algebra))
 
 
@@ -190,48 +213,6 @@ def _angle_terms(
             velocity[j].append(-torque * square[i])
     zero = algebra.number(0)
     return matrix, [sum(terms, zero) for terms in velocity]
-
-
-def _static_forces(
-    chain: Chain, tips: tuple[Any, Any], angles: Sequence[Any], algebra: Algebra, load: Load | None
-) -> list[Any]:
-    """Return ∂V/∂q: hinge springs, the ends' supports, and the axial force's pull on every piece's angle."""
-    number, zero = algebra.number, algebra.number(0)
-    moments: list[Any] = [zero] * chain.pieces
-    for j, stiffness in enumerate(chain.hinge_stiffness):
-        moment = number(stiffness) * algebra.stiffness * (angles[j + 1] - angles[j])
-        moments[j] -= moment
-        moments[j + 1] += moment
-    (left, left_turning), (right, right_turning) = _support_units(chain, algebra)
-    moments[0] += left_turning * angles[0]
-    moments[-1] += right_turning * angles[-1]
-    lift, force = right * tips[1], _axial_force(chain, load, algebra)
-    moving = moving_pieces(chain)
-    pulled = 0 < chain.supports[1][0] < math.inf or (load is not None and load.axial_force)
-    for i in moving if pulled else []:
-        length = number(chain.piece_length[i]) * algebra.length
-        moments[i] += length * (lift * algebra.cos(angles[i]) + force * algebra.sin(angles[i]))
-    forces = {"x_0": zero, "y_0": left * tips[0] + lift}
-    return [*(forces[name] for name in tip_names(chain)), *(moments[i] for i in moving)]
-
-
-def _support_units(chain: Chain, algebra: Algebra) -> list[tuple[Any, Any]]:
-    """Return K_t and K_r of both ends, zero where an end holds and no motion feels its stiffness."""
-    translation = algebra.stiffness / algebra.length**2
-    return [
-        tuple(
-            algebra.number(0 if value == math.inf else value) * unit
-            for value, unit in zip(end, (translation, algebra.stiffness), strict=True)
-        )
-        for end in chain.supports
-    ]
-
-
-def _axial_force(chain: Chain, load: Load | None, algebra: Algebra) -> Any:
-    if load is None or not load.axial_force:
-        return algebra.number(0)
-    own = chain.exact_units.force(load.axial_force)
-    return algebra.number(own) * algebra.stiffness / algebra.length
 
 
 def _closures(chain: Chain, x: Any, y: Any, algebra: Algebra) -> list[Any]:

@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from beammodes.bent_model import BentModel, bent_shapes
 from beammodes.checks import shown, whole_number
 from beammodes.linear import LinearModel
+from beammodes.loading import Load
 from beammodes.spectrum import FlexibilityForm, flexibility_form, is_turned
+from beammodes.stored_energy import Buckled, check_stable, energy_metric, unit_energy
 
 __all__ = ["MAX_DENSE", "Modes", "solve_modes"]
 
@@ -50,7 +53,7 @@ class Modes:
         return self.angular_frequency / (2 * np.pi)
 
 
-def solve_modes(model: LinearModel, modes: int | None = None) -> Modes:
+def solve_modes(model: LinearModel | BentModel, modes: int | None = None) -> Modes:
     """Return the lowest elastic modes of a linear chain.
 
         K u = ω² M u,   uᵀ M u = 1
@@ -60,8 +63,10 @@ def solve_modes(model: LinearModel, modes: int | None = None) -> Modes:
 
     Parameters
     ----------
-    model : LinearModel
-        From `linearize`.
+    model : LinearModel or BentModel
+        From `linearize`. About a bent shape `position` is that along the chain, `deflection` the nodes'
+        motion along y (along x they move by  -Σ l_i sin θ_i  times the rotations), and the accuracy of ω
+        is about 1e-16 N².
     modes : int, optional
         How many, from the first; all of them by default. A chain with fewer gives those it has.
 
@@ -69,7 +74,7 @@ def solve_modes(model: LinearModel, modes: int | None = None) -> Modes:
     ------
     TypeError, ValueError
         If `modes` is no whole number of at least 1, or a chain of more than 500 hinges is asked for more
-        than a tenth of its modes.
+        than a tenth of its modes, or the shape that it vibrates about is not stable.
 
     Examples
     --------
@@ -79,25 +84,52 @@ def solve_modes(model: LinearModel, modes: int | None = None) -> Modes:
     >>> solve_modes(linearize(Chain(Beam.unit(), "clamped-free", segments=6)), modes=2).angular_frequency
     array([ 3.50364768, 21.28034888])
     """
-    if not isinstance(model, LinearModel):
-        raise TypeError(f"model must be a LinearModel from linearize(), got {shown(model)}")
+    if not isinstance(model, LinearModel | BentModel):
+        raise TypeError(f"model must be a LinearModel or a BentModel from linearize(), got {shown(model)}")
     chain = model.chain
     count = model.elastic_modes if modes is None else whole_number("modes", modes)
     count = min(count, model.elastic_modes)
+    if isinstance(model, BentModel):
+        omega, lift, turned = bent_shapes(model, count)
+        return Modes(omega, model.rigid_body_modes, chain.node_position, lift, turned)
     form = flexibility_form(chain, model.load)
-    _check_buckling(form)
-    if count == 0:
-        inverse, x = np.zeros(0), np.zeros((len(form.flexibility_root), 0))
-    elif form.hinges <= MAX_DENSE:
-        inverse, x = _dense(form, count)
-    else:
-        inverse, x = _lanczos(form, count)
+    try:
+        inverse, x = _solved(form, count)
+    except Buckled:
+        raise ValueError(_buckled(model.load)) from None
     deflection, angle = form.motion(x)
     # Unit modal mass: the image of a unit singular vector has length 1/ω.
     shape, slope = deflection / inverse, angle / inverse
     if is_turned(chain):
         shape, slope = shape[::-1], -slope[::-1]
-    return _in_physical_units(model, 1 / inverse, shape, slope)
+    return _in_physical_units(model, _seen_from_hub(model, 1 / inverse), shape, slope)
+
+
+def _solved(form: FlexibilityForm, count: int) -> tuple[Array, Array]:
+    check_stable(form, MAX_DENSE)
+    if count == 0:
+        return np.zeros(0), np.zeros((len(form.flexibility_root), 0))
+    return _dense(form, count) if form.hinges <= MAX_DENSE else _lanczos(form, count)
+
+
+def _buckled(load: Load) -> str:
+    if load.is_axial:
+        return "axial_force must not compress the chain beyond its buckling load (see buckling_load)"
+    return f"load must not buckle the straight chain (see find_equilibrium), got {load}"
+
+
+def _seen_from_hub(model: LinearModel, omega: Array) -> Array:
+    """Return ω as it is, or in the plane of rotation of a turning hub, where Ω² is taken from ω² again."""
+    if not model.load.spin_rate or model.load.plane == "flap":
+        return omega
+    rate = math.sqrt(model.chain.exact_units.square_rate(model.load.spin_rate))
+    # Rounding leaves so much of a rotation that the hub follows.
+    if model.rigid_body_modes or (len(omega) and omega[0] <= rate * (1 + 1e-12)):
+        raise ValueError(
+            f"spin_rate must be lower for {model.chain.boundary.name} in the plane of rotation, where the "
+            f"straight shape is not stable, got {float(model.load.spin_rate)}"
+        )
+    return np.asarray(np.sqrt((omega - rate) * (omega + rate)))
 
 
 def _dense(form: FlexibilityForm, count: int) -> tuple[Array, Array]:
@@ -107,50 +139,10 @@ def _dense(form: FlexibilityForm, count: int) -> tuple[Array, Array]:
     complete = np.linalg.qr(form.forbidden, mode="complete")[0] if excluded else np.eye(coordinates)
     w = complete[:, excluded:]
     x = form.allowed(w)
-    if form.tension:
-        x = x @ _unit_energy(form, w, x)
+    if form.pull.any():
+        x = x @ unit_energy(form, w, x)
     _, inverse, turn = np.linalg.svd(form.kinetic(x), full_matrices=False)
     return inverse[:count], x @ turn[:count].T
-
-
-def _unit_energy(form: FlexibilityForm, w: Array, x: Array) -> Array:
-    """Return the upper triangle C⁻¹ of combinations that store unit energy, the axial force's included."""
-    slope = np.sqrt(form.length)[:, None] * form.angles(x)
-    plain = np.sqrt(1 - form.unstored)[:, None] * w
-    if form.tension > 0:
-        # No products are formed: they would square the range of a strong tension on soft supports.
-        factor = np.linalg.qr(np.vstack([plain, np.sqrt(form.tension) * slope]), mode="r")
-        return np.asarray(np.linalg.inv(factor))
-    try:
-        lower = np.linalg.cholesky(plain.T @ plain + form.tension * (slope.T @ slope))
-    except np.linalg.LinAlgError:
-        raise _buckled() from None
-    return np.asarray(np.linalg.inv(lower).T)
-
-
-def _buckled() -> ValueError:
-    return ValueError("axial_force must not compress the chain beyond its buckling load (see buckling_load)")
-
-
-def _check_buckling(form: FlexibilityForm) -> None:
-    """Raise ValueError if compression turns a chain over or buckles a long one; of others a factor tells."""
-    from scipy.sparse.linalg import LinearOperator, eigsh
-
-    if form.tension >= 0:
-        return
-    if form.rigid_angle.any():
-        raise _buckled()
-    size = len(form.flexibility_root)
-    if form.hinges <= MAX_DENSE:
-        return
-
-    def released(w: Array) -> Array:
-        return form.tension * form.allowed(form.geometric(form.allowed(w.reshape(size, -1))))
-
-    operator = LinearOperator((size, size), matvec=released, matmat=released, dtype=np.float64)
-    start = form.allowed(np.random.default_rng(0).standard_normal((size, 1)))[:, 0]
-    if eigsh(operator, k=1, which="SA", v0=start, tol=1e-13, return_eigenvectors=False)[0] <= -1:
-        raise _buckled()
 
 
 def _lanczos(form: FlexibilityForm, count: int) -> tuple[Array, Array]:
@@ -173,35 +165,14 @@ def _lanczos(form: FlexibilityForm, count: int) -> tuple[Array, Array]:
     start = form.allowed(np.random.default_rng(0).standard_normal((size, 1)))[:, 0]
     # 1/ω² falls as 1/n⁴, so few vectors suffice; an error of 1e-10 in them is one of 1e-20 in ω.
     few = min(2 * count + 6, size)
-    w = eigsh(operator, k=count, which="LA", v0=start, tol=1e-10, ncv=few, **_metric(form))[1][:, ::-1]
+    w = eigsh(operator, k=count, which="LA", v0=start, tol=1e-10, ncv=few, **energy_metric(form))[1][:, ::-1]
     # One Rayleigh-Ritz step on |F x| itself: a singular value loses only ω_n/ω_1, its square (ω_n/ω_1)².
     w = np.linalg.qr(w - form.forbidden @ (form.forbidden.T @ w))[0]
     x = form.allowed(w)
-    if form.tension:
-        x = x @ _unit_energy(form, w, x)
+    if form.pull.any():
+        x = x @ unit_energy(form, w, x)
     _, inverse, turn = np.linalg.svd(np.linalg.qr(form.kinetic(x), mode="r"))
     return inverse, x @ turn.T
-
-
-def _metric(form: FlexibilityForm) -> dict[str, Any]:
-    """Return the stored energy as a metric, for the Lanczos iteration, where it is not simply |w|²."""
-    from scipy.sparse.linalg import LinearOperator, cg
-
-    if not form.tension:
-        return {}
-    size = len(form.flexibility_root)
-
-    def stored(w: Array) -> Array:
-        column = w.reshape(size, -1)
-        bent = form.allowed(form.geometric(form.allowed(column)))
-        return (1 - form.unstored)[:, None] * column + form.tension * bent
-
-    def solved(w: Array) -> Array:
-        # Identity and a compact operator: a few steps. What they leave open the Rayleigh-Ritz step restores.
-        return np.asarray(cg(metric, w, rtol=1e-10, atol=0.0, maxiter=2000)[0])
-
-    metric = LinearOperator((size, size), matvec=stored, dtype=np.float64)
-    return {"M": metric, "Minv": LinearOperator((size, size), matvec=solved, dtype=np.float64)}
 
 
 def _in_physical_units(model: LinearModel, omega: Array, shape: Array, slope: Array) -> Modes:

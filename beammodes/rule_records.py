@@ -109,13 +109,14 @@ class Rule:
         return hash((self.name, self.clamped, self.guided, self.stub, self.rotary_inertia))
 
     def declared_order(self, boundary: Boundary, load: Load | None = None) -> int:
-        """Return p in e ~ 1/N**p: the smallest of inside and both ends, and at best 2 under axial force.
+        """Return p in e ~ 1/N**p: the smallest of inside and both ends, and at best 2 under load.
 
-        Elastic supports and end bodies are included; buckling loads have the order under axial force.
+        Elastic supports and end bodies are included. Loads along the beam, spin, buckling loads and large
+        deflections have order 2, and so has a section's rotary inertia.
         """
         ends = (boundary.left.statics, boundary.right.statics)
         order = min(self.order["inside"], *(self.order[end] for end in ends))
-        return min(order, 2) if checked_load(load).axial_force else order
+        return order if checked_load(load) == Load() else min(order, 2)
 
     def end_weights(self, end: End) -> tuple[Weight, ...]:
         """Return the weights that this rule prescribes at `end`, the end's own hinge first."""

@@ -11,16 +11,17 @@ from numpy.typing import NDArray
 from beammodes.beam import Beam
 from beammodes.checks import shown, whole_number
 from beammodes.ends import Boundary, BoundaryLike
-from beammodes.loading import Load
+from beammodes.loading import Load, checked_load
 from beammodes.spectral_energy import (
     Motions,
     kinetic_rows,
     slope_rows,
     supported_motions,
-    with_axial_force,
+    with_tension,
 )
 from beammodes.spectral_grid import Grid, section_grid
 from beammodes.spectral_shapes import SpectralBeamModes, values_of_motions
+from beammodes.spectral_tension import in_plane, square_spin, straight_load, tension_of
 
 __all__ = ["SpectralBeamModes", "spectral_buckling", "spectral_modes"]
 
@@ -35,14 +36,16 @@ def spectral_modes(
 ) -> SpectralBeamModes:
     """Return the first elastic modes of a beam whose properties may vary along it.
 
-    (EI φ'')'' - (T φ')' = ω² (ρA φ - (ρI φ')')  with springs and rigid bodies at the ends.
+    (EI φ'')'' - (T φ')' = ω² (ρA φ - (ρI φ')')  with springs and rigid bodies at the ends; in the plane of
+    rotation of a turning hub ω² + Ω² stands for ω².
 
     Curvature is a polynomial on each smooth section, given by its values at Gauss points; deflection is its
     integral, and frequencies are the reciprocals of the largest singular values from stored to kinetic
     energy. So no digits are lost to differences: what is kept is about 1e-13, and 1e-11 is made sure of by a
     second degree, with springs from 1e-12 to 1e12 EI/L³ and bodies from 1e-3 to 1e3 ρAL too. Tapers to a
     thousandth of the width, and up to 199 steps or kinks, take less than a second, or a few. Close to the
-    buckling load, where frequencies hang on its last digits, 1e-14 / (1 - P / buckling load) is asked for.
+    buckling load, where frequencies hang on its last digits, 1e-14 / (1 - P / buckling load) is asked for;
+    so is 1e-13 (ω² + Ω²) / ω² of the first ω in the plane of rotation.
 
     Parameters
     ----------
@@ -53,12 +56,14 @@ def spectral_modes(
     modes : int
         How many elastic modes, 1 to 100.
     load : Load, optional
-        Its axial force T; in tension a rotation that nothing else resists is an elastic mode.
+        What makes its tension T: an axial force, gravity or a tip force along the beam, a turning hub. In
+        tension a rotation that nothing else resists is an elastic mode.
 
     Raises
     ------
     TypeError, ValueError
-        If an argument is not as above, or compression exceeds the buckling load.
+        If an argument is not as above, or the load bends the beam, buckles it, leaves its straight shape
+        unstable in the plane of rotation, or pulls on it where nothing holds its left end.
     ArithmeticError
         If polynomials of growing degree do not agree to 1e-11; the message says what was reached.
 
@@ -69,18 +74,20 @@ def spectral_modes(
     array([ 4.109, 20.497, 52.686])
     """
     pair, count, loaded = _checked(beam, boundary, modes, load)
-    previous, reached = np.full(count, np.inf), math.inf
+    previous, reached, square = np.full(count, np.inf), math.inf, square_spin(beam, loaded)
     for grid in _growing(beam, 2 * count + 8):
-        supported = supported_motions(beam, pair, grid, loaded)
-        free = with_axial_force(supported, beam, grid, loaded)
+        tension = tension_of(beam, pair, grid, loaded)
+        free = with_tension(supported_motions(beam, pair, grid, tension), tension, loaded)
+        rigid = free.rigid.shape[1]
         size, motions = _modes_of(free, kinetic_rows(beam, pair, grid), count)
-        change = float(np.max(np.abs(size / previous - 1.0)))
-        if change <= max(_AGREEMENT, 1e-14 / free.margin):
-            omega = beam.frequency_unit / size
+        omega, share = in_plane(1.0 / size, rigid, pair, loaded, square)
+        change = float(np.max(np.abs(omega / previous - 1.0)))
+        if change <= max(_AGREEMENT, 1e-14 / free.margin, 1e-13 / share):
+            omega *= beam.frequency_unit
             omega.flags.writeable = False
             signed = motions * _signs(pair, grid, motions)
-            return SpectralBeamModes(beam, pair, loaded, omega, free.rigid.shape[1], change, grid, signed)
-        previous, reached = size, min(reached, change)
+            return SpectralBeamModes(beam, pair, loaded, omega, rigid, change, grid, signed)
+        previous, reached = omega, min(reached, change)
     raise _disagreement(reached)
 
 
@@ -111,7 +118,7 @@ def spectral_buckling(beam: Beam, boundary: BoundaryLike) -> float:
     pair, _, _ = _checked(beam, boundary, 1, None)
     previous, reached = math.inf, math.inf
     for grid in _growing(beam, 10):
-        free = supported_motions(beam, pair, grid, Load())
+        free = supported_motions(beam, pair, grid)
         if free.turns_freely:
             raise ValueError(f"boundary must resist a rigid rotation to have a buckling load, got {pair}")
         load = float(np.linalg.norm(slope_rows(grid) @ free.elastic, 2)) ** -2
@@ -125,9 +132,8 @@ def spectral_buckling(beam: Beam, boundary: BoundaryLike) -> float:
 def _checked(beam: Beam, boundary: BoundaryLike, modes: int, load: Load | None) -> tuple[Boundary, int, Load]:
     if not isinstance(beam, Beam):
         raise TypeError(f"beam must be a Beam, got {shown(beam)}")
-    if load is not None and not isinstance(load, Load):
-        raise TypeError(f"load must be a Load, got {shown(load)}")
-    return Boundary.of(boundary), whole_number("modes", modes, most=100), load or Load()
+    pair, count = Boundary.of(boundary), whole_number("modes", modes, most=100)
+    return pair, count, straight_load(beam, pair, checked_load(load))
 
 
 def _growing(beam: Beam, points: int) -> Iterator[Grid]:

@@ -12,12 +12,13 @@ from beammodes.beam import Beam
 from beammodes.ends import Boundary
 from beammodes.loading import Load
 from beammodes.spectral_grid import Grid
+from beammodes.spectral_tension import Tension, buckled
 
-__all__ = ["Motions", "kinetic_rows", "slope_rows", "supported_motions", "with_axial_force"]
+__all__ = ["Motions", "kinetic_rows", "slope_rows", "supported_motions", "with_tension"]
 
 Floats = NDArray[np.float64]
 
-# A straight line α + βx at each end quantity: y(0), y'(0), y(1), y'(1) and the chord's slope y(1) - y(0).
+# A straight line α + βx at each end quantity: y(0), y'(0), y(1), y'(1), and in its mean slope.
 _LINES = np.array([[1.0, 0.0], [0.0, 1.0], [1.0, 1.0], [0.0, 1.0], [0.0, 1.0]])
 
 # Nearer to the buckling load rounding decides on which side of it a compression is.
@@ -35,7 +36,7 @@ class Motions:
     rigid : ndarray, shape (points + 2, rigid-body modes)
         Straight motions that store nothing.
     margin : float [-]
-        1 - P / buckling load in compression P, else 1: rounding grows as its reciprocal.
+        Stored energy's least share that what pushes on the beam leaves: rounding grows as its reciprocal.
     """
 
     elastic: Floats
@@ -48,11 +49,11 @@ class Motions:
         return bool(self.rigid[-1].any())
 
 
-def supported_motions(beam: Beam, boundary: Boundary, grid: Grid, load: Load) -> Motions:
-    """Return the motions, stored energy being that of bending, supports and the tension of the chord.
+def supported_motions(beam: Beam, boundary: Boundary, grid: Grid, tension: Tension | None = None) -> Motions:
+    """Return the motions, stored energy being that of bending, supports and the tension on the mean slope.
 
-    ½ ∫EI κ² + ½ Σ K e²  over the end quantities e; tension T > 0 stores ½ T (y(1) - y(0))², besides what
-    `with_axial_force` adds. Stiffnesses may span 24 decades and be infinite, so the two stiffest quantities
+    ½ ∫EI κ² + ½ Σ K e²  over the end quantities e; what pulls stores ½ ∫T (mean of y')², besides what
+    `with_tension` adds. Stiffnesses may span 24 decades and be infinite, so the two stiffest quantities
     that fix a straight line are coordinates, of compliance 1/√K, and the others change the identity by rank
     one each, the stiffest first: no stiffness is ever added to a smaller one.
 
@@ -62,11 +63,12 @@ def supported_motions(beam: Beam, boundary: Boundary, grid: Grid, load: Load) ->
     boundary : Boundary
     grid : Grid
         The beam's points.
-    load : Load
-        Its axial force T; compression is left to `with_axial_force`.
+    tension : Tension, optional
+        Along the beam; what pushes is left to `with_tension`.
     """
-    stiffness = _end_stiffness(beam, boundary, max(_tension(beam, load), 0.0))
-    rows = _end_rows(grid)
+    stiffness, rows = _end_stiffness(beam, boundary), _end_rows(grid)
+    if tension is not None:
+        stiffness[4], rows[4] = tension.stiffness, tension.mean_row
     order = sorted(range(5), key=lambda i: -stiffness[i])
     # Any second quantity will do except that two slopes leave the line free to shift.
     pair = [order[0], next(i for i in order[1:] if np.linalg.det(_LINES[[order[0], i]]) != 0.0)]
@@ -87,41 +89,35 @@ def supported_motions(beam: Beam, boundary: Boundary, grid: Grid, load: Load) ->
     return Motions(motions, np.hstack(rigid))
 
 
-def with_axial_force(motions: Motions, beam: Beam, grid: Grid, load: Load) -> Motions:
-    """Return the motions with the energy ½ ∫ T y'² counted; that of the chord is already, in tension.
+def with_tension(motions: Motions, tension: Tension, load: Load) -> Motions:
+    """Return the motions with the energy ½ ∫T y'² counted; that of the mean slope is already, if T pulls.
 
     Raises
     ------
     ValueError
-        If compression exceeds the buckling load; the message names axial_force.
+        If `load` pushes harder than the beam can bear; the message names it.
     """
     from scipy.linalg import solve_triangular
 
-    tension = _tension(beam, load)
-    if tension == 0.0:
-        return motions
-    margin = 1.0
-    if tension > 0.0:
-        bent = slope_rows(grid, chord=True) @ motions.elastic
-        factor = np.linalg.qr(np.vstack((np.eye(bent.shape[1]), math.sqrt(tension) * bent)))[1]
-    else:
-        slope = slope_rows(grid) @ motions.elastic
-        margin = 1.0 + tension * float(np.linalg.norm(slope, 2)) ** 2
-        if motions.turns_freely or margin <= _LEAST_MARGIN:
-            raise ValueError(
-                "axial_force must not compress the beam beyond its buckling load, "
-                f"got {float(load.axial_force)}"
-            )
-        factor = np.linalg.cholesky(np.eye(slope.shape[1]) + tension * (slope.T @ slope)).T
-    stored = solve_triangular(factor, motions.elastic.T, trans="T").T
-    return Motions(stored, motions.rigid, min(margin, 1.0))
+    stored, margin = motions.elastic, 1.0
+    for rows, pulls in ((tension.pulling_rows, True), (tension.pushing_rows, False)):
+        if not len(rows):
+            continue
+        slope = rows @ stored
+        if pulls:
+            factor = np.linalg.qr(np.vstack((np.eye(slope.shape[1]), slope)))[1]
+        else:
+            margin = 1.0 - float(np.linalg.norm(slope, 2)) ** 2
+            if motions.turns_freely or margin <= _LEAST_MARGIN:
+                raise buckled(load)
+            factor = np.linalg.cholesky(np.eye(slope.shape[1]) - slope.T @ slope).T
+        stored = solve_triangular(factor, stored.T, trans="T").T
+    return Motions(stored, motions.rigid, margin)
 
 
-def slope_rows(grid: Grid, *, chord: bool = False) -> Floats:
-    """Return rows G with |G · motion|² = ∫ y'² dx, or with `chord` ∫ (y' - chord's slope)² dx."""
+def slope_rows(grid: Grid) -> Floats:
+    """Return rows G with |G · motion|² = ∫ y'² dx."""
     slope = np.hstack((grid.slope, np.zeros((len(grid.x), 1)), np.ones((len(grid.x), 1))))
-    if chord:
-        slope = slope - _end_rows(grid)[4]
     return np.sqrt(grid.weight)[:, None] * slope
 
 
@@ -142,17 +138,13 @@ def kinetic_rows(beam: Beam, boundary: Boundary, grid: Grid) -> Floats:
     return np.vstack(rows)
 
 
-def _end_stiffness(beam: Beam, boundary: Boundary, tension: float) -> list[float]:
+def _end_stiffness(beam: Beam, boundary: Boundary) -> list[float]:
     length, bending = beam.length, beam.mean_bending_stiffness
     stiffness = []
     for end in (boundary.left, boundary.right):
         stiffness.append(float(end.translational_stiffness) / bending * length**3)
         stiffness.append(float(end.rotational_stiffness) / bending * length)
-    return [*stiffness, tension]
-
-
-def _tension(beam: Beam, load: Load) -> float:
-    return float(load.axial_force) * beam.length**2 / beam.mean_bending_stiffness
+    return [*stiffness, 0.0]
 
 
 def _end_rows(grid: Grid) -> Floats:
@@ -162,13 +154,20 @@ def _end_rows(grid: Grid) -> Floats:
 
 
 def _stiffened(motions: Floats, row: Floats, stiffness: float) -> Floats:
-    """Return motions · (I + stiffness · row rowᵀ)^(-1/2); a projection where the stiffness is infinite."""
+    """Return the motions with the energy ½ stiffness (row · w)² counted in ½ |w|².
+
+    A reflection makes the row's direction a coordinate of its own: what a large stiffness leaves of it is not
+    the difference of large numbers then. An infinite one leaves nothing.
+    """
     size = float(np.linalg.norm(row))
     if size == 0.0:
         return motions
-    unit, share = row / size, 1.0
-    if stiffness < math.inf:
-        ratio = math.sqrt(stiffness) * size
-        grown = math.hypot(1.0, ratio)
-        share = ratio / grown * (ratio / (1.0 + grown))
-    return motions - np.outer(motions @ unit, share * unit)
+    unit = row / size
+    one = int(np.argmax(np.abs(unit)))
+    mirror = unit.copy()
+    mirror[one] += math.copysign(1.0, unit[one])
+    turned = motions - np.outer(motions @ mirror, mirror / abs(mirror[one]))
+    if stiffness == math.inf:
+        return np.delete(turned, one, axis=1)
+    turned[:, one] = motions @ unit / math.hypot(1.0, math.sqrt(stiffness) * size)
+    return turned

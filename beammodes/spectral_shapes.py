@@ -35,7 +35,7 @@ class SpectralBeamModes:
     load : Load
         What loads it.
     angular_frequency : ndarray, shape (modes,) [rad/s]
-        Of elastic modes 1, 2, ..., read-only.
+        Of elastic modes 1, 2, ..., read-only; as seen from the hub if it turns.
     rigid_body_modes : int
         How many modes of zero frequency come before them: 0, 1 or 2.
     agreement : float [-]

@@ -23,8 +23,8 @@ The other two follow from φ. Where one of these is held, it excludes a directio
 it, the stored energy ½ |x|² gains ½ (r·x)², and x = (I + r rᵀ)^{-½} w takes it up: so from the softest spring
 to a wall nothing is ever large, and w that excludes a direction is the limit of w that stiffens it.
 
-A rigid-body mode stores nothing, so an elastic mode is orthogonal to it: it is projected out of F. An axial
-force T adds  ½ T Σ l_i θ_i²  to the stored energy and makes a rigid rotation elastic.
+A rigid-body mode stores nothing, so an elastic mode is orthogonal to it: it is projected out of F. Loads
+along the chain add  ½ Σ P_i θ_i²  to the stored energy and make a rigid rotation elastic.
 """
 
 from __future__ import annotations
@@ -35,6 +35,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from beammodes.axial_pull import axial_pull
 from beammodes.chain import Chain
 from beammodes.end_coordinates import EndCoordinates, end_coordinates
 from beammodes.loading import Load, checked_load
@@ -63,11 +64,11 @@ class FlexibilityForm:
     stiffened, softening : ndarray, shape (coordinates, springs) and (springs,)
         Orthonormal directions that further springs stiffen, and (1 + r²)^{-½} - 1 of each.
     unstored : ndarray, shape (coordinates,)
-        1 for a rigid rotation that is a coordinate because an axial force resists it, else 0.
+        1 for a rigid rotation that is a coordinate because such loads resist it, else 0.
     rigid_deflection, rigid_angle : ndarray, shape (nodes, modes) and (pieces, modes)
         The rigid-body modes, of unit modal mass.
-    tension : float
-        Axial force.
+    pull : ndarray, shape (pieces,)
+        P_i of the energy  ½ Σ P_i θ_i²  that loads along the chain store.
     """
 
     length: Array
@@ -83,7 +84,7 @@ class FlexibilityForm:
     unstored: Array
     rigid_deflection: Array
     rigid_angle: Array
-    tension: float
+    pull: Array
 
     @property
     def hinges(self) -> int:
@@ -144,8 +145,8 @@ class FlexibilityForm:
         return self._from_angles(_sum_from_right(beyond), lift)
 
     def geometric(self, x: Array) -> Array:
-        """Return  ∂/∂x of ½ Σ l_i θ_i²,  what a unit axial force adds to the stored energy's derivative."""
-        moment = _sum_from_right(self.length[:, None] * self.angles(x))
+        """Return  ∂/∂x of ½ Σ P_i θ_i²."""
+        moment = _sum_from_right(self.pull[:, None] * self.angles(x))
         return self._from_angles(moment, np.zeros(x.shape[1]))
 
     def _from_angles(self, moment: Array, lift: Array) -> Array:
@@ -183,8 +184,9 @@ def flexibility_form(chain: Chain, load: Load | None = None) -> FlexibilityForm:
     for end, piece in ((0, 0), (1, -1)):
         # A held piece does not turn; without this a mode's rounding would reach a massless piece's inertia.
         inertia[piece] *= pieces.supports[end][1] != math.inf
-    tension = float(chain.exact_units.force(checked_load(load).axial_force))
-    ends = end_coordinates(pieces, tension)
+    pull = np.array(axial_pull(chain, checked_load(load)), dtype=np.float64)
+    pull = pull[::-1] if is_turned(chain) else pull
+    ends = end_coordinates(pieces, float(pull.sum()))
     root = np.concatenate([ends.root, 1 / np.sqrt(np.array(pieces.joint_stiffness, dtype=np.float64))])
     rows = ends.dependent_rows * root
     held = rows[np.isinf(ends.dependent_stiffness)]
@@ -201,7 +203,7 @@ def flexibility_form(chain: Chain, load: Load | None = None) -> FlexibilityForm:
         *_stiffening(ends, rows, forbidden),
         np.concatenate([ends.unstored, np.zeros(len(length) - 1)]),
         *_rigid_motions(ends, length),
-        tension,
+        pull,
     )
     return _with_unit_rigid_modes(form)
 

@@ -21,6 +21,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from beammodes.axial_pull import axial_pull
 from beammodes.beam import Beam
 from beammodes.chain import Chain
 from beammodes.checks import choice, shown, whole_number
@@ -183,7 +184,8 @@ def _joint_bound(chain: Chain, load: Load) -> float:
     joints[[0, -1]] = 1.0
     held = np.array(chain.held_angles)
     inertia, stiffness = np.zeros((2, chain.pieces - 1, 3, 3))
-    pull = np.where(held, 0.0, max(0.0, float(load.axial_force)) * length)
+    unit = chain.units.stiffness
+    pull = np.where(held, 0.0, np.maximum(0.0, np.array(axial_pull(chain, load), dtype=np.float64)) * unit)
     for side, pieces, arm in ((1, slice(None, -1), centre - length), (2, slice(1, None), centre)):
         share, free = 1 / joints[pieces], ~held[pieces]
         moment = (mass * arm)[pieces] * free

@@ -56,7 +56,8 @@ def supported_errors(
 def supported_frequencies(boundary: Boundary, segments: int, modes: int, rule: AnyRule, load: Load) -> Floats:
     """Return a uniform chain's first frequencies for L = EI = ρA = 1, NaN where it has none.
 
-    Those of a `Rule` come at a cost that does not depend on N, those of other records from the chain itself.
+    Those of a `Rule` come at a cost that does not depend on N, except under spin or weight, where they are
+    the chain's own, as those of other records always are.
 
     Examples
     --------
@@ -66,7 +67,7 @@ def supported_frequencies(boundary: Boundary, segments: int, modes: int, rule: A
     record = layout_of(rule)
     if isinstance(record, RuleMaker):
         record = record.rule_for(boundary)
-    if isinstance(record, Rule):
+    if isinstance(record, Rule) and load.is_axial:
         from beammodes.supported_chain import supported_chain_frequencies
 
         found: Floats = supported_chain_frequencies(boundary, segments, modes, record, load)
@@ -89,9 +90,9 @@ def supported_frequencies(boundary: Boundary, segments: int, modes: int, rule: A
 @lru_cache(maxsize=4096)
 def beam_frequencies(boundary: Boundary, modes: int, load: Load) -> Floats:
     """Return the beam's first angular frequencies for L = EI = ρA = 1, read-only."""
-    from beammodes.supported_beam import supported_modes
+    from beammodes.beam_theory import euler_bernoulli
 
-    return supported_modes(Beam.unit(), boundary, whole_number("modes", modes), load).angular_frequency
+    return euler_bernoulli(Beam.unit(), boundary, whole_number("modes", modes), load=load).angular_frequency
 
 
 def _objects(value: Any, single: tuple[type, ...], read: Any) -> tuple[list[Any], NDArray[np.intp]]:

@@ -37,6 +37,18 @@ class ExactUnits:
         """Return a force [N] in the chain's own units."""
         return Fraction(value) * self.length / self.stiffness
 
+    def acceleration(self, value: Fraction | float) -> Fraction:
+        """Return an acceleration [m/s²] in the chain's own units."""
+        return Fraction(value) * self.mass * self.length / self.stiffness
+
+    def square_rate(self, value: Fraction | float) -> Fraction:
+        """Return the square of an angular frequency [rad/s] in the chain's own units."""
+        return Fraction(value) ** 2 * self.mass * self.length**2 / self.stiffness
+
+    def moment(self, value: Fraction | float) -> Fraction:
+        """Return a moment [N m] in the chain's own units."""
+        return Fraction(value) / self.stiffness
+
     def support(self, value: Fraction | float, lengths: int) -> Fraction | float:
         """Return a translational (`lengths` = 2) or rotational (0) stiffness in own units, inf as it is."""
         if value == math.inf:

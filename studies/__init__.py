@@ -24,5 +24,11 @@ NAMES = (
     "truck",
     "axial_force",
     "nonuniform",
+    "step_size",
+    "figure_1",
+    "appendix",
+    "campbell",
+    "motion_spectrum",
+    "spin_up",
     "accuracy",
 )

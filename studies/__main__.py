@@ -45,7 +45,11 @@ def run(study: ModuleType, name: str, folder: Path) -> list[str]:
     if "disagreement" in table.attrs:
         _say(f"\r{name}: three routes agree to {table.attrs['disagreement']:.0e}\n")
     figure = study.draw(table)
-    contents = {ending: text.encode() for ending, text in study.tables(table).items()}
+    # A table is text; a film comes as the bytes that it is.
+    contents = {
+        ending: part if isinstance(part, bytes) else part.encode()
+        for ending, part in study.tables(table).items()
+    }
     for ending, data in contents.items():
         _write(folder / f"{name}{ending}", data)
     for ending in (".svg", ".png"):

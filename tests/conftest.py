@@ -11,7 +11,7 @@ import mpmath
 import pytest
 
 from beammodes.chain import Chain
-from beammodes.linear import nodal_matrices
+from beammodes.nodal import nodal_matrices
 
 # A loaded machine is slow, not wrong; a continuous check should fail for the change it checks only.
 hypothesis.settings.register_profile("beammodes", deadline=None, derandomize=bool(os.environ.get("CI")))

@@ -28,6 +28,9 @@ HEAVY = {"matplotlib", "xarray", "sympy", "casadi", "scipy"}
 MAY_IMPORT = {
     "symbolic": {"sympy"},
     "numeric": {"casadi"},
+    "forward_dynamics": {"casadi"},
+    "integrators": {"casadi"},
+    "midpoint": {"casadi"},
     "derivation": {"sympy", "casadi", "scipy"},
 }
 
@@ -98,6 +101,7 @@ JUDGES = {
     "spectral_energy",
     "spectral_grid",
     "spectral_shapes",
+    "spectral_tension",
     "supported_beam",
     "supported_shapes",
     "unit_beam",

@@ -19,9 +19,10 @@ from beammodes.beam import Beam
 from beammodes.buckling import buckling_dataset, buckling_load
 from beammodes.chain import Chain
 from beammodes.ends import Boundary, End
-from beammodes.linear import linearize, nodal_matrices
+from beammodes.linear import linearize
 from beammodes.loading import Load
 from beammodes.modes import solve_modes
+from beammodes.nodal import nodal_matrices
 from beammodes.rules import RULES
 from beammodes.symbolic import equations_of_motion, symbolic_energies
 

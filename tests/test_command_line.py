@@ -305,7 +305,10 @@ def test_bad_usage(arguments: list[str], capsys: pytest.CaptureFixture[str]) -> 
     Ran(arguments, capsys).refused("--help")
 
 
-def test_help_lists_commands_and_examples(capsys: pytest.CaptureFixture[str]) -> None:
+def test_help_lists_commands_and_examples(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)  # one of the examples writes a file
     ran = Ran(["--help"], capsys)
     examples = [shlex.split(line)[1:] for line in ran.lines if line.startswith("  beammodes ")]
     assert len(examples) >= 4
@@ -395,3 +398,43 @@ def test_plain_import_takes_nothing_along(tmp_path: Path) -> None:
     program = f"import sys, beammodes\nprint(sorted({{*{HEAVY!r}, 'numpy'}} & set(sys.modules)))\n"
     ran = run("-c", program, cwd=tmp_path)
     assert (ran.stderr, ran.stdout) == ("", "[]\n")
+
+
+def test_ends_with_numbers_and_an_axial_force(capsys: pytest.CaptureFixture[str]) -> None:
+    from beammodes.errors import frequency_error
+    from beammodes.loading import Load
+
+    pair = "clamped-free(mass=0.5, rotary_inertia=0.01)"
+    found = Ran(["error", pair, "--segments", "6", "--axial-force", "2", "--json"], capsys).json
+    expected = frequency_error(pair, segments=6, mode=1, load=Load(axial_force=2.0))
+    assert found["relative_error"] == expected and found["axial_force"] == 2.0
+    Ran(["error", "clamped-free(mas=1)", "--segments", "6"], capsys).refused('did you mean "mass"?')
+    Ran(["error", "clamped-free", "--segments", "6", "--axial-force=-9"], capsys).refused(
+        "--axial-force must not"
+    )
+    call = ["springs", "pinned(rotational_stiffness=3)-free", "--segments", "3", "--json"]
+    spring = Ran(call, capsys).json
+    # 3 N m/rad in series with mitiguy's wall spring 6N/(3N-1) EI/ell = 6.75: 1/(1/3 + 1/6.75).
+    assert spring["left_rotational_support"] == pytest.approx(3 * 6.75 / 9.75)
+
+
+def test_buckling(capsys: pytest.CaptureFixture[str]) -> None:
+    call = ["buckling", "pinned-pinned", "--segments", "4", "--rule", "double_wall"]
+    found = Ran([*call, "--json"], capsys).json
+    # Hencky's 4 N² sin²(π/2N), and Euler's π², in EI/L².
+    assert found["buckling_load_n"] == pytest.approx(64 * math.sin(math.pi / 8) ** 2, rel=1e-13)
+    assert found["exact_buckling_load_n"] == pytest.approx(math.pi**2, rel=1e-14)
+    assert "error -5.036 %" in Ran(call, capsys).out
+    Ran(["buckling", "pinned-free", "--segments", "4"], capsys).refused("rigid rotation")
+    Ran(["buckling", "clamped-clamped", "--segments", "1"], capsys).refused("segments must be larger")
+
+
+def test_export(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    path = tmp_path / "beam.csv"
+    call = ["export", "clamped-free", "--segments", "4", "--output", str(path)]
+    assert Ran([*call, "--json"], capsys).json == {"files": [str(path)]}
+    before = path.read_bytes()
+    Ran(call, capsys).refused("--force")
+    assert path.read_bytes() == before
+    assert Ran([*call, "--force"], capsys).lines == [str(path)]
+    Ran([*call[:-1], str(tmp_path / "no" / "beam.csv")], capsys).refused("no such folder")

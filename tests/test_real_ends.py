@@ -20,9 +20,10 @@ from beammodes.buckling import buckling_load
 from beammodes.chain import Chain
 from beammodes.coordinates import coordinate_names
 from beammodes.ends import ENDS, Boundary, End
-from beammodes.linear import linearize, nodal_deflections, nodal_matrices
+from beammodes.linear import linearize
 from beammodes.loading import Load
 from beammodes.modes import Modes, solve_modes
+from beammodes.nodal import nodal_deflections, nodal_matrices
 from beammodes.numeric import compile_equations
 from beammodes.rules import RULES
 from beammodes.stability import highest_angular_frequency

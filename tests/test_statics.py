@@ -15,7 +15,7 @@ from beammodes.beam import Beam
 from beammodes.chain import Chain
 from beammodes.ends import BOUNDARIES, ENDS
 from beammodes.inverse import match_springs, matched
-from beammodes.linear import nodal_deflections, nodal_matrices
+from beammodes.nodal import nodal_deflections, nodal_matrices
 from beammodes.rules import RULES, Rule, Weight
 from beammodes.static_errors import static_dataset
 from beammodes.statics import LOADS, Response, Statics, beam_statics, chain_statics

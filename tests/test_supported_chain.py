@@ -20,9 +20,10 @@ from beammodes.counted_brackets import CLOSEST, Counted, roots_between
 from beammodes.dispersion import chain_frequency
 from beammodes.ends import BOUNDARIES, Boundary, End
 from beammodes.joined_blocks import joined
-from beammodes.linear import LinearModel, linearize, nodal_matrices
+from beammodes.linear import LinearModel, linearize
 from beammodes.loading import Load
 from beammodes.modes import solve_modes
+from beammodes.nodal import nodal_matrices
 from beammodes.rod_row import row_of_rods
 from beammodes.rules import RULES, Rule, Weight
 from beammodes.shortened_chain import shortened

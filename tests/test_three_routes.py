@@ -14,7 +14,7 @@ from beammodes.beam import Beam
 from beammodes.chain import Chain
 from beammodes.coordinates import coordinate_names
 from beammodes.ends import BOUNDARIES, ENDS, Boundary
-from beammodes.linear import nodal_deflections, nodal_matrices
+from beammodes.nodal import nodal_deflections, nodal_matrices
 from beammodes.numeric import compile_equations
 from beammodes.rules import RULES
 from beammodes.symbolic import EquationsOfMotion, equations_of_motion, symbolic_energies

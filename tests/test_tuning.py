@@ -18,9 +18,10 @@ from beammodes.chain import Chain
 from beammodes.ends import BOUNDARIES, Boundary
 from beammodes.exact_beam import wavenumber
 from beammodes.inverse import Matched, match_springs, matched
-from beammodes.linear import linearize, nodal_matrices
+from beammodes.linear import linearize
 from beammodes.matched_springs import MatchedSprings, NoPositiveSprings
 from beammodes.modes import solve_modes
+from beammodes.nodal import nodal_matrices
 from beammodes.rules import RULES
 from beammodes.spectrum import flexibility_form
 from beammodes.spring_conditions import Conditions, spring_state, symmetric_basis

@@ -1,0 +1,133 @@
+"""The report's appendix: modes A1 to A3 of a pinned-pinned beam, and how many of them are enough."""
+
+from __future__ import annotations
+
+import matplotlib
+import numpy as np
+import xarray
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+import beammodes as bm
+from beammodes.exact_beam import plain_modes
+from beammodes.plots import COLOURS, GREY, STYLE, label_along, label_line
+from beammodes.superposition import pinned_shape, plucked
+from beammodes.tables import csv_table, tidy_rows
+from studies import Progress
+from studies.drawing import bold_title
+
+BEAM, BOUNDARY = bm.Beam.unit(), "pinned-pinned"
+#: The beam is held aside by a force here, then let go.
+AT, DRAWN = 0.3, 3
+MODES = 50
+#: Deflection and bending moment over EI: names, and derivatives of the shape.
+QUANTITIES = {"deflection": 0, "moment": 2}
+COLUMNS = ("quantity", "modes", "relative_error")
+SHAPE_COLUMNS = ("mode", "x", "shape")
+#: Where sums of one, two and three modes are named.
+PLACES = ((8.0, 6.0), (4.0, 8.0), (-3.0, 17.0))
+
+
+def data(progress: Progress | None = None) -> xarray.Dataset:
+    """Mode shapes, sums of them, and the sums' largest error, over the largest value of the shape itself."""
+    x = np.linspace(0.0, 1.0, 201)
+    beam = plain_modes(BEAM, BOUNDARY, MODES)
+    q = plucked(beam, 1.0, AT)
+    exact, sums = [], []
+    for i, derivative in enumerate(QUANTITIES.values()):
+        exact.append(pinned_shape(BEAM, 1.0, AT, x, derivative))
+        sums.append(np.cumsum(q[:, None] * beam.shape(x, derivative), axis=0))
+        if progress is not None:
+            progress(i + 1, len(QUANTITIES))
+    exact, sums = np.array(exact), np.array(sums)
+    largest = np.abs(exact).max(axis=1)
+    # Curvature is negative where the beam is pushed up: shown upright, as the deflection is.
+    scale = np.array([1.0, -1.0]) / largest
+    error = np.abs(sums - exact[:, None]).max(axis=2) / largest[:, None]
+    shape = beam.shape(x)[:DRAWN]
+    return xarray.Dataset(
+        {
+            "exact": (("quantity", "x"), exact * scale[:, None]),
+            "sum": (("quantity", "modes", "x"), sums * scale[:, None, None]),
+            "relative_error": (("quantity", "modes"), error),
+            "shape": (("mode", "x"), shape / np.abs(shape).max(axis=1, keepdims=True)),
+            "angular_frequency": ("mode", beam.angular_frequency[:DRAWN]),
+        },
+        coords={
+            "quantity": list(QUANTITIES),
+            "modes": range(1, MODES + 1),
+            "mode": range(1, DRAWN + 1),
+            "x": x,
+        },
+    )
+
+
+def draw(table: xarray.Dataset) -> Figure:
+    """The report's three sketches, sums of one to three modes, and the error of longer sums."""
+    with matplotlib.rc_context(STYLE):
+        figure = Figure(figsize=(9.0, 5.4), layout="constrained")
+        bold_title(figure, "Appendix · a pinned beam as a sum of its modes, and how many are enough")
+        grid = figure.add_gridspec(6, 3, width_ratios=[0.75, 1, 1.15])
+        for row in range(DRAWN):
+            _mode(table, row + 1, figure.add_subplot(grid[2 * row : 2 * row + 2, 0]))
+        for row, quantity in enumerate(QUANTITIES):
+            _sums(table.sel(quantity=quantity), figure.add_subplot(grid[3 * row : 3 * row + 3, 1]))
+        _errors(table, figure.add_subplot(grid[:, 2]))
+    return figure
+
+
+def _mode(table: xarray.Dataset, mode: int, ax: Axes) -> None:
+    ax.axhline(0.0, color=GREY, linewidth=0.8)
+    ax.plot(table.x, table["shape"].sel(mode=mode), color=COLOURS[mode - 1], linewidth=2.2)
+    ax.plot([0, 1], [0, 0], "o", color="black", markerfacecolor="white", markersize=6, zorder=4)
+    wave = "" if mode == 1 else str(mode)
+    ax.set_title(f"A{mode}   sin({wave}πx/L)", fontsize=11, loc="left")
+    ax.set(ylim=(-1.15, 1.15), xlim=(-0.04, 1.04))
+    ax.axis("off")
+
+
+def _sums(table: xarray.Dataset, ax: Axes) -> None:
+    ax.plot(table.x, table.exact, color="#C4C4C4", linewidth=6, solid_capstyle="round")
+    for modes in range(1, DRAWN + 1):
+        ax.plot(table.x, table["sum"].sel(modes=modes), color=COLOURS[modes - 1], linewidth=1.5)
+    quantity = str(table.quantity.values)
+    ax.set_title(f"{quantity}, held aside at {AT:g} L", fontsize=11, loc="left")
+    ax.set(xlim=(0, 1), ylim=(0, 1.12))
+    ax.set_ylabel(f"{quantity} / largest")
+    if quantity == "moment":
+        ax.set_xlabel("x / L")
+        _, *lines = ax.get_lines()
+        for line, text, point, offset in zip(
+            lines, ("1 mode", "2 modes", "3"), (132, 78, 52), PLACES, strict=True
+        ):
+            label_line(ax, line, text, point=point, offset=offset, ha="left" if offset[0] > 0 else "right")
+    else:
+        ax.set_xticklabels([])
+
+
+def _errors(table: xarray.Dataset, ax: Axes) -> None:
+    ax.set(xscale="log", yscale="log", xlim=(0.9, 60), ylim=(1e-4, 60))
+    ax.set_xticks([1, 2, 5, 10, 20, 50], ["1", "2", "5", "10", "20", "50"])
+    ax.set_yticks([10.0**k for k in range(-4, 2)], [f"{10.0**k:g} %" for k in range(-4, 2)])
+    ax.minorticks_off()
+    lines = []
+    for quantity, colour in (("moment", "black"), ("deflection", COLOURS[3])):
+        error = 100 * table.relative_error.sel(quantity=quantity)
+        lines += ax.plot(table.modes, error, color=colour, marker="o", markersize=3)
+    ax.set_xlabel("number of modes n")
+    ax.set_title("largest error of the sum", fontsize=11, loc="left")
+    moment, deflection = lines
+    label_along(
+        ax,
+        [(moment, "moment, as 1/n", 14, "above"), (deflection, "deflection, as 1/n³", 14, "above")],
+        size=11,
+    )
+
+
+def tables(table: xarray.Dataset) -> dict[str, str]:
+    """The errors, and beside them the three shapes."""
+    parts = {".csv": (COLUMNS, "relative_error"), "_shapes.csv": (SHAPE_COLUMNS, "shape")}
+    return {
+        ending: csv_table(columns, tidy_rows(table[[variable]], columns))
+        for ending, (columns, variable) in parts.items()
+    }

@@ -1,0 +1,156 @@
+"""Figure 1 of the report: a beam on a body that moves straight on, and on one that turns."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import matplotlib
+import numpy as np
+import xarray
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.patches import Circle, FancyArrowPatch
+
+import beammodes as bm
+from beammodes.base_motion import BaseMotion, harmonic, spin_up
+from beammodes.plots import COLOURS, STYLE, label_line
+from beammodes.superposition import modal_response
+from beammodes.tables import csv_table, tidy_rows
+from studies import Progress
+from studies.drawing import bold_title, draw_box, draw_chain, picture
+from studies.motions import moved, repeatable
+
+#: J. C. Simo and L. Vu-Quoc, J. Appl. Mech. 53 (1986) 855: EI, ρA, L, run-up to 6 rad/s in 15 s.
+BEAM = bm.Beam(length=10.0, bending_stiffness=14000.0, mass_per_length=1.2)
+BOUNDARY, SEGMENTS, MODES = "clamped-free", 10, 5
+#: 0.1 m to and fro at 2 rad/s, about half of the beam's first frequency; and the run-up.
+MOTIONS = {
+    "linear": (BaseMotion(y=harmonic(0.1, 2.0)), 12.0, 0.04),
+    "rotational": (BaseMotion(angle=spin_up(6.0, 15.0)), 20.0, 0.05),
+}
+#: Largest deflection of the beam itself in the run-up, and when [m, s]: chains of growing N, extrapolated.
+LARGEST, AT = -0.57375, 6.76
+OUTSIDE = 1.5
+RULES = ("mitiguy", "gregory")
+METHODS = (*RULES, "modes", "modes_stiffened")
+COLUMNS = ("motion", "model", "time", "tip_deflection")
+LOOKS = {
+    "mitiguy": {"color": COLOURS[0], "linewidth": 1.4},
+    "gregory": {"color": COLOURS[1], "linewidth": 1.4, "linestyle": (0, (4, 3))},
+    "modes": {"color": COLOURS[2], "linewidth": 1.8},
+    "modes_stiffened": {"color": "#BBBBBB", "linewidth": 5.0},
+}
+
+
+def data(progress: Progress | None = None) -> xarray.Dataset:
+    """Tip deflections of chains and of sums of modes, on either body."""
+    tables = []
+    for i, (base, duration, every) in enumerate(MOTIONS.values()):
+        time = np.arange(round(duration / every) + 1) * every
+        lines = np.empty((len(METHODS), len(time)))
+        for j, method in enumerate(METHODS):
+            if method in RULES:
+                found = moved(bm.Chain(BEAM, BOUNDARY, SEGMENTS, method), duration, every, base=base)
+            else:
+                stiffening = method == "modes_stiffened"
+                found = modal_response(
+                    BEAM, BOUNDARY, MODES, time=time, base=base, stiffening=stiffening, tolerance=1e-9
+                )
+            line = found.tip_deflection.values
+            # A line that moves away for good ends where it leaves the picture.
+            lines[j] = repeatable(np.where(np.maximum.accumulate(np.abs(line)) < OUTSIDE, line, np.nan))
+            if progress is not None:
+                progress(i * len(METHODS) + j + 1, len(MOTIONS) * len(METHODS))
+        tables.append(xarray.DataArray(lines, {"model": list(METHODS), "time": time}, ("model", "time")))
+    deflection = xarray.concat(tables, "motion", join="outer")
+    return xarray.Dataset({"tip_deflection": deflection.assign_coords(motion=list(MOTIONS))})
+
+
+def draw(table: xarray.Dataset) -> Figure:
+    """The two systems above, the motion of their beams' tips below."""
+    with matplotlib.rc_context(STYLE):
+        figure = Figure(figsize=(9.0, 6.0), layout="constrained")
+        bold_title(figure, "Figure 1 · a flexible beam on a body that moves straight on, or turns")
+        panels = figure.subplots(2, 2, height_ratios=[1, 2.9])
+        _slider(panels[0, 0])
+        _rotor(panels[0, 1])
+        for ax, motion in zip(panels[1], MOTIONS, strict=True):
+            lines = table.tip_deflection.sel(motion=motion).dropna("time", how="all")
+            _motion(lines, ax)
+        _label_linear(panels[1, 0], table.tip_deflection.sel(motion="linear").dropna("time", how="all"))
+        _label_rotational(
+            panels[1, 1], table.tip_deflection.sel(motion="rotational").dropna("time", how="all")
+        )
+    return figure
+
+
+def _motion(lines: xarray.DataArray, ax: Axes) -> None:
+    for method in reversed(METHODS):
+        ax.plot(lines.time, lines.sel(model=method), **LOOKS[method])
+    ax.set_xlabel("time t  [s]")
+    ax.set_ylabel("tip's deflection from the body's axis  [m]")
+    ax.set_xlim(0, float(lines.time[-1]))
+
+
+def _label_linear(ax: Axes, lines: xarray.DataArray) -> None:
+    exact = lines.sel(model="modes")
+    apart = 100 * np.abs(lines - exact).max("time") / np.abs(exact).max()
+    ax.set_ylim(-0.11, 0.19)
+    ax.text(0.04, 0.97, f"grey: five modes of the beam,\nchains of {SEGMENTS} rods on top:", **_at(ax))
+    for row, rule in enumerate(RULES):
+        text = f"{rule}  {float(apart.sel(model=rule)):.2g} % apart at most"
+        ax.text(0.04, 0.83 - 0.07 * row, text, color=LOOKS[rule]["color"], **_at(ax))
+
+
+def _label_rotational(ax: Axes, lines: xarray.DataArray) -> None:
+    ax.set_ylim(-1.25, 0.28)
+    linear = ax.get_lines()[1]
+    point = int(np.abs(lines.time.values - 6.5).argmin())
+    label_line(ax, linear, "modes alone\nmove away\nfor good", point=point, offset=(-8, 0), ha="right")
+    ax.text(0.42, 0.4, "grey: modes with centri-\nfugal tension, chains on top:", **_at(ax))
+    for row, rule in enumerate(RULES):
+        text = f"{rule}  lowest {_metres(float(lines.sel(model=rule).min()))}"
+        ax.text(0.42, 0.26 - 0.07 * row, text, color=LOOKS[rule]["color"], **_at(ax))
+    ax.plot(AT, LARGEST, "o", color="black", markersize=5, zorder=6)
+    ax.text(0.42, 0.12, f"●  the beam {_metres(LARGEST)}", **_at(ax))
+    ax.annotate("6 rad/s", (15.0, 0.03), (15.0, 0.14), ha="center", arrowprops={"arrowstyle": "-"})
+
+
+def _metres(value: float) -> str:
+    return f"{value:.5f} m".replace("-", "−")
+
+
+def _at(ax: Axes) -> dict[str, Any]:
+    return {"transform": ax.transAxes, "va": "top", "fontsize": 10}
+
+
+def _slider(ax: Axes) -> None:
+    picture(ax, (-1.0, 5.0), (-0.8, 0.9))
+    x = np.linspace(0.0, 4.0, 6)
+    draw_box(ax, (0.0, 0.0), 0.0, (-0.6, -0.45, 0.6, 0.9))
+    draw_chain(ax, x, 0.022 * x**2, slice(0, -1))
+    ax.add_patch(_arrow((-0.82, -0.6), (-0.82, 0.6), "<|-|>"))
+    ax.set_title("1a  linear motion: 0.1 m to and fro at 2 rad/s", fontsize=11, loc="left")
+
+
+def _rotor(ax: Axes) -> None:
+    picture(ax, (-1.0, 5.0), (-0.8, 0.9))
+    x = np.linspace(0.0, 4.0, 6)
+    ax.add_patch(Circle((-0.4, 0.0), 0.45, facecolor="#C9D8E6", edgecolor="#44515C", zorder=2))
+    ax.plot(-0.4, 0.0, "o", color="#44515C", markersize=3, zorder=3)
+    draw_chain(ax, x, -0.022 * x**2, slice(0, -1))
+    ax.add_patch(_arrow((0.2, -0.65), (0.2, 0.75), "-|>", "arc3,rad=0.5"))
+    ax.set_title("1b  rotational motion: from 0 to 6 rad/s in 15 s", fontsize=11, loc="left")
+
+
+def _arrow(
+    start: tuple[float, float], end: tuple[float, float], style: str, bent: str = "arc3"
+) -> FancyArrowPatch:
+    return FancyArrowPatch(
+        start, end, arrowstyle=style, connectionstyle=bent, mutation_scale=11, color=COLOURS[1], linewidth=1.6
+    )
+
+
+def tables(table: xarray.Dataset) -> dict[str, str]:
+    """The lines, as CSV."""
+    return {".csv": csv_table(COLUMNS, tidy_rows(table, COLUMNS))}

@@ -1,0 +1,408 @@
+"""Exported chains in the programs that they are for: their matrices, and how they ring."""
+
+from __future__ import annotations
+
+import math
+import re
+import xml.etree.ElementTree as ElementTree
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import scipy.linalg
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from numpy.typing import NDArray
+
+from beammodes.beam import Beam
+from beammodes.chain import Chain
+from beammodes.damping import Damping
+from beammodes.ends import BoundaryLike, End
+from beammodes.export import export_chain
+from beammodes.linear import linearize
+from beammodes.mjcf import MAX_BODIES
+from beammodes.modes import solve_modes
+
+Array = NDArray[np.float64]
+
+BEAM = Beam(1.2, 85.0, 0.62)
+BODY = End(mass=0.3, rotary_inertia=0.002, offset=0.05)
+ELASTIC = End(translational_stiffness=900.0, rotational_stiffness=40.0)
+
+# Supported at one end or at none, so trees.
+OPEN: dict[str, BoundaryLike] = {
+    "clamped-free": "clamped-free",
+    "free-clamped": "free-clamped",
+    "pinned-free": "pinned-free",
+    "free-pinned": "free-pinned",
+    "guided-free": "guided-free",
+    "free-free": "free-free",
+    "tip mass": ("clamped", BODY),
+    "point mass off the tip": ("clamped", End(mass=0.3, offset=0.05)),
+    "flywheel at the tip": ("clamped", End(rotary_inertia=0.002)),
+    "two free bodies": (BODY, End(mass=0.1)),
+    "flywheels": (End(rotary_inertia=0.01), End(rotary_inertia=0.002)),
+    "pinned flywheel": (End(math.inf, 0.0, rotary_inertia=0.01), "free"),
+    "sliding mass": (End(0.0, math.inf, mass=0.2), "free"),
+    "elastic": (ELASTIC, "free"),
+    "elastic at the right": ("free", ELASTIC),
+    "hinged on a spring": (End(math.inf, 40.0), BODY),
+    "rotation sprung only": (End(0.0, 40.0), "free"),
+    "deflection sprung only": (End(900.0, 0.0), "free"),
+    "slider on a spring": (End(900.0, math.inf), "free"),
+}
+# Supported at both: tendons.
+CLOSED: dict[str, BoundaryLike] = {
+    "clamped-clamped": "clamped-clamped",
+    "clamped-pinned": "clamped-pinned",
+    "pinned-clamped": "pinned-clamped",
+    "clamped-guided": "clamped-guided",
+    "guided-clamped": "guided-clamped",
+    "pinned-pinned": "pinned-pinned",
+    "pinned-guided": "pinned-guided",
+    "guided-guided": "guided-guided",
+    "two springs": (ELASTIC, ELASTIC),
+    "clamped-elastic": ("clamped", ELASTIC),
+    "guided mass": ("pinned", End(0.0, math.inf, mass=0.2)),
+    "sprung guide": ("clamped", End(900.0, math.inf, mass=0.2)),
+    "body on a spring": ("clamped", End(900.0, 40.0, 0.3, 0.002, 0.05)),
+    "hinge on a spring": ("clamped", End(math.inf, 40.0)),
+}
+RULES = ["mitiguy", "half_stub", "rigid_stub", "hencky", "gregory"]
+ALL = OPEN | CLOSED
+
+
+def frequencies(chain: Chain) -> Array:
+    return solve_modes(linearize(chain)).angular_frequency
+
+
+def mujoco_model(chain: Chain, folder: Path, **options: Any) -> tuple[Any, Any, Any]:
+    mujoco = pytest.importorskip("mujoco")
+    (path,) = export_chain(chain, folder / "chain.xml", force=True, **options)
+    model = mujoco.MjModel.from_xml_path(str(path))
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    return mujoco, model, data
+
+
+def tendon_arms(model: Any, data: Any) -> Array:
+    """The tendons' dense Jacobian, as MuJoCo has it."""
+    arms = np.zeros((model.ntendon, model.nv))
+    for k in range(model.ntendon):
+        for w in range(model.tendon_adr[k], model.tendon_adr[k] + model.tendon_num[k]):
+            arms[k, model.jnt_dofadr[model.wrap_objid[w]]] = model.wrap_prm[w]
+    assert data.ten_length.tolist() == [0.0] * model.ntendon
+    return arms
+
+
+def matrices(mujoco: Any, model: Any, data: Any) -> tuple[Array, Array]:
+    """M and K of the coordinates that the model's constraints leave."""
+    mass = np.zeros((model.nv, model.nv))
+    mujoco.mj_fullM(model, data, mass)
+    arms = tendon_arms(model, data)
+    stiffness = np.diag(np.array(model.jnt_stiffness)) + arms.T @ (model.tendon_stiffness[:, None] * arms)
+    held = [int(model.eq_obj1id[i]) for i in range(model.neq)]
+    free = scipy.linalg.null_space(arms[held]) if held else np.eye(model.nv)
+    return free.T @ mass @ free, free.T @ stiffness @ free
+
+
+def elastic_frequencies(mass: Array, stiffness: Array, count: int) -> Array:
+    """The `count` highest ω, rigid-body motions left out: they are the lowest and come with rounding."""
+    squares = scipy.linalg.eigh(stiffness, mass, eigvals_only=True)
+    assert np.all(np.abs(squares[: len(squares) - count]) < 1e-6 * squares[-1])
+    return np.asarray(np.sqrt(squares[len(squares) - count :]))
+
+
+@pytest.mark.parametrize("rule", RULES)
+@pytest.mark.parametrize("case", ALL)
+def test_mujocos_own_matrices_have_the_chains_frequencies(case: str, rule: str, tmp_path: Path) -> None:
+    chain = Chain(BEAM, ALL[case], segments=5, rule=rule)
+    known = frequencies(chain)
+    mass, stiffness = matrices(*mujoco_model(chain, tmp_path))
+    found = elastic_frequencies(mass, stiffness, len(known))
+    assert found == pytest.approx(known, rel=1e-8)
+
+
+STIFFNESS = st.sampled_from([0.0, math.inf]) | st.floats(1.0, 1e4)
+ENDS = st.builds(
+    End,
+    STIFFNESS,
+    STIFFNESS,
+    st.just(0.0) | st.floats(0.05, 1.0),
+    st.just(0.0) | st.floats(0.001, 0.1),
+    st.sampled_from([-0.1, 0.0, 0.05]),
+)
+
+
+@given(ENDS, ENDS, st.integers(2, 6), st.sampled_from(RULES))
+@settings(max_examples=30)
+def test_mujoco_agrees_for_any_ends(
+    tmp_path_factory: pytest.TempPathFactory, left: End, right: End, segments: int, rule: str
+) -> None:
+    try:
+        chain = Chain(BEAM, (left, right), segments, rule)
+    except ValueError:  # a rule without positive springs for so short a chain
+        return
+    known = frequencies(chain)
+    if not len(known):
+        return
+    mass, stiffness = matrices(*mujoco_model(chain, tmp_path_factory.mktemp("any")))
+    found = elastic_frequencies(mass, stiffness, len(known))
+    # Squares lose digits of the lowest mode beside a stiff body's.
+    assert found == pytest.approx(known, rel=1e-8, abs=1e-11 * known[-1])
+
+
+@pytest.mark.parametrize("case", ["clamped-free", "free-free", "clamped-clamped", "two springs"])
+def test_two_axes_have_the_frequencies_of_both_chains(case: str, tmp_path: Path) -> None:
+    weak = Chain(Beam(1.2, 20.0, 0.62), ALL[case], segments=5)
+    chain = Chain(BEAM, ALL[case], segments=5)
+    known = np.sort(np.concatenate([frequencies(chain), frequencies(weak)]))
+    mass, stiffness = matrices(*mujoco_model(chain, tmp_path, second=weak))
+    assert elastic_frequencies(mass, stiffness, len(known)) == pytest.approx(known, rel=1e-8)
+
+
+def first_mode(mujoco: Any, model: Any, data: Any, rigid: int) -> tuple[float, Array, Array]:
+    """ω, shape and the row that picks it out of a motion."""
+    mass = np.zeros((model.nv, model.nv))
+    mujoco.mj_fullM(model, data, mass)
+    arms = tendon_arms(model, data)
+    free = scipy.linalg.null_space(arms[model.eq_obj1id[: model.neq]]) if model.neq else np.eye(model.nv)
+    squares, shapes = scipy.linalg.eigh(*matrices(mujoco, model, data)[::-1])
+    shape = free @ shapes[:, rigid]
+    return math.sqrt(squares[rigid]), shape, mass @ shape
+
+
+def record(engine: tuple[Any, Any, Any], periods: int, rigid: int, amplitude: float = 1e-3) -> Array:
+    """Mode 1 over time, from a start at rest in it, its largest joint angle `amplitude`."""
+    mujoco, model, data = engine
+    omega, shape, row = first_mode(mujoco, model, data, rigid)
+    data.qpos[:] = amplitude * shape / np.abs(shape).max()
+    steps = int(periods * 2 * np.pi / omega / model.opt.timestep)
+    motion = np.empty(steps + 1)
+    for k in range(steps + 1):
+        motion[k] = row @ data.qpos
+        mujoco.mj_step(model, data)
+    return motion / motion[0]
+
+
+def measured_frequency(motion: Array, step: float) -> float:
+    """ω between the first and the last time that the motion falls through zero."""
+    falls = np.flatnonzero((motion[:-1] > 0) & (motion[1:] <= 0))
+    times = step * (falls + motion[falls] / (motion[falls] - motion[falls + 1]))
+    return float(2 * np.pi * (len(times) - 1) / (times[-1] - times[0]))
+
+
+RINGING = {
+    "clamped-free": 0,
+    "pinned-free": 1,
+    "tip mass": 0,
+    "free-free": 3,
+    "free-clamped": 0,
+    "two springs": 0,
+}
+
+
+@pytest.mark.parametrize("integrator", ["RK4", "Euler", "implicit", "implicitfast"])
+@pytest.mark.parametrize(("case", "rigid"), RINGING.items())
+def test_it_rings_at_the_predicted_frequency(case: str, rigid: int, integrator: str, tmp_path: Path) -> None:
+    chain = Chain(BEAM, ALL[case], segments=8)
+    engine = mujoco_model(chain, tmp_path, integrator=integrator)
+    motion = record(engine, 20, rigid)
+    # The acceptance is 1e-3; measured are 2e-7 to 1e-4, of which the step may have 2e-4.
+    ringing = measured_frequency(motion, engine[1].opt.timestep)
+    assert ringing == pytest.approx(frequencies(chain)[0], rel=2e-4)
+    assert np.abs(motion).max() < 1.001
+    assert np.abs(motion[-len(motion) // 20 :]).max() > 0.995
+
+
+@pytest.mark.parametrize("integrator", ["RK4", "implicitfast"])
+@pytest.mark.parametrize("amplitude", [1e-3, 1e-9])
+@pytest.mark.parametrize("case", ["clamped-clamped", "clamped-pinned", "pinned-pinned"])
+def test_a_held_far_end_is_within_two_parts_in_ten_thousand(
+    case: str, amplitude: float, integrator: str, tmp_path: Path
+) -> None:
+    chain = Chain(BEAM, ALL[case], segments=10)
+    engine = mujoco_model(chain, tmp_path, integrator=integrator)
+    motion = record(engine, 20, 0, amplitude)
+    ringing = measured_frequency(motion, engine[1].opt.timestep)
+    assert ringing == pytest.approx(frequencies(chain)[0], rel=2e-4)
+    assert np.abs(motion).max() < 1.001
+    assert np.abs(motion[-len(motion) // 20 :]).max() > 0.995
+
+
+@pytest.mark.parametrize("integrator", ["RK4", "Euler", "implicitfast"])
+@pytest.mark.parametrize("case", ["clamped-free", "two springs", "clamped-clamped"])
+def test_damping_in_proportion_to_stiffness(case: str, integrator: str, tmp_path: Path) -> None:
+    chain = Chain(BEAM, ALL[case], segments=5)
+    omega, ratio = frequencies(chain)[0], 0.02
+    damping = Damping(stiffness=2 * ratio / omega)
+    engine = mujoco_model(chain, tmp_path, integrator=integrator, damping=damping)
+    motion = record(engine, 6, 0)
+    time = engine[1].opt.timestep * np.arange(len(motion))
+    damped = omega * math.sqrt(1 - ratio**2)
+    pure = np.exp(-ratio * omega * time) * (
+        np.cos(damped * time) + ratio * omega / damped * np.sin(damped * time)
+    )
+    # Semi-implicit methods have the speed half a step early, so up to 0.035 of the phase.
+    assert motion == pytest.approx(pure, abs=0.04)
+
+
+@pytest.mark.parametrize("integrator", ["RK4", "Euler", "implicitfast"])
+@pytest.mark.parametrize("ratio", [0.1, 1.0, 10.0])
+def test_hard_damping_stays_stable(integrator: str, ratio: float, tmp_path: Path) -> None:
+    for case in ("clamped-free", "clamped-clamped"):
+        chain = Chain(BEAM, case, segments=5)
+        damping = Damping(stiffness=2 * ratio / frequencies(chain)[-1])
+        mujoco, model, data = mujoco_model(chain, tmp_path, integrator=integrator, damping=damping)
+        data.qpos[:] = 1e-3 * (-1.0) ** np.arange(model.nv)
+        for _ in range(2000):
+            mujoco.mj_step(model, data)
+        assert np.abs(data.qpos).max() < 2e-2
+
+
+@pytest.mark.parametrize("case", ["clamped-free", "clamped-clamped"])
+def test_a_fragment_is_included_in_another_model(case: str, tmp_path: Path) -> None:
+    mujoco = pytest.importorskip("mujoco")
+    chain = Chain(BEAM, case, segments=5)
+    export_chain(chain, tmp_path / "part.xml", fragment=True, name="wing")
+    part = '<include file="part.xml"/>'
+    inside = part if case == "clamped-clamped" else f"<worldbody><body>{part}</body></worldbody>"
+    (tmp_path / "whole.xml").write_text(f'<mujoco><compiler angle="degree"/>{inside}</mujoco>')
+    model = mujoco.MjModel.from_xml_path(str(tmp_path / "whole.xml"))
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    assert model.joint("wing_hinge_1").stiffness[0] == pytest.approx(chain.joint_stiffness[0], rel=1e-15)
+    known = frequencies(chain)
+    found = elastic_frequencies(*matrices(mujoco, model, data), len(known))
+    assert found == pytest.approx(known, rel=1e-8)
+
+
+def test_the_longest_chain_still_loads(tmp_path: Path) -> None:
+    _, model, _ = mujoco_model(Chain(BEAM, "pinned-free", segments=MAX_BODIES), tmp_path)
+    assert model.nv == MAX_BODIES
+    for segments in (MAX_BODIES + 1, 2000):
+        with pytest.raises(ValueError, match="at most 490 pieces for mjcf files"):
+            export_chain(Chain(BEAM, "clamped-free", segments), tmp_path / "long.xml")
+
+
+def test_a_chain_too_light_for_mujoco_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(ValueError, match="mm and g"):
+        export_chain(Chain(Beam(1e-3, 1e-9, 1e-6), "clamped-free", 10), tmp_path / "light.xml")
+    assert list(tmp_path.iterdir()) == []
+
+
+def springs_of(path: Path) -> dict[str, float]:
+    """The springs of a YAML file, read as YAML 1.1 reads numbers."""
+    number = r"-?\d+\.\d*(?:e[-+]\d+)?"
+    row = rf"  - \{{joint: (\w+), type: (?:hinge|slide), stiffness: ({number}), rest: 0\.0\}}"
+    lines = [line for line in path.read_text(encoding="utf-8").splitlines() if line.startswith("  ")]
+    return {found[1]: float(found[2]) for found in (re.fullmatch(row, line) for line in lines) if found}
+
+
+def pinocchio_matrices(pinocchio: Any, model: Any, springs: dict[str, float]) -> tuple[Array, Array]:
+    rest = pinocchio.neutral(model)
+    assert model.nq == model.nv == len(rest)
+    mass = np.triu(pinocchio.crba(model, model.createData(), rest))
+    stiffness = np.zeros(model.nv)
+    for name, value in springs.items():
+        stiffness[model.joints[model.getJointId(name)].idx_v] = value
+    return mass + np.triu(mass, 1).T, np.diag(stiffness)
+
+
+@pytest.mark.parametrize("rule", RULES)
+@pytest.mark.parametrize("case", OPEN)
+def test_urdf_and_its_springs_in_pinocchio(case: str, rule: str, tmp_path: Path) -> None:
+    pinocchio = pytest.importorskip("pinocchio")
+    chain = Chain(BEAM, OPEN[case], segments=5, rule=rule)
+    urdf, yaml = export_chain(chain, tmp_path / "chain.urdf")
+    model = pinocchio.buildModelFromUrdf(str(urdf))
+    springs = springs_of(yaml)
+    known = frequencies(chain)
+    assert len(springs) >= len(chain.joint_stiffness)
+    found = elastic_frequencies(*pinocchio_matrices(pinocchio, model, springs), len(known))
+    assert found == pytest.approx(known, rel=1e-8)
+
+
+def model_from_sdf(pinocchio: Any, path: Path) -> tuple[Any, dict[str, float]]:
+    """A Pinocchio model of an SDFormat file's links and joints: its own reader is not always built in."""
+    root = ElementTree.parse(path).getroot()
+    found = root.find(".//model")
+    assert found is not None
+    place = {"world": (0, 0.0)}
+    model, springs = pinocchio.Model(), {}
+    links = {link.attrib["name"]: link for link in found.iter("link")}
+
+    def number(element: ElementTree.Element, name: str) -> float:
+        return float(str(element.findtext(name)).split()[0])
+
+    for joint in found.iter("joint"):
+        index, origin = place[str(joint.findtext("parent"))]
+        link = links[str(joint.findtext("child"))]
+        here = number(link, "pose")
+        at = pinocchio.SE3(np.eye(3), np.array([here - origin, 0.0, 0.0]))
+        name = joint.attrib["name"]
+        if joint.attrib["type"] == "fixed":
+            place[link.attrib["name"]] = (index, origin)
+            continue
+        axis = np.array(str(joint.findtext("axis/xyz")).split(), dtype=float)
+        kind = {"revolute": "JointModelRevoluteUnaligned", "prismatic": "JointModelPrismaticUnaligned"}
+        index = model.addJoint(index, getattr(pinocchio, kind[joint.attrib["type"]])(axis), at, name)
+        springs[name] = number(joint, "axis/dynamics/spring_stiffness")
+        inertia = np.diag([number(link, f"inertial/inertia/{key}") for key in ("ixx", "iyy", "izz")])
+        centre = np.array([number(link, "inertial/pose"), 0.0, 0.0])
+        body = pinocchio.Inertia(number(link, "inertial/mass"), centre, inertia)
+        model.appendBodyToJoint(index, body, pinocchio.SE3.Identity())
+        place[link.attrib["name"]] = (index, here)
+    return model, springs
+
+
+@pytest.mark.parametrize("rule", ["mitiguy", "half_stub"])
+@pytest.mark.parametrize("case", OPEN)
+def test_sdformat_links_and_springs_make_the_chain(case: str, rule: str, tmp_path: Path) -> None:
+    pinocchio = pytest.importorskip("pinocchio")
+    chain = Chain(BEAM, OPEN[case], segments=5, rule=rule)
+    (path,) = export_chain(chain, tmp_path / "chain.sdf", fragment=rule == "mitiguy")
+    known = frequencies(chain)
+    model, springs = model_from_sdf(pinocchio, path)
+    found = elastic_frequencies(*pinocchio_matrices(pinocchio, model, springs), len(known))
+    assert found == pytest.approx(known, rel=1e-8)
+    if pinocchio.WITH_SDFORMAT:
+        read = pinocchio.buildModelFromSdf(str(path))
+        own = read[0] if isinstance(read, tuple) else read
+        assert own.nv == model.nv
+
+
+def drake_matrices(path: Path, springs: dict[str, float]) -> tuple[Array, Array]:
+    """M, and K of the springs that the file holds and of those given."""
+    parsing = pytest.importorskip("pydrake.multibody.parsing")
+    plant = pytest.importorskip("pydrake.multibody.plant").MultibodyPlant(0.0)
+    forces = pytest.importorskip("pydrake.multibody.tree").MultibodyForces
+    parsing.Parser(plant).AddModels(str(path))
+    plant.mutable_gravity_field().set_gravity_vector([0.0, 0.0, 0.0])
+    plant.Finalize()
+    context = plant.CreateDefaultContext()
+    mass = plant.CalcMassMatrix(context)
+    stiffness = np.zeros_like(mass)
+    for name, value in springs.items():
+        index = plant.GetJointByName(name).velocity_start()
+        stiffness[index, index] = value
+    for column, start in zip(stiffness.T, 1e-3 * np.eye(len(mass)), strict=True):
+        plant.SetPositions(context, start)
+        pull = forces(plant)
+        plant.CalcForceElementsContribution(context, pull)
+        column -= pull.generalized_forces() / 1e-3
+    return mass, stiffness
+
+
+@pytest.mark.parametrize("suffix", [".sdf", ".urdf"])
+@pytest.mark.parametrize("case", OPEN)
+@pytest.mark.filterwarnings("ignore")
+def test_drake_reads_both(case: str, suffix: str, tmp_path: Path) -> None:
+    pytest.importorskip("pydrake")
+    chain = Chain(BEAM, OPEN[case], segments=5)
+    written = export_chain(chain, tmp_path / f"chain{suffix}")
+    springs = springs_of(written[1]) if suffix == ".urdf" else {}
+    known = frequencies(chain)
+    found = elastic_frequencies(*drake_matrices(written[0], springs), len(known))
+    assert found == pytest.approx(known, rel=1e-8)

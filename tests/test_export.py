@@ -1,0 +1,339 @@
+"""Exported files: what they say, when they are written, what is refused; CSV that comes back to the bit."""
+
+from __future__ import annotations
+
+import math
+import re
+import xml.etree.ElementTree as ElementTree
+from dataclasses import replace
+from fractions import Fraction
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from beammodes import __version__
+from beammodes.beam import Beam
+from beammodes.chain import Chain
+from beammodes.chain_csv import csv_lines, read_chain_csv
+from beammodes.damping import Damping
+from beammodes.ends import End
+from beammodes.export import FORMATS, export_chain
+from beammodes.linear import linearize
+from beammodes.modes import solve_modes
+from beammodes.planar_tree import links, planar_tree
+from beammodes.rules import RULES
+from beammodes.stability import stable_time_step
+
+BEAM = Beam(1.2, 85.0, 0.62)
+CHAIN = Chain(BEAM, "clamped-free", segments=4, rule="gregory")
+SUFFIXES = pytest.mark.parametrize("suffix", FORMATS)
+
+
+def names(folder: Path) -> list[str]:
+    return sorted(path.name for path in folder.iterdir())
+
+
+@SUFFIXES
+def test_the_suffix_says_the_format(suffix: str, tmp_path: Path) -> None:
+    written = export_chain(CHAIN, str(tmp_path / f"beam{suffix}"))
+    assert written[0] == tmp_path / f"beam{suffix}"
+    assert sorted(path.name for path in written) == names(tmp_path)
+    same = export_chain(CHAIN, tmp_path / "other.text", format=FORMATS[suffix])
+    assert same[0].name == "other.text"
+    text, other = written[0].read_text(encoding="utf-8"), same[0].read_text(encoding="utf-8")
+    assert text == other.replace("other.text", "beam")
+
+
+@SUFFIXES
+def test_the_head_says_what_it_is(suffix: str, tmp_path: Path) -> None:
+    for path in export_chain(CHAIN, tmp_path / f"beam{suffix}"):
+        text = path.read_text(encoding="utf-8")
+        hertz = solve_modes(linearize(CHAIN), 1).frequency[0]
+        for word in (__version__, "gregory, 4 segments", "clamped-free", f"{hertz:.8g}", "length 1.2 m"):
+            assert word in text
+        assert re.search(r"errors against the exact beam: [-+]\d", text)
+        assert not re.search(r"\b20\d\d-\d\d\b", text)  # no date: equal chains make equal files
+
+
+@pytest.mark.parametrize("suffix", [".xml", ".sdf", ".urdf"])
+def test_twist_is_said_to_be_left_out(suffix: str, tmp_path: Path) -> None:
+    assert "twist" in export_chain(CHAIN, tmp_path / f"beam{suffix}")[0].read_text(encoding="utf-8")
+
+
+@SUFFIXES
+def test_a_chain_from_pieces_has_no_errors_to_tell(suffix: str, tmp_path: Path) -> None:
+    numbers = {"length": [0, 1, 1], "mass": [0, 1, 2], "rotary_inertia": [0, 0.1, 0.2]}
+    chain = Chain.from_pieces(**numbers, joint_stiffness=[2.0, 1.0], boundary="clamped-free")
+    text = export_chain(chain, tmp_path / f"beam{suffix}")[0].read_text(encoding="utf-8")
+    assert "pieces: 3, given one by one" in text
+    assert "errors" not in text
+
+
+@pytest.mark.parametrize("name", ["a --> b", "<!-- ---", "x\ny\x00\x1b\ud800\u2028z", "ends in -", "]]>&<"])
+@SUFFIXES
+def test_hostile_rule_names_stay_in_the_comment(suffix: str, name: str, tmp_path: Path) -> None:
+    chain = Chain(BEAM, "clamped-free", 3, rule=replace(RULES["mitiguy"], name=name))
+    plain = Chain(BEAM, "clamped-free", 3, rule="mitiguy")
+    written = export_chain(chain, tmp_path / f"a{suffix}")
+    if suffix == ".csv":
+        assert read_chain_csv(written[0]).length.tolist() == chain.length.tolist()
+    else:
+        root = ElementTree.parse(written[0]).getroot()
+        expected = ElementTree.parse(export_chain(plain, tmp_path / f"b{suffix}")[0]).getroot()
+        assert ElementTree.tostring(root) == ElementTree.tostring(expected)
+    for path in written:
+        lines = path.read_text(encoding="utf-8").splitlines()
+        assert sum("rule:" in line for line in lines) == 1
+
+
+@SUFFIXES
+def test_an_existing_file_is_kept(suffix: str, tmp_path: Path) -> None:
+    path = tmp_path / f"beam{suffix}"
+    path.write_text("mine")
+    with pytest.raises(FileExistsError, match=rf"beam\{suffix}.*force=True"):
+        export_chain(CHAIN, path)
+    assert path.read_text() == "mine" and names(tmp_path) == [path.name]
+    export_chain(CHAIN, path, force=True)
+    assert path.read_text() != "mine"
+
+
+def test_existing_springs_are_kept_too(tmp_path: Path) -> None:
+    (tmp_path / "beam.springs.yaml").write_text("mine")
+    with pytest.raises(FileExistsError, match=r"beam\.springs\.yaml"):
+        export_chain(CHAIN, tmp_path / "beam.urdf")
+    assert names(tmp_path) == ["beam.springs.yaml"]
+
+
+def test_a_missing_folder_and_a_folder_in_the_way(tmp_path: Path) -> None:
+    with pytest.raises(FileNotFoundError, match="absent"):
+        export_chain(CHAIN, tmp_path / "absent" / "beam.xml")
+    (tmp_path / "beam.xml").mkdir()
+    with pytest.raises(IsADirectoryError, match=r"beam\.xml"):
+        export_chain(CHAIN, tmp_path / "beam.xml", force=True)
+
+
+@SUFFIXES
+def test_nothing_is_written_half(suffix: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def fail(*_: Any) -> None:
+        raise OSError("disk full")
+
+    monkeypatch.setattr("beammodes.files.os.replace", fail)
+    with pytest.raises(OSError, match="disk full"):
+        export_chain(CHAIN, tmp_path / f"beam{suffix}")
+    assert names(tmp_path) == []
+
+
+@given(st.text(max_size=12), st.none() | st.text(max_size=5) | st.sampled_from(list(FORMATS.values())))
+@settings(max_examples=60)
+def test_any_path_is_written_or_refused(
+    tmp_path_factory: pytest.TempPathFactory, text: str, format: str | None
+) -> None:
+    folder = tmp_path_factory.mktemp("any")
+    path = folder / text.replace("/", "").replace("..", "")
+    known = format in FORMATS.values() if format is not None else path.suffix.lower() in FORMATS
+    try:
+        written = export_chain(CHAIN, path, format=format)
+    except (ValueError, OSError):
+        assert not known or not re.fullmatch(r"[\w. -]{1,9}", text)
+        assert names(folder) == []
+    else:
+        assert known
+        assert sorted(each.name for each in written) == names(folder)
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"path": "beam.xlm"}, r'suffix of path.*\.xml, \.sdf.*did you mean "\.xml"'),
+        ({"path": "beam"}, "suffix of path"),
+        ({"format": "mjfc"}, 'did you mean "mjcf"'),
+        ({"name": "two words"}, "name must be a word"),
+        ({"name": '"/><x'}, "name must be a word"),
+        ({"name": ""}, "name must be a word"),
+        ({"integrator": "implicitfas"}, 'did you mean "implicitfast"'),
+        ({"timestep": 0.0}, "timestep must be greater than 0"),
+        ({"timestep": 1.0}, "timestep must be less than .* RK4"),
+        ({"damping": Damping(mass=1.0)}, "mass=0"),
+        ({"damping": Damping(joint=(1.0,))}, "joint must have 4 entries"),
+        ({"path": "beam.urdf", "fragment": True}, "fragment must be left out for urdf"),
+        ({"path": "beam.urdf", "timestep": 0.001}, "timestep must be left out for urdf"),
+        ({"path": "beam.sdf", "integrator": "Euler"}, "integrator must be left out for sdf"),
+        ({"path": "beam.sdf", "second": CHAIN}, "second must be left out for sdf"),
+        ({"path": "beam.csv", "damping": Damping()}, "damping must be left out for csv"),
+        ({"second": Chain(BEAM, "clamped-free", 5)}, "second must have the length of chain"),
+        ({"second": Chain(Beam(1.2, 1.0, 1.0), "clamped-free", 4)}, "second must have the mass of chain"),
+        ({"second": Chain(BEAM, "clamped-pinned", 4)}, "second must be held as chain"),
+        ({"path": "beam.sdf", "chain": Chain(BEAM, "clamped-pinned", 4)}, "one end only for sdf"),
+        ({"path": "beam.urdf", "chain": Chain(BEAM, "guided-guided", 4)}, "one end only for urdf"),
+        ({"path": "beam.sdf", "chain": Chain(BEAM, "clamped-free", 5002)}, "at most 5000 pieces for sdf"),
+    ],
+)
+def test_what_is_refused(options: dict[str, Any], message: str, tmp_path: Path) -> None:
+    given = {"chain": CHAIN, "path": "beam.xml"} | options
+    chain, path = given.pop("chain"), tmp_path / given.pop("path")
+    with pytest.raises(ValueError, match=message):
+        export_chain(chain, path, **given)
+    assert names(tmp_path) == []
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"chain": "chain"}, "chain must be a Chain"),
+        ({"path": 3}, "path must be a string or a Path"),
+        ({"format": 3}, "format must be one of"),
+        ({"second": 3}, "second must be a Chain or None"),
+        ({"damping": 0.1}, "damping must be a Damping or None"),
+        ({"timestep": "1"}, "timestep must be a real number"),
+    ],
+)
+def test_what_is_no_argument(options: dict[str, Any], message: str, tmp_path: Path) -> None:
+    given = {"chain": CHAIN, "path": tmp_path / "beam.xml"} | options
+    with pytest.raises(TypeError, match=message):
+        export_chain(given.pop("chain"), given.pop("path"), **given)
+    assert names(tmp_path) == []
+
+
+def time_step(folder: Path, chain: Chain, **options: Any) -> float:
+    (path,) = export_chain(chain, folder / "beam.xml", force=True, **options)
+    option = ElementTree.parse(path).getroot().find("option")
+    assert option is not None
+    return float(option.attrib["timestep"])
+
+
+def test_the_step_is_half_the_stable_one_or_shorter(tmp_path: Path) -> None:
+    chain = Chain(BEAM, "clamped-free", 10)
+    for integrator, ours in (("RK4", "rk4"), ("Euler", "semi_implicit_euler"), ("implicitfast", "leapfrog")):
+        half = stable_time_step(chain, ours) / 2
+        assert 0.99 * half < time_step(tmp_path, chain, integrator=integrator) <= half
+    few = Chain(BEAM, "clamped-free", 1)
+    omega = solve_modes(linearize(few)).angular_frequency[0]
+    # The first frequency may shift by 0.02 %: by z⁴/120 and z²/24.
+    assert 0.99 * 0.3936 < omega * time_step(tmp_path, few) <= 0.3936
+    assert 0.99 * 0.0693 < omega * time_step(tmp_path, few, integrator="Euler") <= 0.0693
+    assert time_step(tmp_path, chain, timestep=1e-4) == 1e-4
+    assert time_step(tmp_path, chain, damping=Damping(stiffness=1.0)) < 1e-3 * half
+
+
+def test_without_elastic_modes_any_step_will_do(tmp_path: Path) -> None:
+    loose = Chain(BEAM, "free-free", 1)
+    assert time_step(tmp_path, loose) == 0.002
+    assert time_step(tmp_path, loose, timestep=0.5) == 0.5
+
+
+ENDS = st.builds(
+    End,
+    st.sampled_from([0.0, math.inf]) | st.floats(1e-3, 1e3),
+    st.sampled_from([0.0, math.inf]) | st.floats(1e-3, 1e3),
+    st.just(0.0) | st.floats(0.01, 3.0),
+    st.just(0.0) | st.floats(0.01, 3.0),
+    st.sampled_from([-0.7, 0.0, 0.01, 1.0]),
+)
+
+
+@given(ENDS, ENDS, st.integers(1, 6), st.sampled_from(["mitiguy", "half_stub", "hencky", "rigid_stub"]))
+@settings(max_examples=80)
+def test_csv_comes_back_to_the_bit(
+    tmp_path_factory: pytest.TempPathFactory, left: End, right: End, segments: int, rule: str
+) -> None:
+    try:
+        chain = Chain(Beam(1.3, 0.7, 0.9), (left, right), segments, rule)
+    except ValueError:  # a rule with no springs for so short a chain
+        return
+    path = tmp_path_factory.mktemp("csv") / "beam.csv"
+    path.write_text("".join(csv_lines(chain, [])), encoding="utf-8")
+    again = read_chain_csv(path)
+    for name in ("length", "mass", "centre", "rotary_inertia", "joint_stiffness", "support_stiffness"):
+        assert np.array_equal(getattr(again, name), getattr(chain, name))
+    found, known = (solve_modes(linearize(each)).angular_frequency for each in (again, chain))
+    assert found == pytest.approx(known, rel=1e-9)
+
+
+@given(ENDS, ENDS, st.integers(1, 4), st.sampled_from(["mitiguy", "half_stub", "rigid_stub"]))
+@settings(max_examples=80)
+def test_any_chain_makes_valid_bodies(left: End, right: End, segments: int, rule: str) -> None:
+    try:
+        chain = Chain(Beam.unit(), (left, right), segments, rule)
+    except ValueError:
+        return
+    tree = planar_tree(chain)
+    passed = list(links(tree))
+    joints = [joint for body in tree.bodies for joint in body.joints]
+    assert [link.joint for link in passed if link.joint] == joints
+    assert len({joint.name for joint in joints}) == len(joints)
+    assert len({link.body.name for link in passed}) == len(passed)
+    for link in passed:
+        x, y, z = link.body.inertia
+        assert link.body.mass > 0 and min(x, y, z) > 0
+        assert x <= y + z and y <= x + z and z <= x + y
+    known = {joint.name for joint in joints}
+    assert all(name in known and math.isfinite(arm) for tie in tree.ties for name, arm in tie.terms)
+
+
+def test_fractions_are_written_as_numbers(tmp_path: Path) -> None:
+    third = Fraction(1, 3)
+    numbers = {"length": [third] * 2, "mass": [third] * 2, "rotary_inertia": [third] * 2}
+    chain = Chain.from_pieces(**numbers, joint_stiffness=[third], boundary="pinned-free")
+    again = read_chain_csv(export_chain(chain, tmp_path / "beam.csv")[0])
+    assert again.length.tolist() == [1 / 3, 1 / 3]
+
+
+def changed(path: Path, old: str, new: str) -> Path:
+    text = path.read_text(encoding="utf-8")
+    assert old in text
+    path.write_text(text.replace(old, new), encoding="utf-8")
+    return path
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ("# supports: clamped-free", "#", 'one line "# supports: ..."'),
+        ("clamped-free\npiece", "clamped-fre\npiece", "boundary must name two of the ends"),
+        ("mass_kg", "weight", "column mass_kg"),
+        ("\n1,", "\n1,1,", "line 13: must have 6 cells, got 7"),
+        ("\n1,0.3", "\n1,long", r"line 13: length_m must be a finite number, got 'long'"),
+        ("\n1,0.3", "\n1,inf", "line 13: length_m must be a finite number"),
+        ("\n1,0.3", "\n1,-0.3", "length must not be negative"),
+        ("\n1,0.3", '\n1,"0.3\n', "line 13"),
+    ],
+)
+def test_a_spoilt_csv_is_refused(old: str, new: str, message: str, tmp_path: Path) -> None:
+    (path,) = export_chain(CHAIN, tmp_path / "beam.csv")
+    with pytest.raises(ValueError, match=message) as caught:
+        read_chain_csv(changed(path, old, new))
+    assert str(path) in str(caught.value)
+
+
+@pytest.mark.parametrize("content", [b"", b"\xff\xfe", b"# supports: clamped-free\n", b"a,b\n1,2\n"])
+def test_what_is_no_chain_is_refused(content: bytes, tmp_path: Path) -> None:
+    (tmp_path / "beam.csv").write_bytes(content)
+    with pytest.raises(ValueError, match=r"beam\.csv"):
+        read_chain_csv(tmp_path / "beam.csv")
+
+
+def test_spreadsheets_may_change_line_ends_and_columns(tmp_path: Path) -> None:
+    (path,) = export_chain(CHAIN, tmp_path / "beam.csv")
+    text = path.read_text(encoding="utf-8")
+    path.write_text("\ufeff" + re.sub(r"(?m)^([^#\n]+)$", r"\1,x", text), encoding="utf-8", newline="\r\n")
+    assert read_chain_csv(path).joint_stiffness.tolist() == CHAIN.joint_stiffness.tolist()
+
+
+@pytest.mark.parametrize("value", [1e-5, 1e22, 3.0, 1.5e-300])
+def test_yaml_numbers_have_a_point(value: float, tmp_path: Path) -> None:
+    numbers = {"length": [1, 1], "mass": [1, 1], "rotary_inertia": [0.1, 0.1]}
+    chain = Chain.from_pieces(**numbers, joint_stiffness=[value], boundary="pinned-free")
+    springs = export_chain(chain, tmp_path / "beam.urdf")[1].read_text(encoding="utf-8")
+    (found,) = re.findall(r"stiffness: ([^,]+),", springs)
+    assert "." in found
+    assert float(found) == value
+
+
+def test_a_hostile_file_name_stays_in_the_comment(tmp_path: Path) -> None:
+    urdf, springs = export_chain(CHAIN, tmp_path / "a--b.urdf")
+    assert springs.name == "a--b.springs.yaml"
+    assert ElementTree.parse(urdf).getroot().tag == "robot"

@@ -1,0 +1,224 @@
+"""Sums of modes against chains and closed forms, and the studies of motion against the package."""
+
+from __future__ import annotations
+
+import csv
+import math
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from PIL import Image
+
+import beammodes as bm
+from beammodes.base_motion import BaseMotion, harmonic, spin_up
+from beammodes.exact_beam import plain_modes
+from beammodes.superposition import modal_response, pinned_shape, plucked
+from studies import motion_spectrum
+from studies.motions import moved, repeatable
+
+FIGURES = Path(__file__).parent.parent / "figures"
+UNIT = bm.Beam.unit()
+
+
+def read(name: str) -> list[dict[str, str]]:
+    with (FIGURES / name).open(encoding="utf-8") as file:
+        return list(csv.DictReader(file))
+
+
+# --- Sums of modes ---------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    "base",
+    [
+        BaseMotion(y=harmonic(1e-4, 2.0)),
+        BaseMotion(angle=harmonic(1e-4, 2.0), hub_radius=0.5),
+        BaseMotion(x=harmonic(1.0, 2.0), y=harmonic(1e-4, 2.0)),  # pushed and pulled along: T = -a m (L - x)
+    ],
+    ids=["shift", "turn", "shaken_along"],
+)
+def test_a_sum_of_modes_is_the_chain_in_small_motion(base: BaseMotion) -> None:
+    """Reached: 3e-5, 5e-5, 2e-4 of the largest deflection; a chain of 40 rods is the measure of it."""
+    beam = bm.Beam(1.3, 2.0, 0.7)
+    motion = moved(bm.Chain(beam, "clamped-free", 40, "gregory"), 2.0, 0.05, base=base)
+    summed = modal_response(beam, "clamped-free", 8, time=motion.time, base=base, stiffening=True)
+    largest = float(np.abs(motion.tip_deflection).max())
+    assert largest > 3e-5
+    assert np.abs(summed.tip_deflection.values - motion.tip_deflection.values).max() < 5e-4 * largest
+
+
+def test_stiffening_is_what_the_exact_beam_on_a_turning_hub_has() -> None:
+    """Reached: 7.7e-4 with 4 modes, 1.6e-4 with 6. Few modes are too stiff, as in any Rayleigh-Ritz sum."""
+    rate, time = 6.0, np.linspace(0.0, 12.0, 1201)
+    turn = BaseMotion(angle=lambda t: (rate * t, rate + 0.0 * t, 0.0 * t), hub_radius=1.0)
+    start = np.eye(4)[0] * 1e-3
+    found = modal_response(
+        UNIT, "clamped-free", 4, time=time, base=turn, initial=start, stiffening=True, tolerance=1e-8
+    )
+    omega, amplitude = motion_spectrum.spectrum(time, found.tip_deflection.values)
+    load = bm.Load(spin_rate=rate, hub_radius=1.0, plane="lag")
+    exact = float(bm.euler_bernoulli(UNIT, "clamped-free", 1, load=load).angular_frequency[0])
+    assert 0.0 < motion_spectrum.peak(omega, amplitude, 5.0, 12.0) / exact - 1 < 1e-3
+
+
+def test_without_stiffening_a_beam_that_turns_faster_than_its_frequency_moves_away() -> None:
+    # q'' + (ω² - Ω²) q = 0 from q = 1: cos below ω, cosh above it.
+    first = float(plain_modes(UNIT, "clamped-free", 1).angular_frequency[0])
+    time = np.linspace(0.0, 1.0, 11)
+    for rate in (3.0, 5.0):
+        base = BaseMotion(angle=lambda t, rate=rate: (rate * t, rate + 0.0 * t, 0.0 * t))
+        q = modal_response(UNIT, "clamped-free", 1, time=time, base=base, initial=[1.0]).q.values[:, 0]
+        square = first**2 - rate**2
+        exact = np.cos(np.sqrt(square) * time) if square > 0 else np.cosh(np.sqrt(-square) * time)
+        np.testing.assert_allclose(q, exact, rtol=1e-8)
+
+
+def test_a_plucked_beam_is_the_sum_of_its_modes() -> None:
+    beam, force, at = bm.Beam(2.0, 3.0, 0.5), 4.0, 0.7
+    shapes, x = plain_modes(beam, "pinned-pinned", 400), np.linspace(0.0, 2.0, 21)
+    q = plucked(shapes, force, at)
+    # q_n = F φ_n(a)/ω_n², φ_n = √(2/ρAL) sin(nπx/L): the classical series.
+    n = np.arange(1, 401)
+    series = math.sqrt(2.0 / (0.5 * 2.0)) * np.sin(n * math.pi * at / 2.0) * force
+    series /= 3.0 / 0.5 * (n * math.pi / 2.0) ** 4
+    np.testing.assert_allclose(q, series, rtol=1e-9, atol=1e-14 * series[0])
+    exact = pinned_shape(beam, force, at, x)
+    # What the sum leaves out falls as 1/n³; so 1e-8 at 400 modes.
+    assert np.abs(q @ shapes.shape(x) - exact).max() < 1e-7 * exact.max()
+    # Under the load F a² b² / (3 EI L) (Roark's Formulas, simply supported beam, intermediate load).
+    assert pinned_shape(beam, force, at, at) == pytest.approx(
+        force * at**2 * 1.3**2 / (3 * 3.0 * 2.0), rel=1e-14
+    )
+    slope = pinned_shape(beam, force, at, x, derivative=1)
+    assert np.abs(q @ shapes.slope(x) - slope).max() < 1e-4 * np.abs(slope).max()
+    # Let go, it is back after a period of mode 1, with signs of its modes on the way.
+    period = 2 * math.pi / shapes.angular_frequency[0]
+    swung = modal_response(beam, "pinned-pinned", 20, time=[0.0, period / 2, period], initial=q[:20]).q.values
+    np.testing.assert_allclose(swung[2], q[:20], rtol=1e-9, atol=1e-12)
+    np.testing.assert_allclose(swung[1], q[:20] * np.where(n[:20] % 2, -1, 1), rtol=1e-9, atol=1e-12)
+
+
+def test_orders_of_truncation() -> None:
+    found = {(r["quantity"], int(r["modes"])): float(r["relative_error"]) for r in read("appendix.csv")}
+    for quantity, order in (("deflection", 3), ("moment", 1)):
+        fall = math.log(found[quantity, 10] / found[quantity, 40]) / math.log(4)
+        assert fall == pytest.approx(order, abs=0.25)
+
+
+@pytest.mark.parametrize(
+    ("changed", "error", "message"),
+    [
+        ({"beam": 1}, TypeError, "^beam must be a Beam"),
+        ({"beam": bm.Beam(1.0, [1.0, 2.0], 1.0)}, ValueError, "^beam must be uniform"),
+        ({"boundary": "free-free"}, ValueError, "^boundary must leave no rigid-body motion"),
+        ({"boundary": "free-clamped"}, ValueError, "^boundary must tie down the left end"),
+        ({"modes": 0}, ValueError, "^modes must be a whole number"),
+        ({"time": [1.0, 0.5]}, ValueError, "^time must ascend"),
+        ({"time": [-1.0, 0.5]}, ValueError, "^time must ascend"),
+        ({"time": "now"}, TypeError, "^time must be real numbers"),
+        ({"base": 3}, TypeError, "^base must be a BaseMotion or None"),
+        ({"initial": [1.0]}, ValueError, "^initial must be 2 finite numbers"),
+        ({"stiffening": 1}, TypeError, "^stiffening must be True or False"),
+        ({"base": BaseMotion(), "tolerance": 0.0}, ValueError, "^tolerance must be greater than 0"),
+    ],
+)
+def test_refusals(changed: dict[str, Any], error: type[Exception], message: str) -> None:
+    arguments = {"beam": UNIT, "boundary": "clamped-free", "modes": 2, "time": [0.0, 1.0]} | changed
+    with pytest.raises(error, match=message):
+        modal_response(**arguments)
+
+
+def test_plucking_outside_the_beam() -> None:
+    shapes = plain_modes(UNIT, "pinned-pinned", 2)
+    with pytest.raises(ValueError, match=r"^at must be in \[0, 1\.0\], got 1\.5"):
+        plucked(shapes, 1.0, 1.5)
+    with pytest.raises(TypeError, match=r"^shapes must be BeamModes"):
+        plucked(None, 1.0, 0.5)
+    with pytest.raises(ValueError, match=r"^x must be inside \[0, 1\.0\]"):
+        pinned_shape(UNIT, 1.0, 0.5, 1.5)
+
+
+# --- The studies -----------------------------------------------------------------------------------------
+
+
+def test_digits_that_repeat() -> None:
+    assert repeatable([123.456789123, 1e-9]).tolist() == [123.45679, 0.0]
+    assert repeatable([0.0]).tolist() == [0.0]
+
+
+def test_figure_1() -> None:
+    rows = read("figure_1.csv")
+
+    def line(motion: str, model: str) -> dict[float, float]:
+        chosen = [r for r in rows if (r["motion"], r["model"]) == (motion, model) and r["tip_deflection"]]
+        return {float(r["time"]): float(r["tip_deflection"]) for r in chosen}
+
+    modes, chain = line("linear", "modes"), line("linear", "gregory")
+    assert max(abs(modes[t] - chain[t]) for t in modes) < 3e-4 * max(map(abs, modes.values()))
+    # Chains of growing N, extrapolated: -0.57375 m at 6.76 s. Conventional modes pass -1 m at 6.78 s.
+    for model in ("mitiguy", "gregory", "modes_stiffened"):
+        assert min(line("rotational", model).values()) == pytest.approx(-0.57375, rel=0.005)
+        assert abs(line("rotational", model)[20.0]) < 0.01
+    linear = line("rotational", "modes")
+    assert min(t for t, value in linear.items() if value < -1.0) == pytest.approx(6.78, abs=0.05)
+
+
+def test_campbell() -> None:
+    for row in read("campbell.csv"):
+        load = bm.Load(spin_rate=float(row["spin_rate"]), plane=row["plane"])
+        mode = int(row["mode"])
+        exact = bm.euler_bernoulli(UNIT, "clamped-free", mode, load=load).angular_frequency[-1]
+        assert float(row["exact"]) == pytest.approx(exact, rel=1e-9)
+        assert float(row["chain"]) == pytest.approx(exact, rel={"4": 0.2, "10": 0.05}[row["segments"]])
+    # Wright, Smith, Thresher and Wang, J. Appl. Mech. 49 (1982) 197: Ω = 12.
+    flap = [row for row in read("campbell.csv") if (row["plane"], row["mode"]) == ("flap", "1")]
+    assert float(flap[-1]["exact"]) == pytest.approx(13.1702, abs=1e-4)
+
+
+def test_turning_every_rule_is_of_order_two() -> None:
+    rows = read("campbell_errors.csv")
+    error = {(float(r["spin"]), r["rule"], int(r["count"])): float(r["relative_error"]) for r in rows}
+    few, many = sorted({count for *_, count in error})[-3::2]
+    for rule in ("mitiguy", "gregory"):
+        fall = math.log(error[6.0, rule, few] / error[6.0, rule, many]) / math.log(many / few)
+        assert fall == pytest.approx(2.0, abs=0.1)
+    assert abs(error[0.0, "gregory", few]) < 1e-3 * abs(error[6.0, "gregory", few])
+
+
+def test_peaks_and_shifts() -> None:
+    rows = read("motion_spectrum.csv")
+    chain = bm.Chain(UNIT, "clamped-free", len(rows), "gregory")
+    known = bm.solve_modes(bm.linearize(chain)).angular_frequency
+    found = np.array([float(row["angular_frequency"]) for row in rows])
+    np.testing.assert_allclose(found[:6], known[:6], rtol=2e-6)
+    np.testing.assert_allclose(found, known, rtol=5e-5)
+    large = {(r["mode"], r["segments"], r["amplitude"]): r for r in read("motion_spectrum_large.csv")}
+    for mode, rises in (("1", True), ("2", False)):
+        little, more = (float(large[mode, "10", size]["frequency_shift"]) for size in ("0.05", "0.2"))
+        assert (more > 0) is rises
+        assert more / little == pytest.approx(16.0, rel=0.03)
+
+
+def test_spin_up_film() -> None:
+    path = FIGURES / "spin_up.gif"
+    assert path.stat().st_size < 1_000_000
+    with Image.open(path) as image:
+        assert image.n_frames == 100
+        assert image.size[0] == 480
+    rows = read("spin_up.csv")
+    for n, most in (("4", 0.005), ("10", 0.003), ("20", 0.001)):
+        lowest = min(float(row["tip_deflection"]) for row in rows if row["segments"] == n)
+        assert lowest == pytest.approx(-0.57375, rel=most)
+
+
+@pytest.mark.slow
+def test_spin_up_of_the_beam_itself() -> None:
+    """Chains of 10 and 20 rods, extrapolated by 1/N²."""
+    beam, base = bm.Beam(10.0, 14000.0, 1.2), BaseMotion(angle=spin_up(6.0, 15.0))
+    lowest = [
+        float(moved(bm.Chain(beam, "clamped-free", n, "mitiguy"), 7.5, 0.02, base=base).tip_deflection.min())
+        for n in (10, 20)
+    ]
+    assert (4 * lowest[1] - lowest[0]) / 3 == pytest.approx(-0.57375, abs=2e-5)
