@@ -51,6 +51,7 @@ from typing import TYPE_CHECKING, Any
 __version__ = "0.1.0"
 
 _HOME = {
+    "Audit": "audit",
     "BOUNDARIES": "ends",
     "BaseMotion": "base_motion",
     "Beam": "beam",
@@ -82,6 +83,7 @@ _HOME = {
     "Tube": "sections",
     "Weight": "rules",
     "animate": "animation",
+    "audit_chain": "audit",
     "axially_corrected": "axial_rule",
     "beam_statics": "statics",
     "buckling_dataset": "buckling",
@@ -132,6 +134,8 @@ __all__ = sorted([*_HOME, "__version__"])
 if TYPE_CHECKING:
     from beammodes.advice import recommend as recommend
     from beammodes.animation import animate as animate
+    from beammodes.audit import Audit as Audit
+    from beammodes.audit import audit_chain as audit_chain
     from beammodes.axial_rule import axially_corrected as axially_corrected
     from beammodes.base_motion import BaseMotion as BaseMotion
     from beammodes.base_motion import harmonic as harmonic

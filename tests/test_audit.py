@@ -1,0 +1,155 @@
+"""Audits of chains given as arrays: every rule is recognized, errors are the look-up's, springs improve."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from beammodes.audit import UNKNOWN, Audit, audit_chain
+from beammodes.beam import Beam
+from beammodes.chain import Chain
+from beammodes.comparison import chain_errors
+from beammodes.errors import frequency_error
+from beammodes.rules import RULES
+
+BEAM = Beam(length=1.2, bending_stiffness=85.0, mass_per_length=0.62)
+
+
+def arrays(chain: Chain) -> dict[str, Any]:
+    return {
+        "length": chain.length,
+        "mass": chain.mass,
+        "rotary_inertia": chain.rotary_inertia,
+        "joint_stiffness": chain.joint_stiffness,
+    }
+
+
+def cable(segments: int = 10, beam: Beam = BEAM) -> dict[str, Any]:
+    """A chain as MuJoCo's cable makes it: the first segment welded to its parent, EI/ell at every hinge."""
+    ell = beam.length / segments
+    mass = beam.mean_mass_per_length * ell
+    return {
+        "length": [ell] * segments,
+        "mass": [mass] * segments,
+        "rotary_inertia": [mass * ell**2 / 12] * segments,
+        "joint_stiffness": [beam.mean_bending_stiffness / ell] * (segments - 1),
+    }
+
+
+def suggested(found: Audit, name: str) -> np.ndarray:
+    return next(item.errors for item in found.suggestions if item.name == name)
+
+
+def test_a_cable_is_named_and_put_right() -> None:
+    found = audit_chain(BEAM, "clamped-free", **cable())
+    assert (found.layout, found.segments, found.order, found.meets) == ("rigid_stub", 10, 1, False)
+    assert found.remark == (
+        "first segment is rigid with its parent: rigid_stub, +11 % at N = 10, falls only as 1/N"
+    )
+    assert found.errors[0] == pytest.approx(0.111, abs=5e-4)
+    assert abs(suggested(found, "rigid_stub_corrected")[0]) < 0.005
+    assert abs(suggested(found, "first_spring_tuned")[0]) < 1e-10
+    assert [round(found.length_mismatch, 12), round(found.mass_mismatch, 12)] == [0, 0]
+
+
+def test_suggested_springs_give_the_errors_they_promise() -> None:
+    for item in audit_chain(BEAM, "clamped-free", **cable()).suggestions:
+        again = audit_chain(BEAM, "clamped-free", **cable() | {"joint_stiffness": item.joint_stiffness})
+        np.testing.assert_allclose(again.errors, item.errors, rtol=0, atol=1e-12)
+        assert item.name not in [other.name for other in again.suggestions]
+
+
+@pytest.mark.parametrize("boundary", ["clamped-free", "free-clamped", "clamped-clamped", "guided-clamped"])
+@pytest.mark.parametrize("rule", RULES)
+def test_every_rule_is_recognized(rule: str, boundary: str) -> None:
+    chain = Chain(BEAM, boundary, 8, rule)
+    found = audit_chain(BEAM, boundary, **arrays(chain))
+    assert (found.layout, found.segments) == (rule, 8)
+    assert found.order == RULES[rule].declared_order(chain.boundary)
+    due = frequency_error(boundary, segments=8, mode=[1, 2, 3], rule=rule)
+    np.testing.assert_allclose(found.errors, due, rtol=0, atol=1e-12)
+    for item in found.suggestions:
+        # Hencky's pieces are not the rods of the rule that is suggested for its hinges.
+        if item.name in RULES and rule != "hencky":
+            due = chain_errors(Chain(BEAM, boundary, 8, item.name))
+            np.testing.assert_allclose(item.errors, due, rtol=0, atol=1e-12)
+
+
+def test_rules_that_are_one_at_these_ends_are_all_named() -> None:
+    found = audit_chain(BEAM, "pinned-pinned", **arrays(Chain(BEAM, "pinned-pinned", 6, "naive")))
+    assert (
+        "hinges are where equal segments meet: mitiguy (here the same as double_wall, naive" in found.remark
+    )
+    assert "hencky" not in found.remark and found.meets
+    found = audit_chain(BEAM, "free-free", **arrays(Chain(BEAM, "free-free", 6, "half_stub")))
+    assert found.remark.startswith("hinges are at the middles of equal segments: half_stub (here the same as")
+
+
+def test_the_spring_at_the_held_end_is_tuned() -> None:
+    given = arrays(Chain(BEAM, "free-clamped", 6, "naive"))
+    found = audit_chain(BEAM, "free-clamped", **given)
+    (tuned,) = (item for item in found.suggestions if item.name == "first_spring_tuned")
+    assert list(np.flatnonzero(tuned.joint_stiffness != given["joint_stiffness"])) == [5]
+    assert abs(tuned.errors[0]) < 1e-10
+
+
+def test_no_known_layout() -> None:
+    soft = cable() | {"joint_stiffness": [300.0] * 9}
+    found = audit_chain(BEAM, "clamped-free", **soft)
+    assert (found.layout, found.order, found.segments) == (UNKNOWN, None, 10)
+    assert "with springs of no rule" in found.remark
+    assert suggested(found, "rigid_stub_corrected")[0] == pytest.approx(0.0029, abs=1e-4)
+    uneven = cable() | {"length": [0.12 + 1e-5, 0.12 - 1e-5] + [0.12] * 8}
+    found = audit_chain(BEAM, "clamped-free", **uneven)
+    assert (found.layout, found.segments) == (UNKNOWN, None)
+    assert [item.name for item in found.suggestions] == ["first_spring_tuned"]
+
+
+def test_mismatches_and_foreign_rods_are_reported() -> None:
+    heavy = cable()
+    heavy["mass"] = [1.03 * mass for mass in heavy["mass"]]
+    found = audit_chain(BEAM, "clamped-free", **heavy)
+    assert found.mass_mismatch == pytest.approx(0.03)
+    assert "mass is +3 % off the beam's" in found.text and "length is" not in found.text
+    assert "which these pieces are not" in found.remark
+    middle = [length / 2 for length in cable()["length"]]
+    assert audit_chain(BEAM, "clamped-free", **cable(), centre=middle).remark.endswith("only as 1/N")
+    short = audit_chain(Beam(1.25, 85.0, 0.62), "clamped-free", **cable())
+    assert short.length_mismatch == pytest.approx(-0.04) and "length is -4 % off" in short.text
+
+
+def test_modes_that_the_chain_lacks_do_not_meet() -> None:
+    found = audit_chain(BEAM, "clamped-free", **cable(2), tolerance=10.0)
+    assert np.isnan(found.errors[1:]).all() and not found.meets
+    assert "no such mode" in found.text
+    assert audit_chain(BEAM, "clamped-free", **cable(2), modes=1, tolerance=10.0).meets
+
+
+@pytest.mark.parametrize(
+    ("changed", "kind", "message"),
+    [
+        ({"beam": 3}, TypeError, "beam must be a Beam"),
+        ({"beam": Beam(1.0, [1.0, 2.0], 1.0)}, ValueError, "beam must be uniform"),
+        ({"boundary": "clamped"}, ValueError, "boundary must"),
+        ({"modes": 0}, ValueError, "modes must"),
+        ({"modes": 2.5}, TypeError, "modes must"),
+        ({"tolerance": -1}, ValueError, "tolerance must"),
+        ({"tolerance": "1 %"}, TypeError, "tolerance must"),
+        ({"length": "0.1"}, TypeError, "length must"),
+        ({"mass": [1.0]}, ValueError, "mass must have 10 entries"),
+        ({"rotary_inertia": [np.nan] * 10}, ValueError, r"rotary_inertia\[0\] must be finite"),
+        ({"joint_stiffness": [0.0] * 9}, ValueError, "joint_stiffness must be greater than 0"),
+        ({"joint_stiffness": None}, TypeError, "joint_stiffness must be a sequence"),
+        ({"centre": [1.0]}, ValueError, "centre must have 10 entries"),
+    ],
+)
+def test_bad_input_is_named(changed: dict[str, Any], kind: type[Exception], message: str) -> None:
+    with pytest.raises(kind, match=message):
+        audit_chain(**(cable() | {"beam": BEAM, "boundary": "clamped-free"} | changed))
+
+
+def test_a_rigid_chain_is_refused() -> None:
+    with pytest.raises(ValueError, match="length must have pieces"):
+        audit_chain(BEAM, "clamped-free", **cable(1))
