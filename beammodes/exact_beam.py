@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from beammodes.beam import Beam
+from beammodes.beam_positions import positions_on
 from beammodes.checks import shown, whole_number
 from beammodes.ends import Boundary, BoundaryLike, boundary_codes
 from beammodes.wavenumbers import (
@@ -99,7 +100,7 @@ class BeamModes:
         [[2.0], [-2.0], [2.0]]
         """
         order = whole_number("derivative", derivative, least=0, most=3)
-        position = _positions(x, self.beam.length)
+        position = positions_on(self.beam, x)
         from_left = position.ravel() / self.beam.length
         from_right = (self.beam.length - position.ravel()) / self.beam.length
         shapes = _unit_shapes(self.boundary, self.wavenumber, from_left, from_right, order)
@@ -155,20 +156,6 @@ def plain_modes(beam: Beam, boundary: BoundaryLike, modes: int) -> BeamModes:
     roots = joined(*split_wavenumber(boundary_codes(pair), np.arange(1, count + 1)))
     roots.flags.writeable = False
     return BeamModes(beam, pair, roots)
-
-
-def _positions(x: ArrayLike, length: float) -> Floats:
-    try:
-        array = np.asarray(x)
-    except ValueError:
-        raise TypeError(f"x must be real numbers in one regular array, got {shown(x)}") from None
-    if array.dtype.kind not in "iuf":
-        raise TypeError(f"x must be real numbers, got {shown(x)}")
-    position = array.astype(np.float64)
-    outside = ~((position >= 0.0) & (position <= length))
-    if outside.any():
-        raise ValueError(f"x must be finite and inside [0, {length}], got {position[outside][0]}")
-    return position
 
 
 def _coefficients(pair: Boundary, mode: Integers, beta: Floats) -> tuple[Floats, ...]:

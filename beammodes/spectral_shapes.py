@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from beammodes.beam import Beam
-from beammodes.checks import shown, whole_number
+from beammodes.beam_positions import positions_on
+from beammodes.checks import whole_number
 from beammodes.ends import Boundary
 from beammodes.loading import Load
 from beammodes.spectral_grid import Grid, legendre_integral, legendre_of_values
@@ -95,7 +96,7 @@ class SpectralBeamModes:
         2.0
         """
         order = whole_number("derivative", derivative, least=0, most=2)
-        position = _positions(x, self.beam.length)
+        position = positions_on(self.beam, x)
         unit = math.sqrt(self.beam.mean_mass_per_length) * math.sqrt(self.beam.length)
         place = position.ravel() / self.beam.length
         shapes = values_of_motions(self.grid, self.motions, place, order) / unit / self.beam.length**order
@@ -124,17 +125,3 @@ def values_of_motions(grid: Grid, motions: Floats, x: Floats, order: int) -> Flo
         deflection = deflection + 2.0 * half * slope + arm @ motions[part]
         slope, first = slope + grid.weight[part] @ motions[part], first + size
     return values
-
-
-def _positions(x: ArrayLike, length: float) -> Floats:
-    try:
-        array = np.asarray(x)
-    except ValueError:
-        raise TypeError(f"x must be real numbers in one regular array, got {shown(x)}") from None
-    if array.dtype.kind not in "iuf":
-        raise TypeError(f"x must be real numbers, got {shown(x)}")
-    position = array.astype(np.float64)
-    outside = ~((position >= 0.0) & (position <= length))
-    if outside.any():
-        raise ValueError(f"x must be finite and inside [0, {length}], got {position[outside][0]}")
-    return position

@@ -9,8 +9,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from beammodes.beam import Beam
+from beammodes.beam_positions import positions_on
 from beammodes.beam_waves import BeamWaves
-from beammodes.checks import shown, whole_number
+from beammodes.checks import whole_number
 from beammodes.ends import Boundary
 from beammodes.loading import Load
 
@@ -105,7 +106,7 @@ class SupportedBeamModes:
         array([[1., 1.]])
         """
         order = whole_number("derivative", derivative, least=0, most=3)
-        position = _positions(x, self.beam.length)
+        position = positions_on(self.beam, x)
         from_left = position.ravel() / self.beam.length
         from_right = (self.beam.length - position.ravel()) / self.beam.length
         left = self.boundary.left
@@ -127,17 +128,3 @@ class SupportedBeamModes:
         True
         """
         return self.shape(x, derivative=1)
-
-
-def _positions(x: ArrayLike, length: float) -> Floats:
-    try:
-        array = np.asarray(x)
-    except ValueError:
-        raise TypeError(f"x must be real numbers in one regular array, got {shown(x)}") from None
-    if array.dtype.kind not in "iuf":
-        raise TypeError(f"x must be real numbers, got {shown(x)}")
-    position = array.astype(np.float64)
-    outside = ~((position >= 0.0) & (position <= length))
-    if outside.any():
-        raise ValueError(f"x must be finite and inside [0, {length}], got {position[outside][0]}")
-    return position

@@ -114,7 +114,17 @@ def test_the_other_exact_beams_share_no_code_with_the_chain_either(stem: str) ->
 
 
 # What a beam is: its sections, its ends, its load.
-GIVEN = {"beam", "beam_properties", "checks", "ends", "loading", "profiles", "supports", "tabulated"}
+GIVEN = {
+    "beam",
+    "beam_positions",
+    "beam_properties",
+    "checks",
+    "ends",
+    "loading",
+    "profiles",
+    "supports",
+    "tabulated",
+}
 
 
 @pytest.mark.parametrize("stem", sorted(GIVEN))
