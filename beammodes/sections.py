@@ -11,6 +11,7 @@ scan of the report prints no dimensions in Figure 4, so `ISection` is its formul
 from __future__ import annotations
 
 import math
+from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from typing import Any, Protocol
 
@@ -40,14 +41,14 @@ class Section(Protocol):
         """I = ∫ d² dA about the level line through the centroid [m⁴]."""
 
 
-class _Shape:
+class _Shape(ABC):
     """What sections of given dimensions have in common."""
 
     __slots__ = ()
 
+    @abstractmethod
     def _numbers(self) -> tuple[float, float, float]:
         """Return A, I and the I of the section on its side."""
-        raise NotImplementedError
 
     @property
     def area(self) -> float:
