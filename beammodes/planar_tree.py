@@ -23,8 +23,9 @@ from beammodes.spectrum import is_turned
 
 __all__ = ["Body", "Joint", "Link", "Tie", "Tree", "links", "planar_tree"]
 
-#: What a body that cannot do without mass or inertia gets, over what it moves with: below 1e-8 in frequency.
-_TRACE = 1e-9
+#: What a body that cannot do without mass or inertia gets, over what it moves with. Heavy bodies at both ends
+#: of a short chain make ten times that of it in a frequency: still below 1e-8.
+_TRACE = 1e-10
 #: For each direction of deflection, the axes of a slide along it and of a hinge that lifts the far tip.
 _AXES = {"z": ((0, 0, 1), (0, -1, 0)), "y": ((0, 1, 0), (0, 0, 1))}
 
