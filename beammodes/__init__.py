@@ -51,163 +51,163 @@ from typing import TYPE_CHECKING, Any
 __version__ = "0.1.0"
 
 _HOME = {
-    "Audit": "audit",
-    "BOUNDARIES": "ends",
-    "BaseMotion": "base_motion",
-    "Beam": "beam",
-    "BeamModes": "exact_beam",
-    "BentModel": "bent_model",
-    "Boundary": "ends",
-    "Box": "sections",
-    "Chain": "chain",
-    "Circle": "sections",
-    "Damping": "damping",
-    "DivergedWarning": "simulation",
-    "ENDS": "supports",
-    "End": "supports",
-    "Equilibrium": "equilibria",
-    "EquilibriumNotFound": "equilibria",
-    "GivenSection": "sections",
-    "ISection": "sections",
-    "LinearModel": "linear",
-    "Load": "loading",
-    "MODULI": "materials",
-    "Modes": "modes",
-    "RULES": "rules",
-    "Rectangle": "sections",
-    "Rule": "rules",
-    "SlendernessWarning": "comparison",
-    "SpectralBeamModes": "spectral_shapes",
-    "SupportedBeamModes": "supported_beam",
-    "Table": "profiles",
-    "Tube": "sections",
-    "Weight": "rules",
-    "animate": "animation",
-    "audit_chain": "audit",
-    "axially_corrected": "axial_rule",
-    "beam_statics": "statics",
-    "buckling_dataset": "buckling",
-    "buckling_load": "buckling",
-    "chain_errors": "comparison",
-    "chain_frequency": "dispersion",
-    "chain_statics": "statics",
-    "compile_equations": "numeric",
-    "damped_modes": "damping_ratio",
-    "damped_time_step": "damping_ratio",
-    "elastic_modulus": "materials",
-    "equations_of_motion": "symbolic",
-    "error_dataset": "error_table",
-    "error_law": "law",
-    "euler_bernoulli": "beam_theory",
-    "export_chain": "export",
-    "find_equilibrium": "equilibria",
-    "frequency_error": "errors",
-    "from_sectionproperties": "sections",
-    "harmonic": "base_motion",
-    "joint_dampers": "damping_ratio",
-    "linearize": "linear",
-    "match_springs": "inverse",
-    "matched": "inverse",
-    "modal_assurance": "shapes",
-    "modal_response": "superposition",
-    "mode_start": "simulation",
-    "mode_tuned": "tuning",
-    "published_time_step": "stability",
-    "read_chain_csv": "chain_csv",
-    "recommend": "advice",
-    "segments_needed": "errors",
-    "shape_dataset": "shapes",
-    "simulate": "simulation",
-    "solve_modes": "modes",
-    "spin_up": "base_motion",
-    "stable_time_step": "stability",
-    "static_dataset": "static_errors",
+    "Audit": "auditing.audit",
+    "BOUNDARIES": "problem.ends",
+    "BaseMotion": "dynamics.base_motion",
+    "Beam": "problem.beam",
+    "BeamModes": "exact.exact_beam",
+    "BentModel": "equilibrium.bent_model",
+    "Boundary": "problem.ends",
+    "Box": "problem.sections",
+    "Chain": "chains.chain",
+    "Circle": "problem.sections",
+    "Damping": "dynamics.damping",
+    "DivergedWarning": "dynamics.simulation",
+    "ENDS": "problem.supports",
+    "End": "problem.supports",
+    "Equilibrium": "equilibrium.equilibria",
+    "EquilibriumNotFound": "equilibrium.equilibria",
+    "GivenSection": "problem.sections",
+    "ISection": "problem.sections",
+    "LinearModel": "vibration.linear",
+    "Load": "problem.loading",
+    "MODULI": "problem.materials",
+    "Modes": "vibration.modes",
+    "RULES": "chains.rules",
+    "Rectangle": "problem.sections",
+    "Rule": "chains.rules",
+    "SlendernessWarning": "accuracy.comparison",
+    "SpectralBeamModes": "exact.spectral_shapes",
+    "SupportedBeamModes": "exact.supported_beam",
+    "Table": "problem.profiles",
+    "Tube": "problem.sections",
+    "Weight": "chains.rules",
+    "animate": "views.animation",
+    "audit_chain": "auditing.audit",
+    "axially_corrected": "chains.axial_rule",
+    "beam_statics": "accuracy.statics",
+    "buckling_dataset": "accuracy.buckling",
+    "buckling_load": "accuracy.buckling",
+    "chain_errors": "accuracy.comparison",
+    "chain_frequency": "closed_form.dispersion",
+    "chain_statics": "accuracy.statics",
+    "compile_equations": "equations.numeric",
+    "damped_modes": "dynamics.damping_ratio",
+    "damped_time_step": "dynamics.damping_ratio",
+    "elastic_modulus": "problem.materials",
+    "equations_of_motion": "equations.symbolic",
+    "error_dataset": "accuracy.error_table",
+    "error_law": "accuracy.law",
+    "euler_bernoulli": "exact.beam_theory",
+    "export_chain": "exporters.export",
+    "find_equilibrium": "equilibrium.equilibria",
+    "frequency_error": "accuracy.errors",
+    "from_sectionproperties": "problem.sections",
+    "harmonic": "dynamics.base_motion",
+    "joint_dampers": "dynamics.damping_ratio",
+    "linearize": "vibration.linear",
+    "match_springs": "springs.inverse",
+    "matched": "springs.inverse",
+    "modal_assurance": "accuracy.shapes",
+    "modal_response": "dynamics.superposition",
+    "mode_start": "dynamics.simulation",
+    "mode_tuned": "springs.tuning",
+    "published_time_step": "vibration.stability",
+    "read_chain_csv": "exporters.chain_csv",
+    "recommend": "accuracy.advice",
+    "segments_needed": "accuracy.errors",
+    "shape_dataset": "accuracy.shapes",
+    "simulate": "dynamics.simulation",
+    "solve_modes": "vibration.modes",
+    "spin_up": "dynamics.base_motion",
+    "stable_time_step": "vibration.stability",
+    "static_dataset": "accuracy.static_errors",
     "stiffness_from_deflection": "identification",
     "stiffness_from_frequency": "identification",
-    "symbolic_energies": "symbolic",
-    "theory_errors": "comparison",
-    "wavenumber": "wavenumbers",
+    "symbolic_energies": "equations.symbolic",
+    "theory_errors": "accuracy.comparison",
+    "wavenumber": "exact.wavenumbers",
 }
 
 __all__ = sorted([*_HOME, "__version__"])
 
 if TYPE_CHECKING:
-    from beammodes.advice import recommend as recommend
-    from beammodes.animation import animate as animate
-    from beammodes.audit import Audit as Audit
-    from beammodes.audit import audit_chain as audit_chain
-    from beammodes.axial_rule import axially_corrected as axially_corrected
-    from beammodes.base_motion import BaseMotion as BaseMotion
-    from beammodes.base_motion import harmonic as harmonic
-    from beammodes.base_motion import spin_up as spin_up
-    from beammodes.beam import Beam as Beam
-    from beammodes.beam_theory import euler_bernoulli as euler_bernoulli
-    from beammodes.bent_model import BentModel as BentModel
-    from beammodes.buckling import buckling_dataset as buckling_dataset
-    from beammodes.buckling import buckling_load as buckling_load
-    from beammodes.chain import Chain as Chain
-    from beammodes.chain_csv import read_chain_csv as read_chain_csv
-    from beammodes.comparison import SlendernessWarning as SlendernessWarning
-    from beammodes.comparison import chain_errors as chain_errors
-    from beammodes.comparison import theory_errors as theory_errors
-    from beammodes.damping import Damping as Damping
-    from beammodes.damping_ratio import damped_modes as damped_modes
-    from beammodes.damping_ratio import damped_time_step as damped_time_step
-    from beammodes.damping_ratio import joint_dampers as joint_dampers
-    from beammodes.dispersion import chain_frequency as chain_frequency
-    from beammodes.ends import BOUNDARIES as BOUNDARIES
-    from beammodes.ends import Boundary as Boundary
-    from beammodes.equilibria import Equilibrium as Equilibrium
-    from beammodes.equilibria import EquilibriumNotFound as EquilibriumNotFound
-    from beammodes.equilibria import find_equilibrium as find_equilibrium
-    from beammodes.error_table import error_dataset as error_dataset
-    from beammodes.errors import frequency_error as frequency_error
-    from beammodes.errors import segments_needed as segments_needed
-    from beammodes.exact_beam import BeamModes as BeamModes
-    from beammodes.export import export_chain as export_chain
+    from beammodes.accuracy.advice import recommend as recommend
+    from beammodes.accuracy.buckling import buckling_dataset as buckling_dataset
+    from beammodes.accuracy.buckling import buckling_load as buckling_load
+    from beammodes.accuracy.comparison import SlendernessWarning as SlendernessWarning
+    from beammodes.accuracy.comparison import chain_errors as chain_errors
+    from beammodes.accuracy.comparison import theory_errors as theory_errors
+    from beammodes.accuracy.error_table import error_dataset as error_dataset
+    from beammodes.accuracy.errors import frequency_error as frequency_error
+    from beammodes.accuracy.errors import segments_needed as segments_needed
+    from beammodes.accuracy.law import error_law as error_law
+    from beammodes.accuracy.shapes import modal_assurance as modal_assurance
+    from beammodes.accuracy.shapes import shape_dataset as shape_dataset
+    from beammodes.accuracy.static_errors import static_dataset as static_dataset
+    from beammodes.accuracy.statics import beam_statics as beam_statics
+    from beammodes.accuracy.statics import chain_statics as chain_statics
+    from beammodes.auditing.audit import Audit as Audit
+    from beammodes.auditing.audit import audit_chain as audit_chain
+    from beammodes.chains.axial_rule import axially_corrected as axially_corrected
+    from beammodes.chains.chain import Chain as Chain
+    from beammodes.chains.rules import RULES as RULES
+    from beammodes.chains.rules import Rule as Rule
+    from beammodes.chains.rules import Weight as Weight
+    from beammodes.closed_form.dispersion import chain_frequency as chain_frequency
+    from beammodes.dynamics.base_motion import BaseMotion as BaseMotion
+    from beammodes.dynamics.base_motion import harmonic as harmonic
+    from beammodes.dynamics.base_motion import spin_up as spin_up
+    from beammodes.dynamics.damping import Damping as Damping
+    from beammodes.dynamics.damping_ratio import damped_modes as damped_modes
+    from beammodes.dynamics.damping_ratio import damped_time_step as damped_time_step
+    from beammodes.dynamics.damping_ratio import joint_dampers as joint_dampers
+    from beammodes.dynamics.simulation import DivergedWarning as DivergedWarning
+    from beammodes.dynamics.simulation import mode_start as mode_start
+    from beammodes.dynamics.simulation import simulate as simulate
+    from beammodes.dynamics.superposition import modal_response as modal_response
+    from beammodes.equations.numeric import compile_equations as compile_equations
+    from beammodes.equations.symbolic import equations_of_motion as equations_of_motion
+    from beammodes.equations.symbolic import symbolic_energies as symbolic_energies
+    from beammodes.equilibrium.bent_model import BentModel as BentModel
+    from beammodes.equilibrium.equilibria import Equilibrium as Equilibrium
+    from beammodes.equilibrium.equilibria import EquilibriumNotFound as EquilibriumNotFound
+    from beammodes.equilibrium.equilibria import find_equilibrium as find_equilibrium
+    from beammodes.exact.beam_theory import euler_bernoulli as euler_bernoulli
+    from beammodes.exact.exact_beam import BeamModes as BeamModes
+    from beammodes.exact.spectral_shapes import SpectralBeamModes as SpectralBeamModes
+    from beammodes.exact.supported_beam import SupportedBeamModes as SupportedBeamModes
+    from beammodes.exact.wavenumbers import wavenumber as wavenumber
+    from beammodes.exporters.chain_csv import read_chain_csv as read_chain_csv
+    from beammodes.exporters.export import export_chain as export_chain
     from beammodes.identification import stiffness_from_deflection as stiffness_from_deflection
     from beammodes.identification import stiffness_from_frequency as stiffness_from_frequency
-    from beammodes.inverse import match_springs as match_springs
-    from beammodes.inverse import matched as matched
-    from beammodes.law import error_law as error_law
-    from beammodes.linear import LinearModel as LinearModel
-    from beammodes.linear import linearize as linearize
-    from beammodes.loading import Load as Load
-    from beammodes.materials import MODULI as MODULI
-    from beammodes.materials import elastic_modulus as elastic_modulus
-    from beammodes.modes import Modes as Modes
-    from beammodes.modes import solve_modes as solve_modes
-    from beammodes.numeric import compile_equations as compile_equations
-    from beammodes.profiles import Table as Table
-    from beammodes.rules import RULES as RULES
-    from beammodes.rules import Rule as Rule
-    from beammodes.rules import Weight as Weight
-    from beammodes.sections import Box as Box
-    from beammodes.sections import Circle as Circle
-    from beammodes.sections import GivenSection as GivenSection
-    from beammodes.sections import ISection as ISection
-    from beammodes.sections import Rectangle as Rectangle
-    from beammodes.sections import Tube as Tube
-    from beammodes.sections import from_sectionproperties as from_sectionproperties
-    from beammodes.shapes import modal_assurance as modal_assurance
-    from beammodes.shapes import shape_dataset as shape_dataset
-    from beammodes.simulation import DivergedWarning as DivergedWarning
-    from beammodes.simulation import mode_start as mode_start
-    from beammodes.simulation import simulate as simulate
-    from beammodes.spectral_shapes import SpectralBeamModes as SpectralBeamModes
-    from beammodes.stability import published_time_step as published_time_step
-    from beammodes.stability import stable_time_step as stable_time_step
-    from beammodes.static_errors import static_dataset as static_dataset
-    from beammodes.statics import beam_statics as beam_statics
-    from beammodes.statics import chain_statics as chain_statics
-    from beammodes.superposition import modal_response as modal_response
-    from beammodes.supported_beam import SupportedBeamModes as SupportedBeamModes
-    from beammodes.supports import ENDS as ENDS
-    from beammodes.supports import End as End
-    from beammodes.symbolic import equations_of_motion as equations_of_motion
-    from beammodes.symbolic import symbolic_energies as symbolic_energies
-    from beammodes.tuning import mode_tuned as mode_tuned
-    from beammodes.wavenumbers import wavenumber as wavenumber
+    from beammodes.problem.beam import Beam as Beam
+    from beammodes.problem.ends import BOUNDARIES as BOUNDARIES
+    from beammodes.problem.ends import Boundary as Boundary
+    from beammodes.problem.loading import Load as Load
+    from beammodes.problem.materials import MODULI as MODULI
+    from beammodes.problem.materials import elastic_modulus as elastic_modulus
+    from beammodes.problem.profiles import Table as Table
+    from beammodes.problem.sections import Box as Box
+    from beammodes.problem.sections import Circle as Circle
+    from beammodes.problem.sections import GivenSection as GivenSection
+    from beammodes.problem.sections import ISection as ISection
+    from beammodes.problem.sections import Rectangle as Rectangle
+    from beammodes.problem.sections import Tube as Tube
+    from beammodes.problem.sections import from_sectionproperties as from_sectionproperties
+    from beammodes.problem.supports import ENDS as ENDS
+    from beammodes.problem.supports import End as End
+    from beammodes.springs.inverse import match_springs as match_springs
+    from beammodes.springs.inverse import matched as matched
+    from beammodes.springs.tuning import mode_tuned as mode_tuned
+    from beammodes.vibration.linear import LinearModel as LinearModel
+    from beammodes.vibration.linear import linearize as linearize
+    from beammodes.vibration.modes import Modes as Modes
+    from beammodes.vibration.modes import solve_modes as solve_modes
+    from beammodes.vibration.stability import published_time_step as published_time_step
+    from beammodes.vibration.stability import stable_time_step as stable_time_step
+    from beammodes.views.animation import animate as animate
 
 
 def __getattr__(name: str) -> Any:

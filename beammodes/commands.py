@@ -7,7 +7,7 @@ import math
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from beammodes.advice import Recommendation
+    from beammodes.accuracy.advice import Recommendation
 
 __all__ = [
     "Answer",
@@ -27,7 +27,7 @@ Answer = tuple[dict[str, Any], str]
 
 def answer_error(options: argparse.Namespace) -> Answer:
     """Answer the relative frequency error of one mode of a uniform chain."""
-    from beammodes.errors import frequency_error
+    from beammodes.accuracy.errors import frequency_error
 
     error: float = frequency_error(
         options.boundary,
@@ -60,10 +60,10 @@ def answer_frequencies(options: argparse.Namespace) -> Answer:
     """Answer a chain's natural frequencies beside the exact beam's."""
     import numpy as np
 
-    from beammodes.beam_theory import euler_bernoulli
-    from beammodes.errors import frequency_error
-    from beammodes.linear import linearize
-    from beammodes.modes import solve_modes
+    from beammodes.accuracy.errors import frequency_error
+    from beammodes.exact.beam_theory import euler_bernoulli
+    from beammodes.vibration.linear import linearize
+    from beammodes.vibration.modes import solve_modes
 
     chain, load = _chain(options), _load(options)
     model = linearize(chain, load=load)
@@ -119,7 +119,7 @@ def answer_springs(options: argparse.Namespace) -> Answer:
 
 def answer_buckling(options: argparse.Namespace) -> Answer:
     """Answer the compression at which a chain buckles, beside the beam's."""
-    from beammodes.buckling import buckling_load
+    from beammodes.accuracy.buckling import buckling_load
 
     chain = _chain(options)
     load, exact = buckling_load(chain), buckling_load(_beam(options), options.boundary)
@@ -133,8 +133,8 @@ def answer_buckling(options: argparse.Namespace) -> Answer:
 
 def answer_export(options: argparse.Namespace) -> Answer:
     """Write a chain to a file for a simulator, and answer which files were written."""
-    from beammodes.damping import Damping
-    from beammodes.export import export_chain
+    from beammodes.dynamics.damping import Damping
+    from beammodes.exporters.export import export_chain
 
     damping = Damping(stiffness=options.stiffness_damping) if options.stiffness_damping else None
     written = export_chain(
@@ -154,7 +154,7 @@ def answer_export(options: argparse.Namespace) -> Answer:
 
 def answer_segments(options: argparse.Namespace) -> Answer:
     """Answer how many segments a tolerance needs."""
-    from beammodes.errors import segments_needed
+    from beammodes.accuracy.errors import segments_needed
 
     count = segments_needed(options.boundary, options.tolerance, options.modes, options.rule)
     return {"segments": count}, str(count)
@@ -162,7 +162,7 @@ def answer_segments(options: argparse.Namespace) -> Answer:
 
 def answer_time_step(options: argparse.Namespace) -> Answer:
     """Answer the largest stable fixed time step of a chain."""
-    from beammodes.stability import highest_angular_frequency, stable_time_step
+    from beammodes.vibration.stability import highest_angular_frequency, stable_time_step
 
     chain = _chain(options)
     load = _load(options)
@@ -178,26 +178,26 @@ def answer_time_step(options: argparse.Namespace) -> Answer:
 
 
 def _beam(options: argparse.Namespace) -> Any:
-    from beammodes.beam import Beam
+    from beammodes.problem.beam import Beam
 
     return Beam(length=options.length, bending_stiffness=options.ei, mass_per_length=options.rho_a)
 
 
 def _load(options: argparse.Namespace) -> Any:
-    from beammodes.loading import Load
+    from beammodes.problem.loading import Load
 
     return Load(axial_force=options.axial_force)
 
 
 def _chain(options: argparse.Namespace) -> Any:
-    from beammodes.chain import Chain
+    from beammodes.chains.chain import Chain
 
     return Chain(_beam(options), options.boundary, segments=options.segments, rule=options.rule)
 
 
 def answer_recommend(options: argparse.Namespace) -> Answer:
     """Answer the rules that meet a tolerance, cheapest first."""
-    from beammodes.advice import recommend
+    from beammodes.accuracy.advice import recommend
 
     ways = recommend(
         options.boundary,

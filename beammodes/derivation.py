@@ -15,17 +15,17 @@ import scipy.linalg
 import sympy
 from numpy.typing import NDArray
 
-from beammodes.beam import Beam
-from beammodes.chain import Chain
+from beammodes.accuracy.error_table import labelled_errors
+from beammodes.chains.chain import Chain
+from beammodes.chains.rules import RuleLike, rule_named
 from beammodes.checks import whole_number
-from beammodes.ends import Boundary, BoundaryLike
-from beammodes.error_table import labelled_errors
-from beammodes.exact_beam import wavenumber
-from beammodes.linear import linearize
-from beammodes.modes import solve_modes
-from beammodes.numeric import compile_equations
-from beammodes.rules import RuleLike, rule_named
-from beammodes.symbolic import equations_of_motion
+from beammodes.equations.numeric import compile_equations
+from beammodes.equations.symbolic import equations_of_motion
+from beammodes.exact.exact_beam import wavenumber
+from beammodes.problem.beam import Beam
+from beammodes.problem.ends import Boundary, BoundaryLike
+from beammodes.vibration.linear import linearize
+from beammodes.vibration.modes import solve_modes
 
 if TYPE_CHECKING:
     import xarray

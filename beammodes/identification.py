@@ -5,12 +5,12 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 
-from beammodes.beam import Beam
-from beammodes.beam_theory import euler_bernoulli
+from beammodes.accuracy.loads import LOADS
+from beammodes.accuracy.statics import beam_statics
 from beammodes.checks import choice, positive_real, real, shown, whole_number
-from beammodes.ends import Boundary, BoundaryLike
-from beammodes.loads import LOADS
-from beammodes.statics import beam_statics
+from beammodes.exact.beam_theory import euler_bernoulli
+from beammodes.problem.beam import Beam
+from beammodes.problem.ends import Boundary, BoundaryLike
 
 __all__ = ["stiffness_from_deflection", "stiffness_from_frequency"]
 

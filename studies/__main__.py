@@ -16,7 +16,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from beammodes.files import write_atomically
-from beammodes.plots import STYLE
+from beammodes.views.plots import STYLE
 from studies import NAMES
 
 FIGURES = Path(__file__).resolve().parent.parent / "figures"

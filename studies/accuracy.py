@@ -19,8 +19,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from scipy.sparse.linalg import eigsh
 
-from beammodes.plots import COLOURS, STYLE, label_line
-from beammodes.tables import csv_table, tidy_rows
+from beammodes.views.plots import COLOURS, STYLE, label_line
+from beammodes.views.tables import csv_table, tidy_rows
 from studies import Progress
 from studies.rivals import METHODS
 

@@ -9,10 +9,10 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 import beammodes as bm
-from beammodes.exact_beam import plain_modes
-from beammodes.plots import COLOURS, GREY, STYLE, label_along, label_line
-from beammodes.superposition import pinned_shape, plucked
-from beammodes.tables import csv_table, tidy_rows
+from beammodes.dynamics.superposition import pinned_shape, plucked
+from beammodes.exact.exact_beam import plain_modes
+from beammodes.views.plots import COLOURS, GREY, STYLE, label_along, label_line
+from beammodes.views.tables import csv_table, tidy_rows
 from studies import Progress
 from studies.drawing import bold_title
 

@@ -12,13 +12,13 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 import beammodes as bm
-from beammodes.axial_rule import axially_corrected
-from beammodes.buckling import buckling_dataset, buckling_load
-from beammodes.comparison import chain_errors
-from beammodes.loading import Load
-from beammodes.plots import COLOURS, GREY, STYLE, label_along, mark_point, method_style
-from beammodes.rules import AnyRule
-from beammodes.tables import csv_table, tidy_rows
+from beammodes.accuracy.buckling import buckling_dataset, buckling_load
+from beammodes.accuracy.comparison import chain_errors
+from beammodes.chains.axial_rule import axially_corrected
+from beammodes.chains.rules import AnyRule
+from beammodes.problem.loading import Load
+from beammodes.views.plots import COLOURS, GREY, STYLE, label_along, mark_point, method_style
+from beammodes.views.tables import csv_table, tidy_rows
 from studies import Progress
 
 BOUNDARIES = ("pinned-pinned", "clamped-free")

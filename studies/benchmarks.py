@@ -26,9 +26,9 @@ from numpy.typing import NDArray
 from sympy.core.cache import clear_cache
 
 import beammodes as bm
+from beammodes.chains.rules import RULES
 from beammodes.files import write_atomically
-from beammodes.rules import RULES
-from beammodes.tables import markdown_table
+from beammodes.views.tables import markdown_table
 from studies.accuracy import beam_frequency, chain_frequency
 from studies.rivals import KANE_UNITS, MEMORY, METHODS, kane_equations, nodal_matrices, timed
 

@@ -9,8 +9,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 import beammodes as bm
-from beammodes.plots import GREY, STYLE, label_line, method_style
-from beammodes.tables import csv_table, tidy_rows
+from beammodes.views.plots import GREY, STYLE, label_line, method_style
+from beammodes.views.tables import csv_table, tidy_rows
 from studies import Progress
 from studies.largest_errors import MATCHED, MODES, ROUNDING
 

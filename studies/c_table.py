@@ -8,15 +8,15 @@ import xarray
 from matplotlib.figure import Figure
 
 import beammodes as bm
-from beammodes.plots import STYLE, label_line, plot_step_constants
-from beammodes.stability import (
+from beammodes.vibration.stability import (
     INTEGRATORS,
     ROARK_CLAMPED_CLAMPED,
     exact_constants,
     highest_angular_frequency,
     published_constants,
 )
-from beammodes.tables import csv_table, markdown_table, tidy_rows
+from beammodes.views.plots import STYLE, label_line, plot_step_constants
+from beammodes.views.tables import csv_table, markdown_table, tidy_rows
 from studies import Progress
 
 #: C as the report prints it, the one set of numbers here that is typed: it is what is to be regenerated.

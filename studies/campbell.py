@@ -13,9 +13,9 @@ from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
 import beammodes as bm
-from beammodes.loading import PLANES
-from beammodes.plots import COLOURS, GREY, STYLE, label_along, label_line, method_style
-from beammodes.tables import csv_table, tidy_rows
+from beammodes.problem.loading import PLANES
+from beammodes.views.plots import COLOURS, GREY, STYLE, label_along, label_line, method_style
+from beammodes.views.tables import csv_table, tidy_rows
 from studies import Progress
 from studies.drawing import bold_title
 

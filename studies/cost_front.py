@@ -12,9 +12,9 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 import beammodes as bm
-from beammodes.plots import GREY, STYLE, label_along, mark_exact, mark_point, method_style
-from beammodes.rules import AnyRule
-from beammodes.tables import csv_table, tidy_rows
+from beammodes.chains.rules import AnyRule
+from beammodes.views.plots import GREY, STYLE, label_along, mark_exact, mark_point, method_style
+from beammodes.views.tables import csv_table, tidy_rows
 from studies import Progress
 from studies.largest_errors import MATCHED, largest_error
 

@@ -11,7 +11,7 @@ from matplotlib.transforms import Affine2D
 from numpy.typing import ArrayLike
 
 import beammodes as bm
-from beammodes.plots import COLOURS, GREY
+from beammodes.views.plots import COLOURS, GREY
 
 __all__ = [
     "CHAIN",

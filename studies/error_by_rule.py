@@ -12,8 +12,8 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 import beammodes as bm
-from beammodes.plots import GREY, STYLE, label_along, mark_exact, mark_point, method_style
-from beammodes.tables import csv_table, tidy_rows
+from beammodes.views.plots import GREY, STYLE, label_along, mark_exact, mark_point, method_style
+from beammodes.views.tables import csv_table, tidy_rows
 from studies import Progress
 from studies.largest_errors import MATCHED, MODES, element_errors, largest_error
 

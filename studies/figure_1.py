@@ -12,10 +12,10 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Circle, FancyArrowPatch
 
 import beammodes as bm
-from beammodes.base_motion import BaseMotion, harmonic, spin_up
-from beammodes.plots import COLOURS, STYLE, label_line
-from beammodes.superposition import modal_response
-from beammodes.tables import csv_table, tidy_rows
+from beammodes.dynamics.base_motion import BaseMotion, harmonic, spin_up
+from beammodes.dynamics.superposition import modal_response
+from beammodes.views.plots import COLOURS, STYLE, label_line
+from beammodes.views.tables import csv_table, tidy_rows
 from studies import Progress
 from studies.drawing import bold_title, draw_box, draw_chain, picture
 from studies.motions import moved, repeatable

@@ -13,8 +13,8 @@ from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 
 import beammodes as bm
-from beammodes.plots import GREY, STYLE, label_along, method_style
-from beammodes.tables import csv_table, tidy_rows
+from beammodes.views.plots import GREY, STYLE, label_along, method_style
+from beammodes.views.tables import csv_table, tidy_rows
 from studies import Progress, figure_6
 from studies.drawing import CHAIN, SPRING, bold_title, draw_box, draw_chain, draw_spiral, mode_shapes, picture
 

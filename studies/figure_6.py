@@ -7,8 +7,8 @@ import xarray
 from matplotlib.figure import Figure
 
 from beammodes.derivation import derived_error_dataset
-from beammodes.plots import STYLE, label_line, plot_errors
-from beammodes.tables import csv_table, tidy_rows
+from beammodes.views.plots import STYLE, label_line, plot_errors
+from beammodes.views.tables import csv_table, tidy_rows
 from studies import Progress
 
 BOUNDARY = "clamped-free"

@@ -7,7 +7,7 @@ import scipy.linalg
 from numpy.typing import NDArray
 
 import beammodes as bm
-from beammodes.rules import AnyRule
+from beammodes.chains.rules import AnyRule
 
 __all__ = ["MATCHED", "MODES", "ROUNDING", "element_errors", "largest_error"]
 

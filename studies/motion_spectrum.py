@@ -13,9 +13,9 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 import beammodes as bm
-from beammodes.plots import COLOURS, GREY, STYLE, label_along
-from beammodes.simulation import mode_start
-from beammodes.tables import csv_table, tidy_rows
+from beammodes.dynamics.simulation import mode_start
+from beammodes.views.plots import COLOURS, GREY, STYLE, label_along
+from beammodes.views.tables import csv_table, tidy_rows
 from studies import Progress
 from studies.drawing import bold_title
 from studies.motions import moved, repeatable

@@ -10,7 +10,7 @@ import xarray
 from numpy.typing import ArrayLike, NDArray
 
 import beammodes as bm
-from beammodes.simulation import simulate
+from beammodes.dynamics.simulation import simulate
 
 __all__ = ["moved", "repeatable"]
 

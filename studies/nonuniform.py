@@ -12,10 +12,10 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 import beammodes as bm
-from beammodes.comparison import chain_errors
-from beammodes.plots import COLOURS, GREY, STYLE, label_along, method_style
-from beammodes.profiles import Table, value_at
-from beammodes.tables import csv_table, tidy_rows
+from beammodes.accuracy.comparison import chain_errors
+from beammodes.problem.profiles import Table, value_at
+from beammodes.views.plots import COLOURS, GREY, STYLE, label_along, method_style
+from beammodes.views.tables import csv_table, tidy_rows
 from studies import Progress
 
 BOUNDARY, RULES = "clamped-free", ("mitiguy", "gregory")

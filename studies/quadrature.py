@@ -11,8 +11,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 import beammodes as bm
-from beammodes.plots import COLOURS, STYLE
-from beammodes.tables import csv_table, tidy_rows
+from beammodes.views.plots import COLOURS, STYLE
+from beammodes.views.tables import csv_table, tidy_rows
 from studies import Progress
 
 BOUNDARY, SEGMENTS = "clamped-free", 6

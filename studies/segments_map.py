@@ -9,8 +9,8 @@ from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 
 import beammodes as bm
-from beammodes.plots import GREY, NUMBER_MAP, STYLE, plot_number_map
-from beammodes.tables import csv_table, tidy_rows
+from beammodes.views.plots import GREY, NUMBER_MAP, STYLE, plot_number_map
+from beammodes.views.tables import csv_table, tidy_rows
 from studies import Progress
 from studies.largest_errors import MATCHED, MODES
 

@@ -11,9 +11,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 import beammodes as bm
-from beammodes.animation import film_bytes, film_of, plot_motion, seen_from
-from beammodes.plots import COLOURS, STYLE
-from beammodes.tables import csv_table, tidy_rows
+from beammodes.views.animation import film_bytes, film_of, plot_motion, seen_from
+from beammodes.views.plots import COLOURS, STYLE
+from beammodes.views.tables import csv_table, tidy_rows
 from studies import Progress
 from studies.drawing import bold_title
 from studies.figure_1 import AT, BEAM, BOUNDARY, LARGEST, MOTIONS

@@ -13,11 +13,9 @@ from matplotlib.figure import Figure
 from matplotlib.patheffects import withStroke
 
 import beammodes as bm
-from beammodes.integrators import Stepper, runge_kutta
-from beammodes.plots import COLOURS, GREY, STYLE
-from beammodes.simulation import mode_start
-from beammodes.stability import published_constants
-from beammodes.step_study import (
+from beammodes.dynamics.integrators import Stepper, runge_kutta
+from beammodes.dynamics.simulation import mode_start
+from beammodes.dynamics.step_study import (
     ANALYSED,
     SAFE_CONSTANT,
     accuracy_limit,
@@ -27,7 +25,9 @@ from beammodes.step_study import (
     step_constants,
     variable_step_cost,
 )
-from beammodes.tables import csv_table, markdown_table, tidy_rows
+from beammodes.vibration.stability import published_constants
+from beammodes.views.plots import COLOURS, GREY, STYLE
+from beammodes.views.tables import csv_table, markdown_table, tidy_rows
 from studies import Progress
 
 BOUNDARIES = ("clamped-free", "clamped-clamped")

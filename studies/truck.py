@@ -10,8 +10,8 @@ from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 
 import beammodes as bm
-from beammodes.plots import COLOURS, GREY, STYLE
-from beammodes.tables import csv_table, tidy_rows
+from beammodes.views.plots import COLOURS, GREY, STYLE
+from beammodes.views.tables import csv_table, tidy_rows
 from studies import Progress
 from studies.drawing import CHAIN, bold_title, draw_box, draw_chain, draw_coil, mode_shapes, picture
 

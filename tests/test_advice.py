@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import beammodes as bm
-from beammodes.advice import MOST_SEGMENTS
+from beammodes.accuracy.advice import MOST_SEGMENTS
 
 
 @pytest.mark.parametrize("boundary", ["clamped-free", "clamped-clamped", "pinned-free", "free-guided"])

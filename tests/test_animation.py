@@ -12,11 +12,11 @@ from matplotlib.animation import FFMpegWriter, FuncAnimation
 from matplotlib.figure import Figure
 from PIL import Image
 
-from beammodes.animation import animate, plot_motion, seen_from
-from beammodes.base_motion import BaseMotion, spin_up
-from beammodes.beam import Beam
-from beammodes.chain import Chain
-from beammodes.simulation import mode_start, simulate
+from beammodes.chains.chain import Chain
+from beammodes.dynamics.base_motion import BaseMotion, spin_up
+from beammodes.dynamics.simulation import mode_start, simulate
+from beammodes.problem.beam import Beam
+from beammodes.views.animation import animate, plot_motion, seen_from
 
 BASE = BaseMotion(angle=spin_up(2.0, 1.0), hub_radius=0.3)
 

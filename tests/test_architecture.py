@@ -21,7 +21,28 @@ import beammodes
 
 PACKAGE = Path(beammodes.__file__).parent
 ROOT = Path(__file__).parents[1]
-FILES = {path.stem: path for path in sorted(PACKAGE.glob("*.py"))}
+FOLDERS = sorted(path.parent for path in PACKAGE.glob("*/__init__.py"))
+FILES = {
+    path.stem: path
+    for path in sorted(PACKAGE.rglob("*.py"))
+    if path.parent == PACKAGE or path.stem != "__init__"
+}
+# Each folder uses only those before it; the files beside them come first or last.
+ORDER = [
+    "problem",
+    "exact",
+    "chains",
+    "equations",
+    "equilibrium",
+    "vibration",
+    "closed_form",
+    "accuracy",
+    "springs",
+    "dynamics",
+    "exporters",
+    "auditing",
+    "views",
+]
 EVERY_FILE = pytest.mark.parametrize("stem", FILES)
 HEAVY = {"matplotlib", "xarray", "sympy", "casadi", "scipy"}
 # Modules that exist for the sake of these libraries; all others load them when they are first needed.
@@ -66,8 +87,13 @@ def imports(stem: str, *, inside_functions: bool = True) -> set[str]:
 
 def rooms(stem: str) -> set[str]:
     """The files of the package that a file imports; a name of the package itself comes from __init__."""
-    names = {name.split(".")[1] for name in imports(stem) if name.startswith("beammodes.")}
-    return {name if name in FILES else "__init__" for name in names}
+    names = [name.split(".") for name in imports(stem) if name.startswith("beammodes.")]
+    return {next((part for part in reversed(parts) if part in FILES), "__init__") for parts in names}
+
+
+def module(stem: str) -> str:
+    """A file's dotted name."""
+    return ".".join(["beammodes", *FILES[stem].relative_to(PACKAGE).with_suffix("").parts])
 
 
 def test_the_reader_of_imports_reads_imports() -> None:
@@ -81,6 +107,26 @@ def test_no_import_cycle() -> None:
     graph = {stem: rooms(stem) for stem in FILES}
     order = list(graphlib.TopologicalSorter(graph).static_order())  # raises CycleError and names the cycle
     assert order.index("beam") < order.index("chain") < order.index("linear") < order.index("__main__")
+
+
+def test_folders_use_only_those_above_them() -> None:
+    assert {folder.name for folder in FOLDERS} == set(ORDER)
+    for stem in FILES:
+        folder = FILES[stem].parent.name
+        if folder in ORDER:
+            used = {FILES[other].parent.name for other in rooms(stem)} - {PACKAGE.name}
+            assert used <= set(ORDER[: ORDER.index(folder) + 1]), stem
+
+
+def test_no_two_files_share_a_name() -> None:
+    stems = [path.stem for path in PACKAGE.rglob("*.py") if path.stem != "__init__"]
+    assert len(stems) == len(set(stems))
+
+
+@pytest.mark.parametrize("folder", ORDER)
+def test_a_folder_says_what_it_owns_and_holds_nothing_of_its_own(folder: str) -> None:
+    code = ast.parse((PACKAGE / folder / "__init__.py").read_text(encoding="utf-8"))
+    assert ast.get_docstring(code) and len(code.body) == 1
 
 
 def test_the_exact_beam_shares_no_code_with_the_chain() -> None:
@@ -156,15 +202,15 @@ def test_what_no_file_contains(stem: str, pattern: str) -> None:
 
 @EVERY_FILE
 def test_every_file_says_what_it_owns_and_what_is_public(stem: str) -> None:
-    module = beammodes if stem == "__init__" else import_module(f"beammodes.{stem}")
+    loaded = beammodes if stem == "__init__" else import_module(module(stem))
     assert ast.get_docstring(tree(stem))
-    assert module.__all__
-    assert all(hasattr(module, name) for name in module.__all__)
+    assert loaded.__all__
+    assert all(hasattr(loaded, name) for name in loaded.__all__)
 
 
 def test_no_public_name_is_a_files_name() -> None:
     # design.md seam 7: with lazy imports the second access would return the module.
-    assert set(beammodes.__all__) & set(FILES) == set()
+    assert set(beammodes.__all__) & {*FILES, *ORDER} == set()
 
 
 @pytest.mark.parametrize("name", beammodes.__all__)
@@ -200,13 +246,13 @@ def test_lazy_names_are_those_that_type_checkers_see() -> None:
 
 @pytest.mark.parametrize(("name", "stem"), beammodes._HOME.items())
 def test_lazy_names_are_public_at_home(name: str, stem: str) -> None:
-    module = import_module(f"beammodes.{stem}")
-    assert name in module.__all__
-    assert getattr(beammodes, name) is getattr(module, name)
+    home = import_module(f"beammodes.{stem}")
+    assert name in home.__all__
+    assert getattr(beammodes, name) is getattr(home, name)
 
 
 def test_importing_changes_no_matplotlib_settings(tmp_path: Path) -> None:
-    modules = [f"beammodes.{stem}" for stem in FILES if not stem.startswith("__")]
+    modules = [module(stem) for stem in FILES if not stem.startswith("__")]
     program = (
         "import importlib, matplotlib\n"
         "before = dict(matplotlib.rcParams.copy())\n"

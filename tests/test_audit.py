@@ -7,12 +7,12 @@ from typing import Any
 import numpy as np
 import pytest
 
-from beammodes.audit import UNKNOWN, Audit, audit_chain
-from beammodes.beam import Beam
-from beammodes.chain import Chain
-from beammodes.comparison import chain_errors
-from beammodes.errors import frequency_error
-from beammodes.rules import RULES
+from beammodes.accuracy.comparison import chain_errors
+from beammodes.accuracy.errors import frequency_error
+from beammodes.auditing.audit import UNKNOWN, Audit, audit_chain
+from beammodes.chains.chain import Chain
+from beammodes.chains.rules import RULES
+from beammodes.problem.beam import Beam
 
 BEAM = Beam(length=1.2, bending_stiffness=85.0, mass_per_length=0.62)
 

@@ -14,17 +14,17 @@ import sympy
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from beammodes.axial_rule import axially_corrected
-from beammodes.beam import Beam
-from beammodes.buckling import buckling_dataset, buckling_load
-from beammodes.chain import Chain
-from beammodes.ends import Boundary, End
-from beammodes.linear import linearize
-from beammodes.loading import Load
-from beammodes.modes import solve_modes
-from beammodes.nodal import nodal_matrices
-from beammodes.rules import RULES
-from beammodes.symbolic import equations_of_motion, symbolic_energies
+from beammodes.accuracy.buckling import buckling_dataset, buckling_load
+from beammodes.chains.axial_rule import axially_corrected
+from beammodes.chains.chain import Chain
+from beammodes.chains.rules import RULES
+from beammodes.equations.symbolic import equations_of_motion, symbolic_energies
+from beammodes.problem.beam import Beam
+from beammodes.problem.ends import Boundary, End
+from beammodes.problem.loading import Load
+from beammodes.vibration.linear import linearize
+from beammodes.vibration.modes import solve_modes
+from beammodes.vibration.nodal import nodal_matrices
 
 INF, F = math.inf, Fraction
 UNIT = Beam.unit()

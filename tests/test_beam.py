@@ -13,9 +13,9 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from beammodes.beam import Beam
 from beammodes.checks import shown
-from beammodes.profiles import Table
+from beammodes.problem.beam import Beam
+from beammodes.problem.profiles import Table
 
 FIELDS = ("length", "bending_stiffness", "mass_per_length")
 BAD_TYPES = [None, True, "1.2", "six", 1j, [1.2], (1.2,), np.array(1.2), b"1", object()]

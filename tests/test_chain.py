@@ -12,11 +12,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from beammodes.beam import Beam
-from beammodes.chain import MAX_PIECES, Chain
+from beammodes.chains.chain import MAX_PIECES, Chain
+from beammodes.chains.rules import RULES, Rule, Weight
 from beammodes.checks import shown
-from beammodes.ends import ENDS, Boundary
-from beammodes.rules import RULES, Rule, Weight
+from beammodes.problem.beam import Beam
+from beammodes.problem.ends import ENDS, Boundary
 
 BEAM = Beam(length=1.2, bending_stiffness=85.0, mass_per_length=0.62)
 PAIRS = [f"{a}-{b}" for a in ENDS for b in ENDS]

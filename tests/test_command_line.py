@@ -401,8 +401,8 @@ def test_plain_import_takes_nothing_along(tmp_path: Path) -> None:
 
 
 def test_ends_with_numbers_and_an_axial_force(capsys: pytest.CaptureFixture[str]) -> None:
-    from beammodes.errors import frequency_error
-    from beammodes.loading import Load
+    from beammodes.accuracy.errors import frequency_error
+    from beammodes.problem.loading import Load
 
     pair = "clamped-free(mass=0.5, rotary_inertia=0.01)"
     found = Ran(["error", pair, "--segments", "6", "--axial-force", "2", "--json"], capsys).json

@@ -11,15 +11,15 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from beammodes.beam import Beam
-from beammodes.chain import Chain
+from beammodes.chains.chain import Chain
 from beammodes.checks import shown
-from beammodes.damping import Damping
-from beammodes.damping_ratio import damped_modes, damped_time_step, joint_dampers, runge_kutta_limit
-from beammodes.linear import linearize
-from beammodes.modes import solve_modes
-from beammodes.simulation import DivergedWarning, mode_start, simulate
-from beammodes.stability import INTEGRATORS, stable_time_step
+from beammodes.dynamics.damping import Damping
+from beammodes.dynamics.damping_ratio import damped_modes, damped_time_step, joint_dampers, runge_kutta_limit
+from beammodes.dynamics.simulation import DivergedWarning, mode_start, simulate
+from beammodes.problem.beam import Beam
+from beammodes.vibration.linear import linearize
+from beammodes.vibration.modes import solve_modes
+from beammodes.vibration.stability import INTEGRATORS, stable_time_step
 
 UNIT = Beam.unit()
 SPRUNG = "pinned(rotational_stiffness=3)-free(translational_stiffness=5, mass=0.2, rotary_inertia=0.01)"

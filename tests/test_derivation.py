@@ -9,10 +9,10 @@ import pytest
 import sympy
 
 from beammodes import derivation
-from beammodes.beam import Beam
-from beammodes.chain import Chain
+from beammodes.chains.chain import Chain
+from beammodes.chains.rules import RULES
 from beammodes.derivation import derived_error_dataset, wall_spring_weight
-from beammodes.rules import RULES
+from beammodes.problem.beam import Beam
 
 
 def test_wall_spring_is_the_reports() -> None:

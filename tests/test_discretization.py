@@ -11,11 +11,11 @@ import mpmath as mp
 import numpy as np
 import pytest
 
-from beammodes.discretization import relative_error
-from beammodes.dispersion import chain_frequency
-from beammodes.ends import BOUNDARIES, Boundary, End
-from beammodes.lookup import MAX_SEGMENTS
-from beammodes.rules import RULES, Rule, Weight
+from beammodes.chains.rules import RULES, Rule, Weight
+from beammodes.closed_form.discretization import relative_error
+from beammodes.closed_form.dispersion import chain_frequency
+from beammodes.closed_form.lookup import MAX_SEGMENTS
+from beammodes.problem.ends import BOUNDARIES, Boundary, End
 
 HALF = Fraction(1, 2)
 

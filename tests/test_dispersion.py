@@ -11,11 +11,11 @@ import pytest
 import scipy.linalg
 from numpy.typing import NDArray
 
-from beammodes.discretization import relative_error
-from beammodes.dispersion import chain_frequency
-from beammodes.ends import BOUNDARIES, Boundary
-from beammodes.exact_beam import wavenumber
-from beammodes.rules import RULES, Rule, Weight
+from beammodes.chains.rules import RULES, Rule, Weight
+from beammodes.closed_form.discretization import relative_error
+from beammodes.closed_form.dispersion import chain_frequency
+from beammodes.exact.exact_beam import wavenumber
+from beammodes.problem.ends import BOUNDARIES, Boundary
 
 
 def rule_of(name: str, clamped: list[str], guided: list[str], stub: str = "0", inertia: str = "1/12") -> Rule:

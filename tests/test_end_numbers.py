@@ -8,16 +8,16 @@ from typing import Any
 import numpy as np
 import pytest
 
-from beammodes.beam import Beam
-from beammodes.beam_theory import euler_bernoulli
-from beammodes.chain import Chain
-from beammodes.end_numbers import NUMBERS, in_beam_units
-from beammodes.ends import Boundary
-from beammodes.error_table import error_dataset
-from beammodes.errors import frequency_error, segments_needed
-from beammodes.linear import linearize
-from beammodes.loading import Load
-from beammodes.modes import solve_modes
+from beammodes.accuracy.end_numbers import NUMBERS, in_beam_units
+from beammodes.accuracy.error_table import error_dataset
+from beammodes.accuracy.errors import frequency_error, segments_needed
+from beammodes.chains.chain import Chain
+from beammodes.exact.beam_theory import euler_bernoulli
+from beammodes.problem.beam import Beam
+from beammodes.problem.ends import Boundary
+from beammodes.problem.loading import Load
+from beammodes.vibration.linear import linearize
+from beammodes.vibration.modes import solve_modes
 
 
 def test_numbers_are_dimensions_between_boundary_and_segments() -> None:

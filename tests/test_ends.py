@@ -12,7 +12,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from beammodes.ends import BOUNDARIES, ENDS, Boundary, End, boundary_codes
+from beammodes.problem.ends import BOUNDARIES, ENDS, Boundary, End, boundary_codes
 
 # physics.md section 2: ten unordered pairs; design.md seam 5: the firmer end first, in the order
 # clamped, pinned, guided, free.

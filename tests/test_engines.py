@@ -15,14 +15,14 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from beammodes.beam import Beam
-from beammodes.chain import Chain
-from beammodes.damping import Damping
-from beammodes.ends import BoundaryLike, End
-from beammodes.export import export_chain
-from beammodes.linear import linearize
-from beammodes.mjcf import MAX_BODIES
-from beammodes.modes import solve_modes
+from beammodes.chains.chain import Chain
+from beammodes.dynamics.damping import Damping
+from beammodes.exporters.export import export_chain
+from beammodes.exporters.mjcf import MAX_BODIES
+from beammodes.problem.beam import Beam
+from beammodes.problem.ends import BoundaryLike, End
+from beammodes.vibration.linear import linearize
+from beammodes.vibration.modes import solve_modes
 
 Array = NDArray[np.float64]
 

@@ -12,19 +12,19 @@ from scipy.integrate import solve_bvp
 from scipy.optimize import brentq
 from scipy.special import ellipe, ellipk
 
-from beammodes.beam import Beam
-from beammodes.bent_model import BentModel
-from beammodes.buckling import buckling_load
-from beammodes.chain import Chain
-from beammodes.coordinates import coordinate_names
-from beammodes.ends import BOUNDARIES
-from beammodes.equilibria import Equilibrium, EquilibriumNotFound, find_equilibrium
-from beammodes.linear import linearize
-from beammodes.loading import Load
-from beammodes.mechanics import Algebra, energies
-from beammodes.modes import solve_modes
-from beammodes.numeric import compile_equations
-from beammodes.supports import End
+from beammodes.accuracy.buckling import buckling_load
+from beammodes.chains.chain import Chain
+from beammodes.equations.coordinates import coordinate_names
+from beammodes.equations.mechanics import Algebra, energies
+from beammodes.equations.numeric import compile_equations
+from beammodes.equilibrium.bent_model import BentModel
+from beammodes.equilibrium.equilibria import Equilibrium, EquilibriumNotFound, find_equilibrium
+from beammodes.problem.beam import Beam
+from beammodes.problem.ends import BOUNDARIES
+from beammodes.problem.loading import Load
+from beammodes.problem.supports import End
+from beammodes.vibration.linear import linearize
+from beammodes.vibration.modes import solve_modes
 
 BEAM = Beam(1.3, 2.0, 0.7)
 EVERY_LOAD = Load(

@@ -12,8 +12,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import beammodes as bm
-from beammodes.ends import BOUNDARIES
-from beammodes.rules import RULES
+from beammodes.chains.rules import RULES
+from beammodes.problem.ends import BOUNDARIES
 
 PAIRS = [pair.name for pair in BOUNDARIES]
 

@@ -9,9 +9,9 @@ from typing import Any
 import mpmath as mp
 import pytest
 
-from beammodes.beam import Beam
-from beammodes.ends import ENDS, Boundary, End
-from beammodes.euler_buckling import critical_compression
+from beammodes.exact.euler_buckling import critical_compression
+from beammodes.problem.beam import Beam
+from beammodes.problem.ends import ENDS, Boundary, End
 
 UNIT = Beam.unit()
 

@@ -12,10 +12,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from beammodes.beam import Beam
-from beammodes.beam_theory import euler_bernoulli
-from beammodes.ends import BOUNDARIES, ENDS, Boundary
-from beammodes.exact_beam import BeamModes, wavenumber, wavenumber_of_code
+from beammodes.exact.beam_theory import euler_bernoulli
+from beammodes.exact.exact_beam import BeamModes, wavenumber, wavenumber_of_code
+from beammodes.problem.beam import Beam
+from beammodes.problem.ends import BOUNDARIES, ENDS, Boundary
 
 BEAM = Beam(length=1.7, bending_stiffness=83.0, mass_per_length=0.45)
 PAIRS = [pair.name for pair in BOUNDARIES]

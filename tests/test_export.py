@@ -16,17 +16,17 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from beammodes import __version__
-from beammodes.beam import Beam
-from beammodes.chain import Chain
-from beammodes.chain_csv import csv_lines, read_chain_csv
-from beammodes.damping import Damping
-from beammodes.ends import End
-from beammodes.export import FORMATS, export_chain
-from beammodes.linear import linearize
-from beammodes.modes import solve_modes
-from beammodes.planar_tree import links, planar_tree
-from beammodes.rules import RULES
-from beammodes.stability import stable_time_step
+from beammodes.chains.chain import Chain
+from beammodes.chains.rules import RULES
+from beammodes.dynamics.damping import Damping
+from beammodes.exporters.chain_csv import csv_lines, read_chain_csv
+from beammodes.exporters.export import FORMATS, export_chain
+from beammodes.exporters.planar_tree import links, planar_tree
+from beammodes.problem.beam import Beam
+from beammodes.problem.ends import End
+from beammodes.vibration.linear import linearize
+from beammodes.vibration.modes import solve_modes
+from beammodes.vibration.stability import stable_time_step
 
 BEAM = Beam(1.2, 85.0, 0.62)
 CHAIN = Chain(BEAM, "clamped-free", segments=4, rule="gregory")

@@ -10,19 +10,19 @@ import numpy as np
 import pytest
 import sympy
 
-from beammodes.base_motion import BaseMotion, harmonic
-from beammodes.beam import Beam
-from beammodes.chain import Chain
-from beammodes.coordinates import coordinate_names, moving_pieces, tip_names
-from beammodes.damping import Damping
-from beammodes.ends import ENDS
-from beammodes.forward_dynamics import base_vector, forward_dynamics
-from beammodes.linear import linearize
-from beammodes.loading import Load
-from beammodes.mechanics import Algebra, energies
-from beammodes.modes import solve_modes
-from beammodes.numeric import compile_equations
-from beammodes.rules import RULES
+from beammodes.chains.chain import Chain
+from beammodes.chains.rules import RULES
+from beammodes.dynamics.base_motion import BaseMotion, harmonic
+from beammodes.dynamics.damping import Damping
+from beammodes.dynamics.forward_dynamics import base_vector, forward_dynamics
+from beammodes.equations.coordinates import coordinate_names, moving_pieces, tip_names
+from beammodes.equations.mechanics import Algebra, energies
+from beammodes.equations.numeric import compile_equations
+from beammodes.problem.beam import Beam
+from beammodes.problem.ends import ENDS
+from beammodes.problem.loading import Load
+from beammodes.vibration.linear import linearize
+from beammodes.vibration.modes import solve_modes
 
 Array = np.ndarray
 

@@ -9,13 +9,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from beammodes.beam import Beam
-from beammodes.beam_theory import euler_bernoulli
+from beammodes.accuracy.statics import beam_statics
 from beammodes.checks import shown
-from beammodes.ends import BOUNDARIES
+from beammodes.exact.beam_theory import euler_bernoulli
 from beammodes.identification import stiffness_from_deflection, stiffness_from_frequency
-from beammodes.sections import Rectangle
-from beammodes.statics import beam_statics
+from beammodes.problem.beam import Beam
+from beammodes.problem.ends import BOUNDARIES
+from beammodes.problem.sections import Rectangle
 
 SPAN: dict[str, Any] = {"length": 1.2, "mass_per_length": 0.62}
 NAMES = [pair.name for pair in BOUNDARIES]

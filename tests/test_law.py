@@ -10,17 +10,17 @@ import numpy as np
 import pytest
 import sympy
 
-from beammodes.beam import Beam
-from beammodes.beam_theory import euler_bernoulli
-from beammodes.chain import Chain
-from beammodes.discretization import relative_error
-from beammodes.ends import BOUNDARIES, ENDS
-from beammodes.exact_beam import wavenumber
-from beammodes.law import _slope_energy, end_defects, error_law, interior_coefficient
-from beammodes.linear import linearize
-from beammodes.modes import solve_modes
-from beammodes.rule_records import MAX_END_WEIGHTS
-from beammodes.rules import RULES, Weight
+from beammodes.accuracy.law import _slope_energy, end_defects, error_law, interior_coefficient
+from beammodes.chains.chain import Chain
+from beammodes.chains.rule_records import MAX_END_WEIGHTS
+from beammodes.chains.rules import RULES, Weight
+from beammodes.closed_form.discretization import relative_error
+from beammodes.exact.beam_theory import euler_bernoulli
+from beammodes.exact.exact_beam import wavenumber
+from beammodes.problem.beam import Beam
+from beammodes.problem.ends import BOUNDARIES, ENDS
+from beammodes.vibration.linear import linearize
+from beammodes.vibration.modes import solve_modes
 
 PAIRS = [pair.name for pair in BOUNDARIES]
 

@@ -11,15 +11,15 @@ from typing import Any
 import numpy as np
 import pytest
 
-from beammodes.axial_rule import axially_corrected
-from beammodes.beam import Beam
-from beammodes.chain import Chain
-from beammodes.linear import linearize
-from beammodes.loading import Load, checked_load
-from beammodes.numeric import compile_equations
-from beammodes.rules import RULES
-from beammodes.symbolic import equations_of_motion, symbolic_energies
-from beammodes.units import ExactUnits
+from beammodes.chains.axial_rule import axially_corrected
+from beammodes.chains.chain import Chain
+from beammodes.chains.rules import RULES
+from beammodes.chains.units import ExactUnits
+from beammodes.equations.numeric import compile_equations
+from beammodes.equations.symbolic import equations_of_motion, symbolic_energies
+from beammodes.problem.beam import Beam
+from beammodes.problem.loading import Load, checked_load
+from beammodes.vibration.linear import linearize
 
 CHAIN = Chain(Beam.unit(), "clamped-free", segments=2)
 

@@ -13,7 +13,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from beammodes.checks import shown
-from beammodes.materials import MODULI, PASCALS, Modulus, elastic_modulus
+from beammodes.problem.materials import MODULI, PASCALS, Modulus, elastic_modulus
 
 # The seven lines of the scanned report, letter by letter.
 SCAN = """\

@@ -9,14 +9,14 @@ import mpmath
 import numpy as np
 import pytest
 
-from beammodes import modes as modes_module
-from beammodes.beam import Beam
-from beammodes.beam_theory import euler_bernoulli
-from beammodes.chain import Chain
-from beammodes.ends import BOUNDARIES, ENDS, Boundary
-from beammodes.linear import MAX_ASSEMBLED, linearize
-from beammodes.modes import solve_modes
-from beammodes.rules import RULES
+from beammodes.chains.chain import Chain
+from beammodes.chains.rules import RULES
+from beammodes.exact.beam_theory import euler_bernoulli
+from beammodes.problem.beam import Beam
+from beammodes.problem.ends import BOUNDARIES, ENDS, Boundary
+from beammodes.vibration import modes as modes_module
+from beammodes.vibration.linear import MAX_ASSEMBLED, linearize
+from beammodes.vibration.modes import solve_modes
 
 Exact = Callable[[Chain], list[mpmath.mpf]]
 

@@ -12,9 +12,9 @@ import pytest
 from PIL import Image
 
 import beammodes as bm
-from beammodes.base_motion import BaseMotion, harmonic, spin_up
-from beammodes.exact_beam import plain_modes
-from beammodes.superposition import modal_response, pinned_shape, plucked
+from beammodes.dynamics.base_motion import BaseMotion, harmonic, spin_up
+from beammodes.dynamics.superposition import modal_response, pinned_shape, plucked
+from beammodes.exact.exact_beam import plain_modes
 from studies import motion_spectrum
 from studies.motions import moved, repeatable
 

@@ -13,7 +13,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from beammodes.profiles import Table, mean_over, mean_reciprocal, moments, profile_breaks, value_at
+from beammodes.problem.profiles import Table, mean_over, mean_reciprocal, moments, profile_breaks, value_at
 
 STEPPED = Table((0.0, 0.5, 0.5, 1.2, 2.0), (1.0, 2.0, 4.0, 4.0, 3.0))
 

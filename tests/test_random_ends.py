@@ -9,16 +9,16 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from beammodes.beam import Beam
-from beammodes.beam_theory import euler_bernoulli
-from beammodes.chain import Chain
-from beammodes.ends import Boundary
-from beammodes.errors import frequency_error
-from beammodes.linear import linearize
-from beammodes.loading import Load
-from beammodes.modes import solve_modes
-from beammodes.spectral_beam import spectral_modes
-from beammodes.supports import End
+from beammodes.accuracy.errors import frequency_error
+from beammodes.chains.chain import Chain
+from beammodes.exact.beam_theory import euler_bernoulli
+from beammodes.exact.spectral_beam import spectral_modes
+from beammodes.problem.beam import Beam
+from beammodes.problem.ends import Boundary
+from beammodes.problem.loading import Load
+from beammodes.problem.supports import End
+from beammodes.vibration.linear import linearize
+from beammodes.vibration.modes import solve_modes
 
 # Springs over twelve decades, masses over six, in EI/L³, EI/L and ρAL; each of them may be missing or hold.
 SPRINGS = st.one_of(st.sampled_from([0.0, math.inf]), st.floats(-6, 6).map(lambda p: 10.0**p))

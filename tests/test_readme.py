@@ -46,8 +46,14 @@ def test_pictures_and_links_exist() -> None:
 
 
 def test_the_map_names_every_module() -> None:
-    modules = {path.name for path in (ROOT / "beammodes").glob("*.py")} - {"__init__.py", "checks.py"}
-    assert modules <= set(re.findall(r"`(\w+\.py)`", README))
+    rows = re.findall(r"^\| `(\w+)/` \| [^|]* \| ([^|]*) \|$", README, flags=re.MULTILINE)
+    mapped = {folder: sorted(re.findall(r"`(\w+)`", files)) for folder, files in rows}
+    assert mapped == {
+        folder.parent.name: sorted({path.stem for path in folder.parent.glob("*.py")} - {"__init__"})
+        for folder in (ROOT / "beammodes").glob("*/__init__.py")
+    }
+    beside = {path.name for path in (ROOT / "beammodes").glob("*.py")} - {"__init__.py"}
+    assert beside <= set(re.findall(r"`(\w+\.py)`", README))
 
 
 def test_set_up_commands_are_one_line_each_and_the_continuous_check_calls_the_test_one() -> None:

@@ -14,20 +14,20 @@ import sympy
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from beammodes import modes as modes_module
-from beammodes.beam import Beam
-from beammodes.buckling import buckling_load
-from beammodes.chain import Chain
-from beammodes.coordinates import coordinate_names
-from beammodes.ends import ENDS, Boundary, End
-from beammodes.linear import linearize
-from beammodes.loading import Load
-from beammodes.modes import Modes, solve_modes
-from beammodes.nodal import nodal_deflections, nodal_matrices
-from beammodes.numeric import compile_equations
-from beammodes.rules import RULES
-from beammodes.stability import highest_angular_frequency
-from beammodes.symbolic import equations_of_motion, symbolic_energies
+from beammodes.accuracy.buckling import buckling_load
+from beammodes.chains.chain import Chain
+from beammodes.chains.rules import RULES
+from beammodes.equations.coordinates import coordinate_names
+from beammodes.equations.numeric import compile_equations
+from beammodes.equations.symbolic import equations_of_motion, symbolic_energies
+from beammodes.problem.beam import Beam
+from beammodes.problem.ends import ENDS, Boundary, End
+from beammodes.problem.loading import Load
+from beammodes.vibration import modes as modes_module
+from beammodes.vibration.linear import linearize
+from beammodes.vibration.modes import Modes, solve_modes
+from beammodes.vibration.nodal import nodal_deflections, nodal_matrices
+from beammodes.vibration.stability import highest_angular_frequency
 
 INF, F = math.inf, Fraction
 BEAM = Beam(1.3, 2.0, 0.7)
@@ -361,7 +361,7 @@ def test_more_than_five_hundred_hinges_with_springs_and_bodies_under_tension(
 )
 def test_chains_about_as_long_as_the_dense_solver_takes(pair: Any, monkeypatch: pytest.MonkeyPatch) -> None:
     for module in ("modes", "stability"):
-        monkeypatch.setattr(f"beammodes.{module}.MAX_DENSE", 30)
+        monkeypatch.setattr(f"beammodes.vibration.{module}.MAX_DENSE", 30)
     for segments in (27, 28, 29, 30, 31):
         chain = Chain(Beam.unit(), pair, segments, "half_stub")
         assert highest_angular_frequency(chain) >= top_frequency(chain) * (1 - 1e-9)
@@ -381,7 +381,7 @@ def top_frequency(chain: Chain, load: Load | None = None) -> float:
 def test_the_bound_on_the_highest_frequency_holds_with_springs_bodies_and_centres(
     force: float, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("beammodes.stability.MAX_DENSE", 0)
+    monkeypatch.setattr("beammodes.vibration.stability.MAX_DENSE", 0)
     generator = np.random.default_rng(7)
     for _ in range(60):
         pieces = int(generator.integers(2, 9))

@@ -13,13 +13,13 @@ import scipy.integrate
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from beammodes.beam import Beam
-from beammodes.chain import Chain
-from beammodes.ends import End
-from beammodes.linear import linearize
-from beammodes.modes import solve_modes
-from beammodes.profiles import Table
-from beammodes.rules import RULES
+from beammodes.chains.chain import Chain
+from beammodes.chains.rules import RULES
+from beammodes.problem.beam import Beam
+from beammodes.problem.ends import End
+from beammodes.problem.profiles import Table
+from beammodes.vibration.linear import linearize
+from beammodes.vibration.modes import solve_modes
 
 LENGTH = 1.5
 KINKED = Table((0.0, 0.4, 0.4, 1.1, LENGTH), (3.0, 2.0, 1.0, 1.5, 0.5))

@@ -12,8 +12,8 @@ import sympy
 from hypothesis import given
 from hypothesis import strategies as st
 
-from beammodes.ends import BOUNDARIES, ENDS, Boundary
-from beammodes.rules import RULES, Rule, Weight, rule_named
+from beammodes.chains.rules import RULES, Rule, Weight, rule_named
+from beammodes.problem.ends import BOUNDARIES, ENDS, Boundary
 
 PAIRS = [f"{a}-{b}" for a in ENDS for b in ENDS]
 SEGMENTS = (1, 2, 3, 4, 5, 7, 12, 50)

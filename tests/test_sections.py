@@ -18,16 +18,24 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.integrate import quad
 
-from beammodes.beam import Beam
-from beammodes.beam_theory import euler_bernoulli
-from beammodes.chain import Chain
+from beammodes.accuracy.comparison import SlendernessWarning, chain_errors, theory_errors
+from beammodes.accuracy.statics import beam_statics
+from beammodes.chains.chain import Chain
 from beammodes.checks import shown
-from beammodes.comparison import SlendernessWarning, chain_errors, theory_errors
-from beammodes.linear import linearize
-from beammodes.materials import MODULI, elastic_modulus
-from beammodes.modes import solve_modes
-from beammodes.sections import Box, Circle, GivenSection, ISection, Rectangle, Tube, from_sectionproperties
-from beammodes.statics import beam_statics
+from beammodes.exact.beam_theory import euler_bernoulli
+from beammodes.problem.beam import Beam
+from beammodes.problem.materials import MODULI, elastic_modulus
+from beammodes.problem.sections import (
+    Box,
+    Circle,
+    GivenSection,
+    ISection,
+    Rectangle,
+    Tube,
+    from_sectionproperties,
+)
+from beammodes.vibration.linear import linearize
+from beammodes.vibration.modes import solve_modes
 
 Point = tuple[Any, Any]
 size = st.floats(1e-3, 1.0)

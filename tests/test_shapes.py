@@ -9,16 +9,16 @@ from typing import Any
 import numpy as np
 import pytest
 
-from beammodes.beam import Beam
-from beammodes.beam_theory import euler_bernoulli
-from beammodes.chain import Chain
-from beammodes.ends import BOUNDARIES
-from beammodes.inverse import matched
-from beammodes.linear import linearize
-from beammodes.modes import solve_modes
-from beammodes.rules import RULES
-from beammodes.shapes import modal_assurance, shape_dataset
-from beammodes.tuning import mode_tuned
+from beammodes.accuracy.shapes import modal_assurance, shape_dataset
+from beammodes.chains.chain import Chain
+from beammodes.chains.rules import RULES
+from beammodes.exact.beam_theory import euler_bernoulli
+from beammodes.problem.beam import Beam
+from beammodes.problem.ends import BOUNDARIES
+from beammodes.springs.inverse import matched
+from beammodes.springs.tuning import mode_tuned
+from beammodes.vibration.linear import linearize
+from beammodes.vibration.modes import solve_modes
 
 UNIT = Beam.unit()
 EVERY_RULE = pytest.mark.parametrize("rule", RULES)

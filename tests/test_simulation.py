@@ -15,19 +15,19 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.special import ellipk
 
-from beammodes.base_motion import BaseMotion, harmonic, spin_up
-from beammodes.beam import Beam
-from beammodes.chain import Chain
-from beammodes.coordinates import coordinate_names
-from beammodes.damping import Damping
-from beammodes.forward_dynamics import base_vector
-from beammodes.integrators import runge_kutta
-from beammodes.linear import linearize
-from beammodes.loading import Load
-from beammodes.midpoint import implicit_midpoint, momentum_map
-from beammodes.modes import solve_modes
-from beammodes.simulation import METHODS, DivergedWarning, mode_start, simulate
-from beammodes.stability import highest_angular_frequency, stable_time_step
+from beammodes.chains.chain import Chain
+from beammodes.dynamics.base_motion import BaseMotion, harmonic, spin_up
+from beammodes.dynamics.damping import Damping
+from beammodes.dynamics.forward_dynamics import base_vector
+from beammodes.dynamics.integrators import runge_kutta
+from beammodes.dynamics.midpoint import implicit_midpoint, momentum_map
+from beammodes.dynamics.simulation import METHODS, DivergedWarning, mode_start, simulate
+from beammodes.equations.coordinates import coordinate_names
+from beammodes.problem.beam import Beam
+from beammodes.problem.loading import Load
+from beammodes.vibration.linear import linearize
+from beammodes.vibration.modes import solve_modes
+from beammodes.vibration.stability import highest_angular_frequency, stable_time_step
 
 Array = np.ndarray
 
@@ -723,7 +723,7 @@ def test_a_shape_with_coordinates_starts_at_rest() -> None:
 
 @pytest.mark.parametrize("method", METHODS)
 def test_an_equilibrium_stays_at_rest(method: str) -> None:
-    from beammodes.equilibria import find_equilibrium
+    from beammodes.equilibrium.equilibria import find_equilibrium
 
     for boundary in ("clamped-free", "clamped-pinned"):
         chain, load = Chain(UNIT, boundary, 3), Load(gravity=8.0, tip_moment=0.7)

@@ -14,11 +14,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from beammodes import euler_bernoulli
-from beammodes.beam import Beam
-from beammodes.ends import BOUNDARIES, ENDS, Boundary, End
-from beammodes.loading import Load
-from beammodes.profiles import Table
-from beammodes.spectral_beam import SpectralBeamModes, spectral_buckling, spectral_modes
+from beammodes.exact.spectral_beam import SpectralBeamModes, spectral_buckling, spectral_modes
+from beammodes.problem.beam import Beam
+from beammodes.problem.ends import BOUNDARIES, ENDS, Boundary, End
+from beammodes.problem.loading import Load
+from beammodes.problem.profiles import Table
 
 UNIT = Beam.unit()
 BEAM = Beam(length=1.7, bending_stiffness=83.0, mass_per_length=0.45)

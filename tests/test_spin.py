@@ -10,20 +10,20 @@ import numpy as np
 import pytest
 import sympy
 
-from beammodes.beam import Beam
-from beammodes.beam_theory import euler_bernoulli
-from beammodes.chain import Chain
-from beammodes.coordinates import coordinate_names
-from beammodes.ends import Boundary
-from beammodes.errors import frequency_error
-from beammodes.linear import linearize
-from beammodes.loading import Load
-from beammodes.modes import solve_modes
-from beammodes.nodal import nodal_deflections, nodal_matrices
-from beammodes.numeric import compile_equations
-from beammodes.rules import RULES
-from beammodes.supports import End
-from beammodes.symbolic import equations_of_motion, symbolic_energies
+from beammodes.accuracy.errors import frequency_error
+from beammodes.chains.chain import Chain
+from beammodes.chains.rules import RULES
+from beammodes.equations.coordinates import coordinate_names
+from beammodes.equations.numeric import compile_equations
+from beammodes.equations.symbolic import equations_of_motion, symbolic_energies
+from beammodes.exact.beam_theory import euler_bernoulli
+from beammodes.problem.beam import Beam
+from beammodes.problem.ends import Boundary
+from beammodes.problem.loading import Load
+from beammodes.problem.supports import End
+from beammodes.vibration.linear import linearize
+from beammodes.vibration.modes import solve_modes
+from beammodes.vibration.nodal import nodal_deflections, nodal_matrices
 
 UNIT = Beam.unit()
 HUB = ("clamped", End(mass=Fraction(1, 2), rotary_inertia=Fraction(1, 50), offset=Fraction(1, 10)))
@@ -149,7 +149,7 @@ def test_a_long_chain_spins_like_a_short_one_of_the_same_law(monkeypatch: pytest
     # Lanczos against the dense solution of the same chain.
     model = linearize(Chain(UNIT, "clamped-free", 520), load=LOADS["flap"])
     iterated = solve_modes(model, 3).angular_frequency
-    monkeypatch.setattr("beammodes.modes.MAX_DENSE", 1000)
+    monkeypatch.setattr("beammodes.vibration.modes.MAX_DENSE", 1000)
     np.testing.assert_allclose(iterated, solve_modes(model, 3).angular_frequency, rtol=1e-12)
 
 

@@ -10,14 +10,14 @@ import numpy as np
 import pytest
 
 from beammodes import euler_bernoulli
-from beammodes.beam import Beam
-from beammodes.chain import Chain
-from beammodes.ends import ENDS, Boundary, End
-from beammodes.linear import linearize
-from beammodes.loading import Load
-from beammodes.modes import solve_modes
-from beammodes.profiles import Table
-from beammodes.spectral_beam import SpectralBeamModes, spectral_modes
+from beammodes.chains.chain import Chain
+from beammodes.exact.spectral_beam import SpectralBeamModes, spectral_modes
+from beammodes.problem.beam import Beam
+from beammodes.problem.ends import ENDS, Boundary, End
+from beammodes.problem.loading import Load
+from beammodes.problem.profiles import Table
+from beammodes.vibration.linear import linearize
+from beammodes.vibration.modes import solve_modes
 
 UNIT = Beam.unit()
 CANTILEVER = Boundary.of("clamped-free")

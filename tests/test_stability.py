@@ -7,11 +7,11 @@ import math
 import numpy as np
 import pytest
 
-from beammodes.beam import Beam
-from beammodes.chain import Chain
-from beammodes.ends import BOUNDARIES
-from beammodes.rules import RULES
-from beammodes.stability import (
+from beammodes.chains.chain import Chain
+from beammodes.chains.rules import RULES
+from beammodes.problem.beam import Beam
+from beammodes.problem.ends import BOUNDARIES
+from beammodes.vibration.stability import (
     INTEGRATORS,
     exact_constants,
     highest_angular_frequency,
@@ -99,7 +99,7 @@ def test_the_bound_of_long_chains_is_just_above_their_highest_frequency(
         chain = Chain(Beam(1.3, 2.0, 0.7), boundary, 120, rule)
         solved = highest_angular_frequency(chain)
         with monkeypatch.context() as patch:
-            patch.setattr("beammodes.stability.MAX_DENSE", 50)
+            patch.setattr("beammodes.vibration.stability.MAX_DENSE", 50)
             bound = highest_angular_frequency(chain)
         assert solved * (1 - 1e-12) <= bound
         if rule in ("mitiguy", "naive", "double_wall"):
@@ -119,7 +119,7 @@ def test_the_bound_holds_for_uneven_chains(monkeypatch: pytest.MonkeyPatch) -> N
         )
         solved = highest_angular_frequency(chain)
         with monkeypatch.context() as patch:
-            patch.setattr("beammodes.stability.MAX_DENSE", 0)
+            patch.setattr("beammodes.vibration.stability.MAX_DENSE", 0)
             assert solved <= highest_angular_frequency(chain) * (1 + 1e-12)
 
 

@@ -11,15 +11,15 @@ import numpy as np
 import pytest
 import sympy
 
-from beammodes.beam import Beam
-from beammodes.chain import Chain
-from beammodes.ends import BOUNDARIES, ENDS
-from beammodes.inverse import match_springs, matched
-from beammodes.nodal import nodal_deflections, nodal_matrices
-from beammodes.rules import RULES, Rule, Weight
-from beammodes.static_errors import static_dataset
-from beammodes.statics import LOADS, Response, Statics, beam_statics, chain_statics
-from beammodes.tuning import mode_tuned
+from beammodes.accuracy.static_errors import static_dataset
+from beammodes.accuracy.statics import LOADS, Response, Statics, beam_statics, chain_statics
+from beammodes.chains.chain import Chain
+from beammodes.chains.rules import RULES, Rule, Weight
+from beammodes.problem.beam import Beam
+from beammodes.problem.ends import BOUNDARIES, ENDS
+from beammodes.springs.inverse import match_springs, matched
+from beammodes.springs.tuning import mode_tuned
+from beammodes.vibration.nodal import nodal_deflections, nodal_matrices
 
 UNIT = Beam.unit()
 STEEL = Beam(length=1.2, bending_stiffness=85.0, mass_per_length=0.62)

@@ -11,17 +11,13 @@ import numpy as np
 import pytest
 import xarray
 
-from beammodes.base_motion import BaseMotion
-from beammodes.beam import Beam
-from beammodes.chain import Chain
-from beammodes.damping import Damping
-from beammodes.forward_dynamics import forward_dynamics
-from beammodes.integrators import runge_kutta
-from beammodes.linear import linearize
-from beammodes.modes import solve_modes
-from beammodes.simulation import mode_start
-from beammodes.stability import highest_angular_frequency, published_time_step, stable_time_step
-from beammodes.step_study import (
+from beammodes.chains.chain import Chain
+from beammodes.dynamics.base_motion import BaseMotion
+from beammodes.dynamics.damping import Damping
+from beammodes.dynamics.forward_dynamics import forward_dynamics
+from beammodes.dynamics.integrators import runge_kutta
+from beammodes.dynamics.simulation import mode_start
+from beammodes.dynamics.step_study import (
     ANALYSED,
     SAFE_CONSTANT,
     accuracy_limit,
@@ -33,6 +29,10 @@ from beammodes.step_study import (
     step_constants,
     variable_step_cost,
 )
+from beammodes.problem.beam import Beam
+from beammodes.vibration.linear import linearize
+from beammodes.vibration.modes import solve_modes
+from beammodes.vibration.stability import highest_angular_frequency, published_time_step, stable_time_step
 from studies import step_size
 
 FIGURES = Path(__file__).parent.parent / "figures"

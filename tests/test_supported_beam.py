@@ -15,12 +15,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from beammodes.beam import Beam
-from beammodes.ends import BOUNDARIES, ENDS, Boundary, End
-from beammodes.euler_buckling import critical_compression
-from beammodes.exact_beam import plain_modes
-from beammodes.loading import Load
-from beammodes.supported_beam import SupportedBeamModes, supported_modes
+from beammodes.exact.euler_buckling import critical_compression
+from beammodes.exact.exact_beam import plain_modes
+from beammodes.exact.supported_beam import SupportedBeamModes, supported_modes
+from beammodes.problem.beam import Beam
+from beammodes.problem.ends import BOUNDARIES, ENDS, Boundary, End
+from beammodes.problem.loading import Load
 
 BEAM = Beam(length=1.7, bending_stiffness=83.0, mass_per_length=0.45)
 UNIT = Beam.unit()

@@ -12,22 +12,22 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from beammodes import supported_chain
-from beammodes.beam import Beam
-from beammodes.carried_planes import block_of, carried, closed
-from beammodes.chain import Chain
-from beammodes.counted_brackets import CLOSEST, Counted, roots_between
-from beammodes.dispersion import chain_frequency
-from beammodes.ends import BOUNDARIES, Boundary, End
-from beammodes.joined_blocks import joined
-from beammodes.linear import LinearModel, linearize
-from beammodes.loading import Load
-from beammodes.modes import solve_modes
-from beammodes.nodal import nodal_matrices
-from beammodes.rod_row import row_of_rods
-from beammodes.rules import RULES, Rule, Weight
-from beammodes.shortened_chain import shortened
-from beammodes.supported_chain import supported_chain_frequencies
+from beammodes.chains.chain import Chain
+from beammodes.chains.rules import RULES, Rule, Weight
+from beammodes.closed_form import supported_chain
+from beammodes.closed_form.carried_planes import block_of, carried, closed
+from beammodes.closed_form.counted_brackets import CLOSEST, Counted, roots_between
+from beammodes.closed_form.dispersion import chain_frequency
+from beammodes.closed_form.joined_blocks import joined
+from beammodes.closed_form.rod_row import row_of_rods
+from beammodes.closed_form.shortened_chain import shortened
+from beammodes.closed_form.supported_chain import supported_chain_frequencies
+from beammodes.problem.beam import Beam
+from beammodes.problem.ends import BOUNDARIES, Boundary, End
+from beammodes.problem.loading import Load
+from beammodes.vibration.linear import LinearModel, linearize
+from beammodes.vibration.modes import solve_modes
+from beammodes.vibration.nodal import nodal_matrices
 
 HALF = Fraction(1, 2)
 
@@ -191,7 +191,7 @@ def test_long_chains_with_a_tip_mass_approach_the_beam_at_the_rules_order(
     rule: str, coarse: int, fine: int
 ) -> None:
     # Source: supported_beam.supported_modes, which knows no chain.
-    beam = pytest.importorskip("beammodes.supported_beam")
+    beam = pytest.importorskip("beammodes.exact.supported_beam")
     pair = Boundary.of("clamped-free(mass=1, rotary_inertia=0.1, offset=0.2)")
     expected = beam.supported_modes(Beam.unit(), pair, 5).angular_frequency
     errors = [supported_chain_frequencies(pair, size, 5, rule) / expected - 1 for size in (coarse, fine)]
@@ -201,7 +201,7 @@ def test_long_chains_with_a_tip_mass_approach_the_beam_at_the_rules_order(
 
 def test_a_chain_of_ten_million_segments_is_the_beam() -> None:
     # Source: supported_beam.supported_modes. At order 2 the error left is about 1e-13 here.
-    beam = pytest.importorskip("beammodes.supported_beam")
+    beam = pytest.importorskip("beammodes.exact.supported_beam")
     for ends, force in (
         ("clamped-free(mass=1)", 0.0),
         ("free(translational_stiffness=1e-5)-free(mass=9)", 7.0),

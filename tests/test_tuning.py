@@ -12,21 +12,21 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from beammodes.beam import Beam
-from beammodes.beam_theory import euler_bernoulli
-from beammodes.chain import Chain
-from beammodes.ends import BOUNDARIES, Boundary
-from beammodes.exact_beam import wavenumber
-from beammodes.inverse import Matched, match_springs, matched
-from beammodes.linear import linearize
-from beammodes.matched_springs import MatchedSprings, NoPositiveSprings
-from beammodes.modes import solve_modes
-from beammodes.nodal import nodal_matrices
-from beammodes.rules import RULES
-from beammodes.spectrum import flexibility_form
-from beammodes.spring_conditions import Conditions, spring_state, symmetric_basis
-from beammodes.stability import highest_angular_frequency, stable_time_step
-from beammodes.tuning import ModeTuned, mode_tuned
+from beammodes.chains.chain import Chain
+from beammodes.chains.rules import RULES
+from beammodes.exact.beam_theory import euler_bernoulli
+from beammodes.exact.exact_beam import wavenumber
+from beammodes.problem.beam import Beam
+from beammodes.problem.ends import BOUNDARIES, Boundary
+from beammodes.springs.inverse import Matched, match_springs, matched
+from beammodes.springs.matched_springs import MatchedSprings, NoPositiveSprings
+from beammodes.springs.spring_conditions import Conditions, spring_state, symmetric_basis
+from beammodes.springs.tuning import ModeTuned, mode_tuned
+from beammodes.vibration.linear import linearize
+from beammodes.vibration.modes import solve_modes
+from beammodes.vibration.nodal import nodal_matrices
+from beammodes.vibration.spectrum import flexibility_form
+from beammodes.vibration.stability import highest_angular_frequency, stable_time_step
 
 Judge = Callable[[Chain], list[mpmath.mpf]]
 

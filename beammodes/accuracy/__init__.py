@@ -1,0 +1,1 @@
+"""How wrong a chain is: frequencies, deflections, shapes, buckling loads; and what to choose."""

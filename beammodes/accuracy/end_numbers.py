@@ -1,0 +1,105 @@
+"""Numbers of ends and loads as dimensions of a table: "right_mass", "axial_force" and others."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import fields, replace
+
+import numpy as np
+
+from beammodes.accuracy.grids import listed
+from beammodes.chains.units import ExactUnits
+from beammodes.checks import choice, shown
+from beammodes.problem.beam import Beam
+from beammodes.problem.ends import Boundary
+from beammodes.problem.loading import Load
+from beammodes.problem.supports import End
+
+__all__ = ["NUMBERS", "EndNumbers", "in_beam_units"]
+
+_UNITS = {
+    "translational_stiffness": "EI / L^3",
+    "rotational_stiffness": "EI / L",
+    "mass": "rhoA L",
+    "rotary_inertia": "rhoA L^3",
+    "offset": "L",
+}
+
+#: What may be a dimension, and its unit in a table for L = EI = ρA = 1.
+NUMBERS: dict[str, str] = {
+    **{f"{side}_{f.name}": _UNITS[f.name] for side in ("left", "right") for f in fields(End)},
+    "axial_force": "EI / L^2",
+    "spin_rate": "sqrt(EI / (rhoA L^4))",
+    "hub_radius": "L",
+}
+
+
+class EndNumbers:
+    """Names and values that a table runs over, beside rules, boundaries, segments and modes.
+
+    Examples
+    --------
+    >>> over = EndNumbers({"right_mass": [0.0, 0.5]})
+    >>> [str(pair) for _, pair, _ in over.cases(Boundary.of("clamped-free"), Load())]
+    ['clamped-free', 'clamped-free(mass=0.5)']
+    """
+
+    def __init__(self, over: Mapping[str, Iterable[float]] | None) -> None:
+        if over is not None and not isinstance(over, Mapping):
+            raise TypeError(f"over must map names to numbers, got {shown(over)}")
+        self.values: dict[str, list[float]] = {
+            choice("over", name, NUMBERS): listed(name, values, (str,))
+            for name, values in (over or {}).items()
+        }
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """How many of each."""
+        return tuple(len(values) for values in self.values.values())
+
+    def coordinates(self) -> dict[str, tuple[str, list[float], dict[str, str]]]:
+        """Return the coordinates as xarray takes them."""
+        return {
+            name: (name, values, {"long_name": name.replace("_", " "), "units": NUMBERS[name]})
+            for name, values in self.values.items()
+        }
+
+    def cases(self, boundary: Boundary, load: Load) -> Iterator[tuple[tuple[int, ...], Boundary, Load]]:
+        """Yield indices, and the boundary and the load with these numbers in the place of their own."""
+        for index in np.ndindex(self.shape):
+            ends, pull = {"left": boundary.left, "right": boundary.right}, load
+            for (name, values), i in zip(self.values.items(), index, strict=True):
+                side, _, field = name.partition("_")
+                if side in ends:
+                    held = math.inf if values[i] == math.inf else values[i]
+                    ends[side] = replace(ends[side], **{field: held})
+                else:
+                    pull = replace(pull, **{name: values[i]})
+            yield index, Boundary(**ends), pull
+
+
+def in_beam_units(boundary: Boundary, beam: Beam) -> Boundary:
+    """Return ends whose numbers count for L = EI = ρA = 1 as these do for a uniform `beam`.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If `beam` is not a uniform Beam.
+
+    Examples
+    --------
+    >>> print(in_beam_units(Boundary.of("clamped-free(mass=3)"), Beam(2.0, 1.0, 3.0)))
+    clamped-free(mass=0.5)
+    """
+    if not isinstance(beam, Beam):
+        raise TypeError(f"beam must be a Beam, got {shown(beam)}")
+    if not beam.is_uniform:
+        raise ValueError(f"beam must be uniform, got {shown(beam)}")
+    units = ExactUnits.of(beam, 1)
+    ends = []
+    for end in (boundary.left, boundary.right):
+        mass, inertia, offset = units.body(end.mass, end.rotary_inertia, end.offset)
+        supports = (units.support(end.translational_stiffness, 2), units.support(end.rotational_stiffness, 0))
+        ends.append(End(*map(float, (*supports, mass, inertia, offset))))
+    return Boundary(*ends)

@@ -1,0 +1,239 @@
+"""Frequency errors of chains: the lookup, and how many segments a tolerance needs."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Any, overload
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from beammodes.chains.rules import AnyRule, Layout, Rule, RuleMaker, layout_of
+from beammodes.checks import positive_real, shown, whole_number
+from beammodes.closed_form.discretization import relative_error
+from beammodes.closed_form.lookup import MAX_MODE, MAX_SEGMENTS
+from beammodes.exact.exact_beam import wavenumber
+from beammodes.exact.wavenumbers import whole_numbers
+from beammodes.problem.ends import BOUNDARIES, Boundary, BoundaryLike, NotPlain, boundary_codes
+from beammodes.problem.loading import Load, checked_load
+
+__all__ = ["MAX_MODES", "ToleranceOutOfReach", "frequency_error", "segments_needed"]
+
+#: A table of more modes than this would be a mistake.
+MAX_MODES = 100_000
+
+Array = NDArray[np.float64]
+
+
+class ToleranceOutOfReach(ValueError):
+    """No chain that the look-up serves stays within the tolerance."""
+
+
+@overload
+def frequency_error(
+    boundary: str | Boundary, *, segments: int, mode: int, rule: AnyRule = ..., load: Load | None = ...
+) -> float: ...
+
+
+@overload
+def frequency_error(
+    boundary: BoundaryLike | Iterable[BoundaryLike] | NDArray[Any],
+    *,
+    segments: ArrayLike,
+    mode: ArrayLike,
+    rule: AnyRule | Iterable[AnyRule] | NDArray[Any] = ...,
+    load: Load | None = ...,
+) -> float | Array: ...
+
+
+def frequency_error(
+    boundary: BoundaryLike | Iterable[BoundaryLike] | NDArray[Any],
+    *,
+    segments: ArrayLike,
+    mode: ArrayLike,
+    rule: AnyRule | Iterable[AnyRule] | NDArray[Any] = "mitiguy",
+    load: Load | None = None,
+) -> float | Array:
+    """Return the signed relative frequency error of a uniform chain.
+
+        e = ω_chain / ω_beam - 1
+
+    It is dimensionless and needs no beam: length, stiffness and mass scale out. Arguments broadcast.
+    Relative accuracy is 1e-9 or better for modes up to N/10, also where e is far below machine
+    epsilon; beyond them, and next to an N where e changes sign, e is within 1e-14. With springs or bodies at
+    the ends or an axial force it is within 1e-14, for modes to 1000.
+
+    Parameters
+    ----------
+    boundary : str, Boundary, or array of them
+        Such as "clamped-free"; either order of the ends. Numbers of an `End` count for L = EI = ρA = 1:
+        "clamped-free(mass=0.5)" carries half the beam's mass at its tip.
+    segments : int or array of int
+        N, from 1 to 10⁹.
+    mode : int or array of int
+        1-based index of an elastic mode.
+    rule : str, Rule, or array of them; or one record from `mode_tuned` or `matched`
+    load : Load, optional
+        Loads along the beam or of a turning hub, their numbers for L = EI = ρA = 1.
+
+    Returns
+    -------
+    float or ndarray
+        NaN where the chain has no such mode. Near the chain's last mode every rule is wrong by tens of
+        percent.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If an argument is not of its kind or outside its range.
+
+    Examples
+    --------
+    >>> round(frequency_error("clamped-free", segments=6, mode=1), 7)
+    -0.0035175
+    >>> frequency_error(["clamped-free", "pinned-pinned"], segments=[[10], [20]], mode=1).round(8)
+    array([[-1.25911e-03, -6.92000e-06],
+           [-3.14010e-04, -4.30000e-07]])
+    """
+    rules: Any = rule
+    pull = checked_load(load)
+    if pull != Load():
+        return _supported(boundary, segments, mode, rules, pull)
+    try:
+        if isinstance(rule, Layout) and not isinstance(rule, Rule):
+            return _errors_of_layout(boundary, segments, mode, rule)
+        return relative_error(boundary, segments, mode, rules)
+    except NotPlain:
+        return _supported(boundary, segments, mode, rules, pull)
+
+
+def _supported(boundary: Any, segments: Any, mode: Any, rule: Any, load: Load) -> float | Array:
+    from beammodes.accuracy.supported_errors import supported_errors
+
+    return supported_errors(boundary, segments, mode, rule, load)
+
+
+def _errors_of_layout(boundary: Any, segments: Any, mode: Any, layout: Layout) -> float | Array:
+    """Return the errors of a record that is no `Rule`: of the rule that it makes for a boundary, if it
+    makes one, else of each of its chains, solved.
+    """
+    codes, counts, modes = np.broadcast_arrays(
+        boundary_codes(boundary),
+        whole_numbers("segments", segments, most=MAX_SEGMENTS),
+        whole_numbers("mode", mode, most=MAX_MODE),
+    )
+    found = np.full(codes.shape, np.nan)
+    for code in np.unique(codes):
+        here = codes == code
+        if isinstance(layout, RuleMaker):
+            found[here] = relative_error(
+                BOUNDARIES[code], counts[here], modes[here], layout.rule_for(BOUNDARIES[code])
+            )
+            continue
+        for count in np.unique(counts[here]):
+            there = here & (counts == count)
+            found[there] = _solved_errors(BOUNDARIES[code], int(count), modes[there], layout)
+    return found if found.ndim else float(found)
+
+
+def _solved_errors(boundary: Boundary, segments: int, mode: NDArray[np.int64], layout: Layout) -> Array:
+    from beammodes.chains.chain import Chain
+    from beammodes.problem.beam import Beam
+    from beammodes.vibration.linear import linearize
+    from beammodes.vibration.modes import solve_modes
+
+    errors = np.full(mode.shape, np.nan)
+    try:
+        chain = Chain(Beam.unit(), boundary, segments, layout)
+    except ValueError:
+        # No positive springs for this boundary and N.
+        return errors
+    omega = solve_modes(linearize(chain)).angular_frequency
+    present = mode <= len(omega)
+    errors[present] = omega[mode[present] - 1] / np.asarray(wavenumber(boundary, mode[present])) ** 2 - 1
+    return errors
+
+
+def segments_needed(
+    boundary: BoundaryLike,
+    tolerance: float,
+    modes: int = 1,
+    rule: AnyRule = "mitiguy",
+    *,
+    load: Load | None = None,
+) -> int:
+    """Return the smallest N from which the first modes all stay within a tolerance, for every larger N too.
+
+        N = min { n : |e_k(n')| ≤ tolerance for all n' ≥ n and k = 1..modes }
+
+    With springs or bodies at the ends or an axial force, N is sought up to 10⁵, and every larger N stands for
+    those of a grid: all up to 30, then steps of a tenth.
+
+    Parameters
+    ----------
+    boundary : str, pair or Boundary
+    tolerance : float
+        Largest |e| allowed, as a fraction: 0.01 is one percent.
+    modes : int
+        How many modes, from the first.
+    rule : str or Rule
+    load : Load, optional
+        Loads along the beam or of a turning hub, their numbers for L = EI = ρA = 1.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If an argument is not of its kind, or more than 10⁹ segments would be needed.
+
+    Examples
+    --------
+    >>> segments_needed("clamped-clamped", tolerance=0.01, modes=3, rule="mitiguy")
+    26
+    """
+    ends, limit, pull = Boundary.of(boundary), positive_real("tolerance", tolerance), checked_load(load)
+    record, mode = layout_of(rule), np.arange(1, whole_number("modes", modes, most=MAX_MODES) + 1)
+
+    if not isinstance(record, Rule) and not isinstance(record, RuleMaker):
+        raise ValueError(
+            f"rule must be one whose errors have a closed form, got {record.name}: matched springs are exact "
+            "in their modes from the shortest chain that has them"
+        )
+
+    def fails(count: NDArray[np.int64]) -> NDArray[np.bool_]:
+        error = frequency_error(ends, segments=count[:, None], mode=mode, rule=record, load=pull)
+        return np.asarray(~(np.abs(error) <= limit).all(axis=1))
+
+    simple = ends.is_plain and pull == Load()
+    grid = _segment_grid(len(mode)) if simple else _sparse_grid(len(mode))
+    failing = np.flatnonzero(fails(grid))
+    if not len(failing):
+        return int(grid[0])
+    if failing[-1] == len(grid) - 1:
+        raise ToleranceOutOfReach(
+            f"tolerance must be larger: with rule {record.name}, {ends.name} and {len(mode)} modes no chain "
+            f"of up to {grid[-1]} segments stays within {shown(tolerance)}"
+        )
+    low, high = int(grid[failing[-1]]), int(grid[failing[-1] + 1])
+    while high - low > 1:
+        middle = (low + high) // 2
+        low, high = (middle, high) if fails(np.array([middle]))[0] else (low, middle)
+    return high
+
+
+def _segment_grid(modes: int) -> NDArray[np.int64]:
+    """Return every N where errors are irregular, then N in steps of one percent up to the largest.
+
+    Up to 40 times the highest mode and 400 an error may rise and fall. Above, it is a sum of a few powers
+    of 1/N with at most one change of sign and one extremum, each wider than a step.
+    """
+    dense = min(max(400, 40 * modes), MAX_SEGMENTS)
+    steps = np.arange(1, 1 + int(np.log(MAX_SEGMENTS / dense) / np.log(1.01)))
+    coarse = (dense * 1.01**steps).astype(np.int64)
+    return np.unique(np.concatenate([np.arange(1, dense + 1), coarse, [MAX_SEGMENTS]]))
+
+
+def _sparse_grid(modes: int) -> NDArray[np.int64]:
+    """Return every N where errors are irregular, then N in steps of a tenth: each is some roots to find."""
+    dense = max(30, 3 * modes)
+    steps = np.arange(1, 2 + int(np.log(1e5 / dense) / np.log(1.1)))
+    return np.unique(np.concatenate([np.arange(1, dense + 1), (dense * 1.1**steps).astype(np.int64)]))

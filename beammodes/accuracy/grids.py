@@ -1,0 +1,86 @@
+"""Grids of chains for labelled tables: one value or several of every rule, pair of ends and segment count."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from beammodes.chains.rules import Layout, layout_of
+from beammodes.checks import whole_number
+from beammodes.problem.ends import Boundary
+
+if TYPE_CHECKING:
+    from beammodes.chains.chain import Chain
+
+__all__ = ["ChainGrid", "listed"]
+
+
+def listed(name: str, value: Any, single: tuple[type, ...]) -> list[Any]:
+    """Return `value` as a list; one that is an instance of `single` stands alone.
+
+    Raises
+    ------
+    ValueError
+        If it is empty.
+
+    Examples
+    --------
+    >>> listed("rule", "naive", (str,)), listed("segments", range(3), (str,))
+    (['naive'], [0, 1, 2])
+    """
+    items = [value] if isinstance(value, single) or not isinstance(value, Iterable) else list(value)
+    if not items:
+        raise ValueError(f"{name} must name at least one value, got none")
+    return items
+
+
+class ChainGrid(NamedTuple):
+    """Rules, pairs of ends and segment counts: the first three dimensions of a dataset."""
+
+    rules: list[Layout]
+    boundaries: list[Boundary]
+    segments: list[int]
+
+    @classmethod
+    def of(cls, boundary: Any, segments: Any, rule: Any, most: int) -> ChainGrid:
+        """Return the grid of one or an iterable of each; raises TypeError or ValueError naming it.
+
+        Parameters
+        ----------
+        boundary, segments, rule : one of its kind, or an iterable of them
+        most : int
+            Largest number of segments allowed.
+        """
+        return cls(
+            [layout_of(name) for name in listed("rule", rule, (str, Layout))],
+            [Boundary.of(pair).canonical for pair in listed("boundary", boundary, (str, Boundary, tuple))],
+            [whole_number("segments", n, most=most) for n in listed("segments", segments, (str,))],
+        )
+
+    @property
+    def shape(self) -> tuple[int, int, int]:
+        """How many of each."""
+        return len(self.rules), len(self.boundaries), len(self.segments)
+
+    def coordinates(self) -> dict[str, Any]:
+        """Return the three coordinates as xarray takes them."""
+        return {
+            "rule": [record.name for record in self.rules],
+            "boundary": [pair.name for pair in self.boundaries],
+            "segments": ("segments", self.segments, {"long_name": "number of rigid segments", "units": "1"}),
+        }
+
+    def chains(self) -> Iterator[tuple[tuple[int, int, int], Chain]]:
+        """Yield indices and chains of the unit beam, leaving out those whose springs are not positive."""
+        from beammodes.chains.chain import Chain
+        from beammodes.problem.beam import Beam
+
+        for i, j, k in np.ndindex(self.shape):
+            try:
+                chain = Chain(Beam.unit(), self.boundaries[j], self.segments[k], self.rules[i])
+            except ValueError:
+                # No positive springs for this boundary and N.
+                continue
+            yield (i, j, k), chain

@@ -1,0 +1,227 @@
+"""The law of the error: what a rule's frequencies are wrong by, in closed form, as N grows.
+
+A beam's flexibility is the integral of f = M²/EI along it; a chain's is the sum of w_j ell f(x_j) over its
+hinges. By Rayleigh's principle a small change of flexibility changes a frequency by
+
+    e = -½ (Σ w_j ell f(x_j) - ∫ f dx) / ∫ f dx,        f = φ''²,  φ the exact mode.
+
+The sum is a quadrature of f, and Euler and Maclaurin say what is wrong with it: nothing inside, and at each
+end, with h = 1/N, the first hinge at x₀ h and the weights' corrections c_j = w_j - 1,
+
+    Σ w_j h f(x_j) - ∫ f = Σ_k h^(k+1) d_k f⁽ᵏ⁾(0),
+    d_k = Σ_j c_j x_j^k / k! - B_{k+1}(x₀) / (k+1)!        (B the Bernoulli polynomials).
+
+::
+
+    wall            f = M²                       naive      w₀ = 1     the whole first cell too much
+     |█                                          double     w₀ = 1/2   trapezoids: f'(0)/12 remains
+     |█ █                                        gregory    3/8, 7/6, 23/24: f, f', f'' all integrated
+     |█ █ █ ▄ ▄ _ _ _ ▄ ▄ ▄ _ _                  stubs      no first hinge: the cell at the wall is missing
+     0 1 2 3 ...   hinges
+     w₀ w₁ w₂ 1 1
+
+So a rule's order is decided by the first d_k that meets a derivative of f which is not zero at that end:
+f and f' vanish where the moment does (pinned, free), odd derivatives where the shear does (guided).
+
+Two things are not quadrature. Inside, rods and hinges err alike to fourth order, -β⁴h⁴/1440, because a
+rod's rotary inertia m ell²/12 offsets the hinges' coarseness; masses at the hinges instead (rotary inertia
+r m ell²) add  -½ (r - 1/12) h² ∫φ'² / ∫φ².
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from beammodes.chains.rules import Rule, RuleLike, RuleMaker, Weight, rule_named
+from beammodes.checks import whole_number
+from beammodes.exact.exact_beam import BeamModes, plain_modes
+from beammodes.problem.beam import Beam
+from beammodes.problem.ends import Boundary, BoundaryLike, End
+
+__all__ = ["ErrorLaw", "end_defects", "error_law", "interior_coefficient"]
+
+#: Terms this small beside their natural size are rounding, or have cancelled.
+CANCELLED = 1e-9
+_POWERS = 4
+
+
+@dataclass(frozen=True, slots=True)
+class ErrorLaw:
+    """The leading term of a frequency error,  e ~ coefficient / N**order.
+
+    Attributes
+    ----------
+    order : int
+    coefficient : float
+        NaN where the leading terms cancel for this mode alone (a mode-tuned rule): then effects of second
+        order in the springs decide it, which the law does not hold.
+    """
+
+    order: int
+    coefficient: float
+
+    def at(self, segments: int | NDArray[np.integer]) -> NDArray[np.float64]:
+        """Return  coefficient / N**order.
+
+        Examples
+        --------
+        >>> print(error_law("clamped-free", 1, "mitiguy").at(100).round(9))
+        -1.255e-05
+        """
+        return self.coefficient / np.asarray(segments, dtype=float) ** self.order
+
+
+def error_law(boundary: BoundaryLike, mode: int, rule: RuleLike | RuleMaker = "mitiguy") -> ErrorLaw:
+    """Return the law  e ~ c / N^p  of a rule on a boundary, for one elastic mode.
+
+        c = -½ Σ_ends Σ_k d_k f⁽ᵏ⁾ / ∫f  at the lowest power p = k + 1 that remains,  f = φ''²
+
+    Parameters
+    ----------
+    boundary : boundary
+    mode : int
+        1-based index of an elastic mode.
+    rule : str, Rule, or a record from `mode_tuned`
+
+    Raises
+    ------
+    TypeError, ValueError
+        If an argument is not of its kind.
+
+    Examples
+    --------
+    >>> law = error_law("clamped-free", mode=1, rule="mitiguy")    # (1 - σβ)/3 per clamped end
+    >>> law.order, round(law.coefficient, 6)
+    (2, -0.125502)
+    """
+    pair = Boundary.of(boundary)
+    record = rule.rule_for(pair) if isinstance(rule, RuleMaker) else rule_named(rule)
+    index = whole_number("mode", mode)
+    beam = plain_modes(Beam.unit(), pair, index)
+    terms: list[tuple[int, float]] = []
+    for end, left in ((pair.left, True), (pair.right, False)):
+        derivatives = _derivatives_of_moment_squared(beam, left)
+        for k, (constant, per_segment) in enumerate(end_defects(record, end)):
+            scale = -derivatives[k] / (2 * beam.wavenumber[-1] ** 4)
+            terms += [(k + 1, float(constant) * scale), (k + 2, float(per_segment) * scale)]
+    lumped = record.rotary_inertia - Fraction(1, 12)
+    terms.append((2, -float(lumped) / 2 * _slope_energy(beam)))
+    if not lumped:
+        terms.append((4, float(interior_coefficient()) * beam.wavenumber[-1] ** 4))
+    return _leading(terms, float(beam.wavenumber[-1]))
+
+
+@lru_cache(maxsize=1)
+def interior_coefficient() -> Fraction:
+    """Derive the coefficient of q⁴ in  ω_chain/q² - 1  for rods, with q the wavenumber per segment.
+
+        ω² = 12 (1 - cos q)² / (2 + cos q)
+
+    Examples
+    --------
+    >>> interior_coefficient()
+    Fraction(-1, 1440)
+    """
+    import sympy
+
+    q = sympy.Symbol("q", positive=True)
+    ratio = sympy.sqrt(12 / (2 + sympy.cos(q))) * (1 - sympy.cos(q)) / q**2
+    series = sympy.series(ratio, q, 0, 5).removeO()
+    if sympy.expand(series).coeff(q, 2) != 0:
+        raise ArithmeticError(f"rods and hinges must err alike to second order, got {series}")
+    return Fraction(str(sympy.expand(series).coeff(q, 4)))
+
+
+def end_defects(rule: Rule, end: End) -> list[tuple[Fraction, Fraction]]:
+    """Return  d_k = constant + per_segment/N,  k = 0..3, of a rule's quadrature at an end.
+
+    Parameters
+    ----------
+    rule : Rule
+    end : End
+        Where the bending moment is zero (pinned, free) the hinge that would sit there has no effect, and
+        d_k is that of the bare trapezoidal or midpoint sum.
+
+    Examples
+    --------
+    >>> from beammodes.problem.ends import ENDS
+    >>> [str(constant) for constant, _ in end_defects(rule_named("gregory"), ENDS["clamped"])]
+    ['0', '0', '0', '-19/720']
+    """
+    weights = rule.end_weights(end)
+    first = rule.stub if end.holds_rotation or rule.stub == Fraction(1, 2) else Fraction(0)
+    if not end.holds_rotation and not first:
+        # f = 0 at the tip: give it the trapezoid's half weight.
+        weights = (Weight(Fraction(1, 2)),)
+    defects = []
+    for k, bare in enumerate(_bare_defects(first)):
+        factorial = math.factorial(k)
+        moments = [Fraction((first + j) ** k, factorial) for j in range(len(weights))]
+        constant = sum((m * (w.constant - 1) for m, w in zip(moments, weights, strict=True)), bare)
+        per_segment = sum((m * w.per_segment for m, w in zip(moments, weights, strict=True)), Fraction(0))
+        defects.append((constant, per_segment))
+    return defects
+
+
+@lru_cache(maxsize=3)
+def _bare_defects(first: Fraction) -> tuple[Fraction, ...]:
+    """Return  -B_{k+1}(x₀)/(k+1)!,  the Euler-Maclaurin terms of the unweighted sum from x₀ on."""
+    import sympy
+
+    start = sympy.Rational(first.numerator, first.denominator)
+    values = []
+    for k in range(_POWERS):
+        x = sympy.Symbol("x")
+        polynomial = sympy.bernoulli(k + 1, x).subs(x, start)
+        values.append(Fraction(str(-polynomial / sympy.factorial(k + 1))))
+    return tuple(values)
+
+
+def _end_derivatives(beam: BeamModes, left: bool) -> list[float]:
+    """Return φ, φ', φ'', φ''' of the last mode at an end, along the inward direction."""
+    x = 0.0 if left else beam.beam.length
+    values = [float(beam.shape(np.array([x]), derivative=k)[-1, 0]) for k in range(4)]
+    return values if left else [value * (-1) ** k for k, value in enumerate(values)]
+
+
+def _derivatives_of_moment_squared(beam: BeamModes, left: bool) -> list[float]:
+    """Return f⁽ᵏ⁾ of f = φ''² at an end, k = 0..3, by Leibniz, with φ'''' = β⁴ φ."""
+    phi, quartic = _end_derivatives(beam, left), float(beam.wavenumber[-1] ** 4)
+    higher = phi + [quartic * value for value in phi]
+    return [
+        sum(math.comb(k, i) * higher[2 + i] * higher[2 + k - i] for i in range(k + 1)) for k in range(_POWERS)
+    ]
+
+
+def _slope_energy(beam: BeamModes) -> float:
+    """Return ∫φ'² for unit ∫φ², in closed form from the end values.
+
+    With I = ∫φφ'', partial integration of ∫xφ'''φ'''' on both sides of φ'''' = β⁴φ gives
+    4β⁴ I = [2β⁴xφφ'' - β⁴xφ'² + β⁴φφ' - xφ'''² + φ''φ'''], and ∫φ'² = [φφ'] - I.
+    """
+    quartic, total, boundary_term = float(beam.wavenumber[-1] ** 4), 0.0, 0.0
+    for x, sign in ((0.0, -1.0), (beam.beam.length, 1.0)):
+        p = [float(beam.shape(np.array([x]), derivative=k)[-1, 0]) for k in range(4)]
+        total += sign * (
+            quartic * (2 * x * p[0] * p[2] - x * p[1] ** 2 + p[0] * p[1]) - x * p[3] ** 2 + p[2] * p[3]
+        )
+        boundary_term += sign * p[0] * p[1]
+    return boundary_term - total / (4 * quartic)
+
+
+def _leading(terms: list[tuple[int, float]], wavenumber: float) -> ErrorLaw:
+    """Return the lowest power whose terms do not cancel; a term of power p is naturally of size β^p."""
+    sizes = [(power, value) for power, value in terms if abs(value) > CANCELLED * wavenumber**power]
+    lowest = min(power for power, _ in sizes)
+    for power in range(lowest, _POWERS + 1):
+        total = math.fsum(value for p, value in terms if p == power)
+        if abs(total) > CANCELLED * wavenumber**power:
+            # Two terms of order `lowest` act on each other at twice that order.
+            return ErrorLaw(power, total if power < 2 * lowest else math.nan)
+    return ErrorLaw(_POWERS, math.nan)

@@ -1,0 +1,194 @@
+"""Static deflections of the beam and of the chain: what a rule that suits frequencies does to statics.
+
+Both are seen with the firmer end at x = 0 and the *tip*, the less firm end, at x = L; deflections, forces and
+distributed load point up, rotations and moments are counter-clockwise. Loads are of unit size.
+
+The beam is a polynomial of degree four. The chain never sees it: equilibrium gives the moment M_j at hinge
+j from the load and the end's reactions R (force) and S (moment), and its spring of flexibility f_j yields,
+
+    y(x) = θ₀ x + Σ f_j M_j (x - x_j)  over the hinges left of x,     M_j = M_load(x_j) + R (L - x_j) + S,
+
+with θ₀, R and S, each known to be zero or else found from an end's condition. Where reactions are not
+determined by equilibrium these conditions make the stored energy Σ f_j M_j² / 2 least (Menabrea).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+from fractions import Fraction
+from itertools import accumulate
+from typing import Any
+
+from beammodes.accuracy.loads import LOADS, Loads, Response, Statics, at_tip, unit_loads, without_rigid_motion
+from beammodes.chains.chain import Chain, Number, Units
+from beammodes.checks import choice, shown
+from beammodes.problem.beam import Beam
+from beammodes.problem.ends import Boundary, BoundaryLike
+
+__all__ = ["LOADS", "Response", "Statics", "beam_statics", "chain_statics"]
+
+
+def beam_statics(beam: Beam, boundary: BoundaryLike, load: str) -> Statics:
+    """Return how a uniform Euler-Bernoulli beam responds to a load of unit size.
+
+    EI y'''' = q,  two conditions at each end: y or -EI y''', and y' or EI y''
+
+    Parameters
+    ----------
+    beam : Beam
+    boundary : str, pair or Boundary
+        Without rigid-body motion; in either order, the tip is the less firm end.
+    load : str
+        "tip_force", "tip_moment" or "uniform_load". One that a held tip takes up moves nothing.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If an argument is not of its kind, or the ends let the beam move rigidly.
+
+    Source
+    ------
+    S. P. Timoshenko, Strength of Materials, part I (1930), chapter V; solved here, in fractions.
+
+    Examples
+    --------
+    >>> beam_statics(Beam.unit(), "pinned-pinned", "uniform_load").own.midspan_deflection
+    Fraction(5, 384)
+    """
+    if not isinstance(beam, Beam):
+        raise TypeError(f"beam must be a Beam, got {shown(beam)}")
+    pair, name = without_rigid_motion(Boundary.of(boundary)), choice("load", load, LOADS)
+    if not beam.is_uniform:
+        raise ValueError(f"beam must be uniform, got {shown(beam)}")
+    mass, stiffness = beam.mean_mass_per_length, beam.mean_bending_stiffness
+    units = Units(beam.length, mass * beam.length, stiffness / beam.length)
+    return Statics(name, units, _beam_response(pair.canonical, name))
+
+
+def chain_statics(chain: Chain, load: str) -> Statics:
+    """Return how a chain responds to a small load of unit size.
+
+    y(x) = θ₀ x + Σ M_j (x - x_j) / k_j  over the hinges left of x
+
+    Parameters
+    ----------
+    chain : Chain
+        Of ends without rigid-body motion. `own` is exact if its lengths and springs are fractions, as a
+        rule makes them. The cost is proportional to the number of hinges.
+    load : str
+        "tip_force", "tip_moment" or "uniform_load", the last spread over the pieces by their length.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If an argument is not of its kind, or the ends let the chain move rigidly.
+
+    Source
+    ------
+    Equilibrium, and least work where it leaves reactions open: Timoshenko, Strength of Materials, part I
+    (1930), chapter X.
+
+    Examples
+    --------
+    >>> chain = Chain(Beam.unit(), "clamped-free", segments=4, rule="mitiguy")
+    >>> chain_statics(chain, "tip_force").own.deflection                # the beam's 4³/3 ell³/EI
+    Fraction(64, 3)
+    """
+    if not isinstance(chain, Chain):
+        raise TypeError(f"chain must be a Chain, got {shown(chain)}")
+    without_rigid_motion(chain.boundary)
+    name = choice("load", load, LOADS)
+    return Statics(name, chain.units, _chain_response(chain, name))
+
+
+def _beam_response(boundary: Boundary, load: str) -> Response:
+    """Return the response for L = EI = 1, the firmer end at 0."""
+    force, moment, spread = unit_loads(load)
+    curve = [Fraction(0)] * 4 + [spread / 24]
+    rows, rest = [], []
+    for x, end, shear, couple in ((0, boundary.left, 0, 0), (1, boundary.right, -force, moment)):
+        deflection = (0, 0) if end.holds_deflection else (3, shear)
+        rotation = (1, 0) if end.holds_rotation else (2, couple)
+        for order, value in (deflection, rotation):
+            rows.append([_power(p, order, Fraction(x)) for p in range(4)])
+            rest.append(value - _polynomial(curve, order, Fraction(x)))
+    curve[:4] = _solved(rows, rest)
+    values = (_polynomial(curve, order, Fraction(x, 2)) for order, x in ((0, 2), (1, 2), (0, 1)))
+    return at_tip(boundary, *values)
+
+
+def _power(exponent: int, order: int, x: Fraction) -> Fraction:
+    """Return the derivative of some order of x**exponent."""
+    return math.perm(exponent, order) * x ** max(exponent - order, 0)
+
+
+def _polynomial(coefficients: Sequence[Number], order: int, x: Fraction) -> Any:
+    return sum((c * _power(p, order, x) for p, c in enumerate(coefficients)), Fraction(0))
+
+
+def _chain_response(chain: Chain, load: str) -> Response:
+    """Return the response in the chain's own units, its firmer end at 0."""
+    pair = chain.boundary.canonical
+    if not chain.elastic_modes:  # Held rigidly: nothing moves, and reactions may have no definite value.
+        return at_tip(pair, Fraction(0), Fraction(0), Fraction(0))
+    step = 1 if pair == chain.boundary else -1
+    position = list(accumulate(chain.piece_length[::step], initial=Fraction(0)))
+    length, hinges = position[-1], position[1:-1]
+    flexibility = [1 / stiffness for stiffness in chain.hinge_stiffness[::step]]
+    arms = [length - x for x in hinges]
+    loads = unit_loads(load)
+    root_angle, force, moment = _reactions(pair, length, arms, flexibility, loads)
+    moments = [_moment(loads, arm) + force * arm + moment for arm in arms]
+    turns = [f * m for f, m in zip(flexibility, moments, strict=True)]
+
+    def deflection(x: Number) -> Any:
+        return root_angle * x + sum(
+            (turn * (x - at) for turn, at in zip(turns, hinges, strict=True) if at < x), Fraction(0)
+        )
+
+    return at_tip(pair, deflection(length), root_angle + sum(turns, Fraction(0)), deflection(length / 2))
+
+
+def _moment(loads: Loads, arm: Number) -> Any:
+    """Return the moment of the load beyond a hinge about it, `arm` from the tip.
+
+    A rigid piece feels a spread load as half of its share at either end; about any hinge that is arm²/2.
+    """
+    force, moment, spread = loads
+    return force * arm + moment + spread * arm * arm / 2
+
+
+def _reactions(
+    pair: Boundary, length: Number, arms: Sequence[Number], flexibility: Sequence[Number], loads: Loads
+) -> list[Any]:
+    """Return θ₀ and the tip's reactions R and S from one condition each."""
+
+    def total(values: Iterable[Any]) -> Any:
+        return sum((f * value for f, value in zip(flexibility, values, strict=True)), Fraction(0))
+
+    zero, one = Fraction(0), Fraction(1)
+    bent = [_moment(loads, arm) for arm in arms]
+    rows: list[list[Any]] = [[one, zero, zero], [zero, one, zero], [zero, zero, one]]
+    rest: list[Any] = [zero, zero, zero]
+    if not pair.left.holds_rotation:  # No moment at the root.
+        rows[0], rest[0] = [zero, length, one], -_moment(loads, length)
+    if pair.right.holds_deflection:
+        rows[1] = [length, total(arm * arm for arm in arms), total(arms)]
+        rest[1] = -total(arm * m for arm, m in zip(arms, bent, strict=True))
+    if pair.right.holds_rotation:
+        rows[2], rest[2] = [one, total(arms), total(one for _ in arms)], -total(bent)
+    return _solved(rows, rest)
+
+
+def _solved(rows: Sequence[Sequence[Any]], rest: Sequence[Any]) -> list[Any]:
+    """Solve a small regular linear system in whatever numbers it is made of."""
+    table = [[*row, value] for row, value in zip(rows, rest, strict=True)]
+    for k in range(len(table)):
+        best = max(range(k, len(table)), key=lambda i: abs(table[i][k]))
+        table[k], table[best] = table[best], table[k]
+        table[k] = [value / table[k][k] for value in table[k]]
+        for i, row in enumerate(table):
+            if i != k:
+                table[i] = [value - row[k] * pivot for value, pivot in zip(row, table[k], strict=True)]
+    return [row[-1] for row in table]

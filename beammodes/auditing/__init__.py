@@ -1,0 +1,1 @@
+"""A chain that somebody else made, judged."""

@@ -1,0 +1,1 @@
+"""Chains of rigid pieces and springs, and the rules that make them."""

@@ -1,0 +1,206 @@
+"""The chain: rigid pieces cut at hinges, with a rotational spring at every hinge.
+
+::
+
+      wall   θ₁      θ₂      θ₃           y, up
+       ||=o======o======o======           |
+       ||0    1     2      3              +---- x
+         left                 right
+
+A chain is a row of straight rigid pieces, i = 0, 1, ..., p-1, from left to right. Neighbours share a hinge;
+hinge j joins pieces j and j+1 and resists their relative rotation θ_{j+1} - θ_j with a spring k_j. Angles θ_i
+are absolute, counter-clockwise positive, zero on the straight chain; deflections y point up.
+
+The ends act on the two outer pieces. A clamped or guided end holds its piece's angle at zero, so a hinge *at*
+the wall is an outer piece of length zero, a stub one of half or whole segment. A clamped or pinned end
+holds the deflection of its piece's outer tip; springs of an elastic support act on the same two quantities.
+A body fixed to an end is part of the outer piece, so the rule's wall spring sits between body and beam.
+
+Numbers are kept in the chain's own units (a segment's length, its mass, EI over its length), in which a
+chain made by a rule is exact: its lengths, masses, inertias and springs are rational numbers.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from beammodes.chains.chain_numbers import ChainNumbers
+from beammodes.chains.pieces import MAX_PIECES, Number, Pieces, check_pieces, check_turning, piece_numbers
+from beammodes.chains.rods import hinge_flexibilities, profile_weights, rigid_rods
+from beammodes.chains.rules import AnyRule, Layout, layout_of
+from beammodes.chains.units import ExactUnits, Units
+from beammodes.checks import shown, whole_number
+from beammodes.problem.beam import Beam
+from beammodes.problem.ends import Boundary, BoundaryLike
+
+__all__ = ["MAX_PIECES", "Chain", "Number", "Units"]
+
+
+@dataclass(frozen=True, init=False)
+class Chain(ChainNumbers):
+    """A beam of rigid segments and rotational springs, by a rule.
+
+    Parameters
+    ----------
+    beam : Beam
+        The beam that the chain stands for.
+    boundary : str, pair or Boundary
+        Its two ends, such as "clamped-free"; arrays run from the end named first.
+    segments : int
+        N, how many equal segments the beam is cut into (1 to 10 million).
+    rule : str, Rule, or a record from `mode_tuned` or `matched`
+        Where the hinges sit and how stiff they are.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If an argument is not of its kind, or the rule gives a spring that is not positive.
+
+    Examples
+    --------
+    >>> chain = Chain(Beam.unit(), "clamped-free", segments=4, rule="mitiguy")
+    >>> chain.joint_stiffness                       # 24/11 EI/ell at the wall, EI/ell elsewhere
+    array([8.72727273, 4.        , 4.        , 4.        ])
+    """
+
+    boundary: Boundary
+    exact_units: ExactUnits
+    beam: Beam | None
+    segments: int | None
+    rule: Layout | None
+
+    def __init__(self, beam: Beam, boundary: BoundaryLike, segments: int, rule: AnyRule = "mitiguy") -> None:
+        if not isinstance(beam, Beam):
+            raise TypeError(f"beam must be a Beam, got {shown(beam)}")
+        boundary, record = Boundary.of(boundary), layout_of(rule)
+        count = whole_number("segments", segments, most=MAX_PIECES)
+        units, exact = Units.of(beam, count), ExactUnits.of(beam, count)
+        lengths = record.piece_lengths(boundary, count)
+        weights = list(record.hinge_weights(boundary, count))
+        for hinge, added in profile_weights(beam, boundary, record, lengths, exact).items():
+            weights[hinge] += added
+        if any(weight <= 0 for weight in set(weights)):
+            raise ValueError(
+                f"rule {record.name} has no positive springs for {boundary.name} with {count} segments"
+            )
+        flexibility = hinge_flexibilities(beam, lengths, exact)
+        springs = {pair: 1 / (pair[0] * pair[1]) for pair in set(zip(weights, flexibility, strict=True))}
+        rods = rigid_rods(beam, lengths, record.rotary_inertia, exact)
+        self._fill(
+            boundary,
+            tuple(lengths),
+            *rods,
+            tuple(springs[pair] for pair in zip(weights, flexibility, strict=True)),
+            units=units,
+            exact_units=exact,
+            beam=beam,
+            segments=count,
+            rule=record,
+        )
+
+    @classmethod
+    def from_pieces(
+        cls,
+        *,
+        length: Sequence[Number] | NDArray[np.float64],
+        mass: Sequence[Number] | NDArray[np.float64],
+        rotary_inertia: Sequence[Number] | NDArray[np.float64],
+        joint_stiffness: Sequence[Number] | NDArray[np.float64],
+        boundary: BoundaryLike,
+        centre: Sequence[Number] | NDArray[np.float64] | None = None,
+    ) -> Chain:
+        """Return the chain of given pieces and springs; numbers are kept as given, in consistent units.
+
+        Parameters
+        ----------
+        length, mass, rotary_inertia : sequence, shape (pieces,) [m], [kg], [kg m²]
+            Of each piece, left to right; the inertia about its centre of mass. An outer piece may have
+            length zero: that puts a hinge at the wall.
+        joint_stiffness : sequence, shape (pieces - 1,) [N m/rad]
+            Of each hinge, left to right.
+        boundary : str, pair or Boundary
+            The ends, which act on the two outer pieces; their bodies are fixed to these.
+        centre : sequence, shape (pieces,) [m], optional
+            Of mass of each piece, from its left tip; its middle by default.
+
+        Raises
+        ------
+        TypeError, ValueError
+            If shapes disagree, or a number is not finite, is negative, or makes a piece without mass
+            or length inside the chain.
+
+        Examples
+        --------
+        >>> chain = Chain.from_pieces(length=[0, 1, 1], mass=[0, 1, 1], rotary_inertia=[0, 1/12, 1/12],
+        ...                           joint_stiffness=[2.0, 1.0], boundary="clamped-free")
+        >>> chain.elastic_modes
+        2
+        """
+        given = {"length": length, "mass": mass, "rotary_inertia": rotary_inertia}
+        given |= {} if centre is None else {"centre": centre}
+        columns = {name: piece_numbers(name, values) for name, values in given.items()}
+        columns.setdefault("centre", tuple(value / 2 for value in columns["length"]))
+        columns["joint_stiffness"] = piece_numbers("joint_stiffness", joint_stiffness)
+        check_pieces(columns)
+        chain = cls.__new__(cls)
+        numbers = [
+            columns[name] for name in ("length", "mass", "centre", "rotary_inertia", "joint_stiffness")
+        ]
+        unit = {"units": Units(), "exact_units": ExactUnits()}
+        chain._fill(Boundary.of(boundary), *numbers, **unit, beam=None, segments=None, rule=None)
+        return chain
+
+    def _fill(self, boundary: Boundary, *columns: tuple[Number, ...], **fields: Any) -> None:
+        units: ExactUnits = fields["exact_units"]
+        left, right = (
+            (units.support(end.translational_stiffness, 2), units.support(end.rotational_stiffness, 0))
+            for end in (boundary.left, boundary.right)
+        )
+        bodies = (units.body(*end.moving_body) for end in (boundary.left, boundary.right))
+        length, mass, centre, inertia, springs = columns
+        pieces = Pieces(length, mass, centre, inertia, springs, (left, right))
+        pieces = pieces.with_bodies(*bodies).condensed()
+        check_turning(pieces)
+        fields |= {"boundary": boundary, "pieces_and_springs": pieces}
+        for name, value in fields.items():
+            object.__setattr__(self, name, value)
+
+    @property
+    def held_angles(self) -> tuple[bool, ...]:
+        """For each piece, whether an end holds its angle at zero."""
+        held = [False] * self.pieces
+        held[0] |= self.boundary.left.holds_rotation
+        held[-1] |= self.boundary.right.holds_rotation
+        return tuple(held)
+
+    @property
+    def elastic_modes(self) -> int:
+        """How many modes store energy: the chain's independent motions, less the rigid-body modes."""
+        (left, _), (right, _) = self.supports
+        turning = zip(self.piece_length, self.held_angles, strict=True)
+        reaches = any(length and not held for length, held in turning)
+        # A right tip that nothing could move is held twice.
+        tips = (left != math.inf) - (right == math.inf and (left != math.inf or reaches))
+        return max(0, tips + self.held_angles.count(False) - self.boundary.rigid_body_modes)
+
+    @cached_property
+    def node_position(self) -> NDArray[np.float64]:
+        """Distance of the left tip, every hinge and the right tip from the left end, shape (nodes,) [m]."""
+        position = np.concatenate([[0.0], np.cumsum(self.length)])
+        if self.beam is not None:
+            # Summed lengths miss the beam's end by their rounding, and the exact beam has no shape beyond it.
+            position[-1] = self.beam.length
+            position = np.minimum(position, self.beam.length)
+        position.flags.writeable = False
+        return position
+
+    def __repr__(self) -> str:
+        by = f", segments={self.segments}, rule={self.rule.name!r}" if self.rule else ""
+        return f"<Chain {self.boundary.name}: {self.pieces} pieces{by}>"

@@ -1,0 +1,157 @@
+"""The states that an end of a chain lets through, carried over its outer pieces, with a count of its modes.
+
+A state is (y, θ, M, V), M the bending moment and V = y''' - t y' of the chain, so that the block to the left
+of a section is held there by the force -V and the moment M. At squared frequency w, over a piece of length
+l whose mass m sits at c and turns with inertia J, and over a hinge of flexibility f,
+
+    y₁ = y₀ + l θ,   V₁ = V₀ + w m (y₀ + c θ),   M₁ = M₀ + l V₁ - w (m c (y₀ + c θ) + J θ) + t l θ,
+    θ₁ = θ₀ + f M.
+
+An end leaves a plane of states, spanned by two. Let d be the determinant of their (y, θ). Pieces, being
+rigid, do not change it, and a hinge of stiffness k multiplies it by (k + S)/k, S being how stiffly the block
+to its left resists turning where y is held: the pivot with which elimination takes that angle out of K - w M.
+So the signs of d, hinge after hinge, are those of a Sturm sequence: as many modes of the block, held at the
+section, lie below w as the sequence changes sign. At the other end the sequence goes on with the forces that
+replace what is free there. All members are polynomials in w: there is nothing to divide by.
+"""
+
+from __future__ import annotations
+
+from decimal import Decimal
+from fractions import Fraction
+from typing import NamedTuple
+
+from beammodes.chains.pieces import Pieces
+
+__all__ = ["Block", "Plane", "as_decimal", "block_of", "carried", "closed"]
+
+State = tuple[Decimal, Decimal, Decimal, Decimal]
+
+_ZERO, _ONE = Decimal(0), Decimal(1)
+
+
+class Block(NamedTuple):
+    """Pieces (l, m, c, J) from an end inward, the flexibility of the hinge after each, and (K_t, K_r)."""
+
+    pieces: tuple[tuple[Decimal, Decimal, Decimal, Decimal], ...]
+    flexibility: tuple[Decimal, ...]
+    supports: tuple[Decimal, Decimal]
+
+
+class Plane(NamedTuple):
+    """Two states at a section, how many modes the block held there has below w, and the last sign of d."""
+
+    first: State
+    second: State
+    below: int
+    sign: int
+
+    def minor(self, i: int, j: int) -> Decimal:
+        """Return the determinant of entries i and j of the two states."""
+        return self.first[i] * self.second[j] - self.first[j] * self.second[i]
+
+    def stiffness(self) -> tuple[Decimal, Decimal, Decimal]:
+        """Return the yy, yθ and θθ entries of the block's condensed K - w M at the section."""
+        common = 1 / self.minor(0, 1)
+        return self.minor(1, 3) * common, self.minor(3, 0) * common, self.minor(0, 2) * common
+
+
+def block_of(pieces: Pieces, count: int, middle: Fraction = Fraction(0)) -> Block:
+    """Return the first `count` pieces; the hinge after the last of them has flexibility `middle`.
+
+    Examples
+    --------
+    >>> rod = Pieces((1.0,), (1.0,), (0.5,), (1 / 12,), (), ((0.0, 0.0), (0.0, 0.0)))
+    >>> len(block_of(rod, 1).pieces)
+    1
+    """
+    columns = (pieces.length, pieces.mass, pieces.centre, pieces.rotary_inertia)
+    rows = zip(*(map(as_decimal, column[:count]) for column in columns), strict=True)
+    inside = tuple(1 / as_decimal(k) for k in pieces.joint_stiffness[: count - 1])
+    translation, rotation = map(as_decimal, pieces.supports[0])
+    return Block(tuple(rows), (*inside, as_decimal(middle)), (translation, rotation))
+
+
+def as_decimal(value: float | Fraction) -> Decimal:
+    """Return a float exactly, and a fraction to the context's precision.
+
+    Examples
+    --------
+    >>> as_decimal(Fraction(1, 8))
+    Decimal('0.125')
+    """
+    if isinstance(value, Fraction):
+        return Decimal(value.numerator) / Decimal(value.denominator)
+    return Decimal(value)
+
+
+def carried(block: Block, square: Decimal, tension: Decimal) -> Plane:
+    """Return the plane of states behind a block's last hinge at w = `square` and t = `tension`.
+
+    Examples
+    --------
+    >>> rod = Pieces((1.0,), (1.0,), (0.5,), (1 / 12,), (), ((0.0, 0.0), (0.0, 0.0)))
+    >>> [float(value) for value in carried(block_of(rod, 1), Decimal(2), Decimal(0)).first]    # w m l/2, w m
+    [1.0, 0.0, 1.0, 2.0]
+    """
+    first, second = _let_through(block.supports)
+    count, sign = 0, 1
+    for piece, flexibility in zip(block.pieces, block.flexibility, strict=True):
+        first = _across(piece, flexibility, first, square, tension)
+        second = _across(piece, flexibility, second, square, tension)
+        count, sign = _counted(count, sign, first[0] * second[1] - second[0] * first[1])
+    return Plane(first, second, count, sign)
+
+
+def _let_through(supports: tuple[Decimal, Decimal]) -> tuple[State, State]:
+    """Return a support's two states in the order of y, θ, M, V, which makes the first d > 0."""
+    translation, rotation = supports
+    turning = (_ZERO, _ZERO, _ONE, _ZERO) if rotation.is_infinite() else (_ZERO, _ONE, rotation, _ZERO)
+    if translation.is_infinite():
+        return turning, (_ZERO, _ZERO, _ZERO, _ONE)
+    return (_ONE, _ZERO, _ZERO, -translation), turning
+
+
+def _across(
+    piece: tuple[Decimal, ...], flexibility: Decimal, state: State, square: Decimal, tension: Decimal
+) -> State:
+    """Carry a state over a piece and the hinge behind it."""
+    length, mass, centre, inertia = piece
+    y, slope, moment, shear = state
+    force = square * mass * (y + centre * slope)
+    shear += force
+    moment += length * shear - centre * force + (tension * length - square * inertia) * slope
+    return y + length * slope, slope + flexibility * moment, moment, shear
+
+
+def _counted(count: int, sign: int, value: Decimal) -> tuple[int, int]:
+    """Go on with a Sturm sequence; zeros, such as stand at its start where the end holds, are passed over."""
+    if not value or (value > 0) == (sign > 0):
+        return count, sign
+    return count + 1, -sign
+
+
+def closed(plane: Plane, supports: tuple[Decimal, Decimal]) -> tuple[int, Decimal]:
+    """Return how many modes the whole chain has below w, and its determinant, at the far end's supports.
+
+    Examples
+    --------
+    >>> rod = Pieces((1.0,), (1.0,), (0.5,), (1 / 12,), (), ((3.0, 0.0), (0.0, 0.0)))
+    >>> block = block_of(rod, 1)                               # a rod that a spring of 3 holds at its tip:
+    >>> [closed(carried(block, Decimal(w), Decimal(0)), (Decimal(0), Decimal(0)))[0] for w in (11, 13)]
+    [1, 2]
+    """
+    translation, rotation = supports
+    force = _ZERO if translation.is_infinite() else translation
+    couple = _ZERO if rotation.is_infinite() else rotation
+    states = [
+        (y, slope, moment + couple * slope, force * y - shear)
+        for y, slope, moment, shear in (plane.first, plane.second)
+    ]
+    ended = plane._replace(first=states[0], second=states[1])
+    turning = 1 if rotation.is_infinite() else 2
+    count, sign = _counted(plane.below, plane.sign, ended.minor(0, turning))
+    if translation.is_infinite():
+        return count, ended.minor(0, turning)
+    value = ended.minor(3, turning)
+    return _counted(count, sign, value)[0], value

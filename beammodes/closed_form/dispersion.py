@@ -1,0 +1,168 @@
+"""Exact natural frequencies of uniform chains, at a cost that does not depend on the number of segments.
+
+With the waves of `waves`, κ = qN and E = e^(-χN), both ends together give one real equation,
+
+    sin(κ + Φ) = X,    X = E² ρ sin(κ + Φ₊) + E h,
+
+where Φ(q) is the sum of the phases at which the two ends reflect a wave, and X, small except for the lowest
+modes, is what the two ends' exponentials do to each other (`reflection.exchange`). The exact beam satisfies
+the same equation with constants Φ⁰, so its mode n, at β + Φ⁰ ≈ kπ, says which k belongs to n.
+
+Why no mode is taken for its neighbour: κ + Φ grows with q (that sets the shortest chain treated so), so the
+points where it is an odd multiple of π/2 cut the band into intervals, and at the two ends of each the
+equation's sides differ in opposite directions, because |X| < 1. So each interval holds a root. The last few
+modes before the band's edge q = π, and those above it (q = π + iσ), are found as sign changes of the
+determinant. Both together are as many as the chain has modes, which is counted: one in each interval.
+Chains too short for that have their characteristic polynomial formed and solved in rational numbers.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from beammodes.closed_form.band_edge import edge_frequencies
+from beammodes.closed_form.lookup import Boundaries, Floats, Rules, looked_up
+from beammodes.closed_form.reflection import exchange
+from beammodes.closed_form.roots import increasing_root, polynomial_roots
+from beammodes.closed_form.transfer import characteristic_polynomial
+from beammodes.closed_form.uniform import UniformChains
+
+__all__ = ["chain_frequency", "frequencies"]
+
+# From the next mode on E < 1e-18, as χ > 0.56 q at any q: the exponentials of one end do not reach the other.
+_LAST_EXCHANGING = 24
+
+
+def chain_frequency(
+    boundary: Boundaries, segments: ArrayLike, mode: ArrayLike, rule: Rules = "mitiguy"
+) -> float | Floats:
+    """Return the natural frequency of an elastic mode of a uniform chain.
+
+    Inside the chain  ω² = 16 N⁴ s⁴ / (1 - p s²),  s = sin(q/2), for rods 12 N⁴ (1 - cos q)² / (2 + cos q);
+    the two ends choose q. Relative accuracy is 1e-13 or better for every mode and N = 1 to 10⁹.
+
+    Parameters
+    ----------
+    boundary : str, Boundary, or array of them
+        The two ends, in either order.
+    segments : int or array of int
+        N, 1 to 10⁹.
+    mode : int or array of int
+        Elastic modes, from 1.
+    rule : str, Rule, or array of them
+
+    Returns
+    -------
+    float, or array of the broadcast shape [√(EI / (ρA L⁴))]
+        ω for L = EI = ρA = 1; NaN where the chain has no such mode or a spring would not be positive.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If an argument is not of its kind or outside its range, or shapes do not match.
+
+    Source
+    ------
+    Derived here from the rods' momentum balances: see the heads of this module and of `waves`.
+
+    Examples
+    --------
+    >>> round(chain_frequency("clamped-free", 4, 1), 9)
+    3.487885848
+    >>> chain_frequency("pinned-pinned", [2, 1000], [[1], [2]]).round(6)
+    array([[ 9.797959,  9.869604],
+           [      nan, 39.478418]])
+    """
+    return looked_up(frequencies, boundary, segments, mode, rule)
+
+
+def frequencies(chains: UniformChains, segments: Any, mode: Any) -> Floats:
+    """Return ω for L = EI = ρA = 1; every mode asked for must exist."""
+    segments, mode = np.atleast_1d(segments), np.atleast_1d(mode)
+    frequency = np.empty_like(segments)
+    inside = chains.in_band(segments, mode)
+    n, m = segments[inside], mode[inside]
+    beta = chains.wavenumbers(m)
+    frequency[inside] = chains.omega(np.sin(0.5 * (beta + shift(chains, beta, n, m)) / n)) * n * n
+    outside = np.flatnonzero(~inside)
+    for size in np.unique(segments[outside]):
+        chosen = outside[segments[outside] == size]
+        first, listed = _listed(chains, int(size))
+        frequency[chosen] = listed[mode[chosen].astype(np.int64) - first] * size**2
+    return np.asarray(frequency)
+
+
+def shift(chains: UniformChains, beta: Floats, segments: Floats, mode: Floats) -> Floats:
+    """Return δ = κ - β, to about 1e-15, of modes that are `in_band`."""
+    if chains.is_plain:
+        return np.zeros_like(beta)
+    excess = _Equation(chains, beta, segments, mode).excess
+    # X moves a root by less than π/2, and either end by less than π from the middle of its range.
+    most = 8.0 + abs(chains.swings[0].middle) + abs(chains.swings[1].middle)
+    low, high = np.maximum(-most, 1e-3 - beta), np.minimum(most, math.pi * segments - beta)
+    delta = increasing_root(excess, np.zeros_like(beta), low, high, 5e-16 * beta)
+    if np.any(np.abs(excess(delta)) > 1e-3):
+        raise ArithmeticError(f"{chains.pair.name}, rule {chains.rule.name}: a reflected phase jumps")
+    return delta
+
+
+@dataclass(frozen=True, eq=False)
+class _Equation:
+    """κ + Φ - kπ = ± arcsin X, for a block of modes, as an equation for δ = κ - β."""
+
+    chains: UniformChains
+    beta: Floats
+    segments: Floats
+    mode: Floats
+
+    @cached_property
+    def exchanging(self) -> NDArray[np.bool_]:
+        return np.asarray(self.mode <= _LAST_EXCHANGING)
+
+    @cached_property
+    def sign(self) -> Floats:
+        return np.asarray(1.0 - 2.0 * ((self.mode + self.chains.lead) % 2.0))
+
+    @cached_property
+    def of_beam(self) -> Floats:
+        """Arcsin X of the beam."""
+        return self._arcsin(exchange(self.beta, self.beta, self.chains.left.beam, self.chains.right.beam))
+
+    def _arcsin(self, across: Floats) -> Floats:
+        return np.asarray(np.arcsin(np.where(self.exchanging, np.clip(across, -1.0, 1.0), 0.0)))
+
+    def excess(self, delta: Floats) -> Floats:
+        """Return δ + Φ - Φ⁰ ∓ (arcsin X - arcsin X⁰), which grows with δ."""
+        chains = self.chains
+        q = (self.beta + delta) / self.segments
+        s = np.sin(0.5 * q)
+        ends = chains.minors(s, np.cos(0.5 * q), 1.0 / self.segments)
+        total = delta + chains.turn(q, *ends)
+        if self.exchanging.any():
+            span = self.segments - chains.reach
+            across = exchange(q * span, chains.evanescence(s) * span, *ends)
+            total -= self.sign * (self._arcsin(across) - self.of_beam)
+        return np.asarray(total)
+
+
+@lru_cache(maxsize=4096)
+def _listed(chains: UniformChains, segments: int) -> tuple[int, Floats]:
+    """Return the number of the first mode that is not `in_band`, and the ω (segment units) from it on."""
+    last = segments + chains.surplus
+    if segments < chains.shortest:
+        if min(chains.rule.hinge_weights(chains.pair, segments)) <= 0:
+            return 1, np.full(last, np.nan)
+        coefficients = characteristic_polynomial(chains.rule, chains.pair, segments)
+        return 1, np.asarray(np.sqrt(polynomial_roots(coefficients, last)))
+    size = np.array([float(segments)])
+    regular = chains.last_in_band(size)
+    beta = chains.wavenumbers(regular)
+    below = math.pi - float((beta + shift(chains, beta, size, regular))[0]) / segments
+    first = int(regular[0]) + 1
+    return first, edge_frequencies(chains, segments, below, last - first + 1)

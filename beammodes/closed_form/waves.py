@@ -1,0 +1,202 @@
+"""The four waves of a uniform chain and what each kind of end makes of them, in exact algebra.
+
+Lengths are counted in segments, and the segment's mass and EI/ell are 1. Inside, every motion of one
+frequency is a sum of cos qj, sin qj, cosh χj and sinh χj. With s = sin(q/2), S = sinh(χ/2) and
+p = 1 - 4r, r being the rods' central rotary inertia over mass·length², everything is a function of s:
+
+    S² = s² / (1 - p s²),        ω = 4 s S = 4 s² / √(1 - p s²).
+
+The state (y, θ, M, V) in the middle of a hinge (half of its spring on either side) is then
+
+    cos qx → (cos qx, -sin q sin qx, -4s² cos qx, 4S² sin q sin qx),
+    cosh χx → (cosh χx, sinh χ sinh χx, 4S² cosh χx, 4s² sinh χ sinh χx),
+
+and the other two are their quarter-period partners: the beam's own waves, with sin q for q, and 4s² or 4S²
+for q² in the moment. An end lets a plane of states through, spanned by v₁ and v₂. It enters the chain's
+characteristic equation only through the six determinants m_ij = |v₁ v₂ Wᵢ Wⱼ| for pairs of waves: each
+is a polynomial in x = s² and in u = 1/N, with rational coefficients, times square roots that depend on
+the pair alone. Cancellation between an end's corrections is therefore exact, to any order.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import cached_property, lru_cache
+from itertools import combinations
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from beammodes.chains.rules import Rule
+from beammodes.closed_form.series import SERIES_TERMS, binomial, in_powers_of_s, powers_of, product
+from beammodes.closed_form.transfer import Poly, State, admitted, expanded, is_hinged, term
+from beammodes.problem.ends import End
+
+__all__ = ["PAIRS", "EndWaves", "Minors", "end_waves"]
+
+_HALF, _ONE = Fraction(1, 2), Fraction(1)
+
+# States of the four waves, each over a factor of its own:
+#   in the hinge at x = 0:  cos 1,  sin 2 s t,  cosh 1,       sinh 2 s R;
+#   in that at x = 1/2:     cos t,  sin s,      cosh R / √d,  sinh s / √d  (the common 1/√d is dropped),
+# with t = cos(q/2) = √(1 - x) and R = √(1 + (1 - p) x), that is cosh(χ/2) = R / √d, R² = d + x.
+_R2 = term(1, d=1) + term(1, x=1)
+_T2 = term(1) + term(-1, x=1)
+_AT_HINGE: dict[str, State] = {
+    "c": (term(1), term(0), term(-4, x=1), term(0)),
+    "s": (term(0), term(1), term(0), term(-4, x=1, d=-1)),
+    "C": (term(1), term(0), term(4, x=1, d=-1), term(0)),
+    "S": (term(0), term(1, d=-1), term(0), term(4, x=1, d=-1)),
+}
+_AT_HALF: dict[str, State] = {
+    "c": (term(1), term(-2, x=1), term(-4, x=1), term(8, x=2, d=-1)),
+    "s": (term(1), term(2) * _T2, term(-4, x=1), term(-8, x=1, d=-1) * _T2),
+    "C": (term(1), term(2, x=1, d=-1), term(4, x=1, d=-1), term(8, x=2, d=-1)),
+    "S": (term(1), term(2, d=-1) * _R2, term(4, x=1, d=-1), term(8, x=1, d=-1) * _R2),
+}
+
+#: Pairs of waves, in the order of `_minors` and of what is made from it.
+PAIRS = tuple(combinations("csCS", 2))
+
+
+def _minors(rule: Rule, end: End, *, back: bool) -> list[Poly]:
+    """Return |v₁ v₂ Wᵢ Wⱼ| for `PAIRS`, by Laplace's expansion along the first two columns."""
+    waves = _AT_HALF if back and rule.stub == _HALF else _AT_HINGE
+    first, second = admitted(rule, end, back=back)
+    minors = [Poly() for _ in PAIRS]
+    for a, b in combinations(range(4), 2):
+        c, d = (row for row in range(4) if row not in (a, b))
+        sign = term(1 if (a + b) % 2 else -1)
+        plane = sign * (first[a] * second[b] + term(-1) * first[b] * second[a])
+        for column, (i, j) in enumerate(PAIRS):
+            across = waves[i][c] * waves[j][d] + term(-1) * waves[i][d] * waves[j][c]
+            minors[column] += plane * across
+    return minors
+
+
+class Minors(NamedTuple):
+    """The six determinants of an end, for waves cos, sin and decaying or growing exponentials."""
+
+    cos_decaying: Any
+    sin_decaying: Any
+    cos_growing: Any
+    sin_growing: Any
+    cos_sin: Any
+    decaying_growing: Any
+
+
+@dataclass(frozen=True, eq=False)
+class EndWaves:
+    """One kind of end under one rule; `end_waves` makes and keeps them.
+
+    Parameters
+    ----------
+    rule : Rule
+    end : End
+    """
+
+    rule: Rule
+    end: End
+
+    @cached_property
+    def p(self) -> Fraction:
+        """1 - 4 × rotary inertia."""
+        return 1 - 4 * self.rule.rotary_inertia
+
+    @cached_property
+    def half(self) -> bool:
+        """True if `series` counts from the middle of a segment."""
+        return self.rule.stub == _HALF
+
+    @cached_property
+    def reach(self) -> float:
+        """Segments from the end to where `minors` is taken, the middle of the last corrected hinge."""
+        corrected = max(len(self.rule.end_weights(self.end)), 1)
+        return float(self.rule.stub) + corrected - 1.0 if is_hinged(self.rule, self.end) else 0.0
+
+    @cached_property
+    def _at_end(self) -> NDArray[Any]:
+        """Exact polynomials for `PAIRS` at the end, shape (pairs, powers of u, powers of x)."""
+        return expanded(_minors(self.rule, self.end, back=True), self.p)
+
+    @cached_property
+    def _coefficients(self) -> list[NDArray[np.float64]]:
+        """Polynomials at `reach`, in floats: for each power of u a matrix, shape (pairs, powers of x).
+
+        Not at the end itself: carried back there, a decaying wave has grown and drowns what is left of it.
+        """
+        tables = expanded(_minors(self.rule, self.end, back=False), self.p)
+        return list(np.moveaxis(tables.astype(np.float64), 1, 0))
+
+    @cached_property
+    def is_plain(self) -> bool:
+        """True where the end reflects cos qj or sin qj exactly as it stands, at every q."""
+        _, cos_cosh, cos_sinh, sin_cosh, sin_sinh, _ = (table.any() for table in self._at_end)
+        return not (cos_cosh or cos_sinh) or not (sin_cosh or sin_sinh)
+
+    def minors(self, s: Any, t: Any, u: Any) -> Minors:
+        """Return the determinants at s = sin(q/2), t = cos(q/2), u = 1/N: floats, arrays or complex.
+
+        Waves count from `reach`. A positive factor common to all six is left out.
+        """
+        x = s * s
+        powers = powers_of(x, self._coefficients[0].shape[1])
+        *lower, total = (matrix @ powers for matrix in self._coefficients)
+        for row in lower[::-1]:
+            total = total * u + row
+        cs, cC, cS, sC, sS, CS = total
+        sin, sinh = 2.0 * s * t, 2.0 * s * np.sqrt(1.0 + (1.0 - float(self.p)) * x)
+        return Minors(
+            cC - sinh * cS,
+            sin * (sC - sinh * sS),
+            cC + sinh * cS,
+            sin * (sC + sinh * sS),
+            sin * cs,
+            2.0 * sinh * CS,
+        )
+
+    @cached_property
+    def series(self) -> NDArray[Any]:
+        """The six `Minors` at the end itself as series in s, exact, shape (6, powers of u, `SERIES_TERMS`).
+
+        The lowest power of s is divided out: entry [:, 0, 0] holds the exact beam's six determinants.
+        """
+        factors = _factors(self.half, self.p)
+        products = [product(in_powers_of_s(table), f) for table, f in zip(self._at_end, factors, strict=True)]
+        cs, cC, cS, sC, sS, CS = products
+        six = np.array([cC - cS, sC - sS, cC + cS, sC + sS, cs, CS])
+        first = int(np.flatnonzero(six[:2, 0].any(axis=0))[0])
+        if six[:, :, :first].any() or six[:, 1:, first].any():
+            raise ValueError("rule must approach the beam's end as N grows: its corrections outweigh the end")
+        return six[:, :, first : first + SERIES_TERMS]
+
+    @cached_property
+    def beam(self) -> Minors:
+        """The exact beam's determinants, scaled as `series` (and, up to a power of s, `minors`) is."""
+        return Minors(*(float(value) for value in self.series[:, 0, 0]))
+
+
+@lru_cache(maxsize=64)
+def _factors(half: bool, p: Fraction) -> list[NDArray[Any]]:
+    """Return the waves' own factors at the end, multiplied for `PAIRS`, as series in s."""
+    t, root = binomial(-1, _HALF), binomial(1 - p, _HALF)
+    s, one = np.roll(binomial(0, _ONE), 1), binomial(0, _ONE)
+    cos, sin, cosh, sinh = (t, s, root, s) if half else (one, 2 * product(s, t), one, 2 * product(s, root))
+    pairs = ((cos, sin), (cos, cosh), (cos, sinh), (sin, cosh), (sin, sinh), (2 * cosh, sinh))
+    return [product(a, b) for a, b in pairs]
+
+
+@lru_cache(maxsize=1024)
+def end_waves(rule: Rule, end: End) -> EndWaves:
+    """Return the waves of `end` under `rule`, derived once.
+
+    Examples
+    --------
+    >>> from beammodes.problem.ends import ENDS
+    >>> from beammodes.chains.rules import rule_named
+    >>> end_waves(rule_named("double_wall"), ENDS["guided"]).is_plain      # a mirror
+    True
+    """
+    return EndWaves(rule, end)

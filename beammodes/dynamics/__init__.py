@@ -1,0 +1,1 @@
+"""The chain in motion: moving bases, damping, time integration, superposition."""

@@ -1,0 +1,116 @@
+"""One step of a fixed-step integrator, compiled: classical Runge-Kutta and the implicit midpoint rule.
+
+A state is (q, q'). `Stepper.steps` maps it over many steps at once, so that a run spends its time in compiled
+code. Chains whose right end is held are projected back onto their closure after each Runge-Kutta step, with
+the least change of q and of q'; the midpoint rule meets it by a multiplier.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import casadi
+import numpy as np
+from numpy.typing import NDArray
+
+from beammodes.chains.chain import Chain
+from beammodes.dynamics.base_motion import BaseMotion
+from beammodes.dynamics.damping import Damping
+from beammodes.dynamics.forward_dynamics import ChainState, ForwardDynamics, forward_dynamics
+from beammodes.problem.loading import Load
+
+__all__ = ["Stepper", "closure", "projection", "runge_kutta"]
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Stepper:
+    """One step as a CasADi function of (state, step, base), base at `stages` times within the step.
+
+    Attributes
+    ----------
+    function : casadi.Function
+        New state from state, step and the base's nine numbers at each of the times, in one column.
+    times : tuple of float
+        Those times, as fractions of the step.
+    """
+
+    function: casadi.Function
+    times: tuple[float, ...]
+
+    def steps(self, state: Array, step: float, start: float, count: int, base: BaseMotion) -> Array:
+        """Return the states after each of `count` steps from time `start`, shape (count, size)."""
+        at = start + step * (np.arange(count)[None, :] + np.array(self.times)[:, None])
+        course = base.at(at)  # (3, 3, stages, count)
+        columns = np.moveaxis(course, 2, 0).reshape(-1, count)
+        mapped = self.function.mapaccum(count)
+        return np.asarray(mapped(state, np.full((1, count), step), columns).full().T)
+
+
+def runge_kutta(
+    chain: Chain, *, load: Load | None = None, damping: Damping | None = None, base: BaseMotion | None = None
+) -> Stepper:
+    """Return one step of the classical fourth-order Runge-Kutta method.
+
+        x + h/6 (k_1 + 2 k_2 + 2 k_3 + k_4)
+
+    Parameters
+    ----------
+    chain, load, damping, base
+        As `forward_dynamics` takes them.
+
+    Examples
+    --------
+    >>> from beammodes.problem.beam import Beam
+    >>> stepper = runge_kutta(Chain(Beam.unit(), "clamped-free", segments=1))        # q'' = -9 q
+    >>> stepper.steps(np.array([1.0, 0.0]), 0.01, 0.0, 2, BaseMotion())[:, 0].round(4)
+    array([0.9996, 0.9982])
+    """
+    dynamics = forward_dynamics(chain, load=load, damping=damping, base=base)
+    size = len(dynamics.coordinates)
+    state, step, course = (casadi.SX.sym(n, k) for n, k in (("x", 2 * size), ("h", 1), ("base", 27)))
+    early, middle, late = casadi.vertsplit(course, 9)
+
+    def rate(x: Any, base: Any) -> Any:
+        return casadi.vertcat(x[size:], dynamics.acceleration(x[:size], x[size:], base))
+
+    first = rate(state, early)
+    second = rate(state + step / 2 * first, middle)
+    third = rate(state + step / 2 * second, middle)
+    fourth = rate(state + step * third, late)
+    new = state + step / 6 * (first + 2 * second + 2 * third + fourth)
+    if chain.boundary.right.holds_deflection:
+        new = projection(dynamics)(new, late)
+    return Stepper(casadi.Function("runge_kutta", [state, step, course], [new]), (0.0, 0.5, 1.0))
+
+
+def closure(chain: Chain, q: Any, base: Any) -> Any:
+    """Return the right tip's deflection relative to the base, which a held end keeps at zero."""
+    parts = casadi.vertsplit(q)
+    state = ChainState.of(chain, parts, parts, casadi.vertsplit(base))
+    return (
+        state.place[1]
+        - base[3]
+        + casadi.dot(casadi.DM(chain.length.tolist()), casadi.sin(casadi.vertcat(*state.angle)))
+    )
+
+
+def projection(dynamics: ForwardDynamics) -> casadi.Function:
+    """Return the function (state, base) -> nearest state with the right tip's deflection the base's.
+
+    Two Newton steps: a Runge-Kutta step leaves the closure by little.
+    """
+    size = len(dynamics.coordinates)
+    q, u, base = (casadi.SX.sym(n, k) for n, k in (("q", size), ("u", size), ("base", 9)))
+    gap = closure(dynamics.chain, q, base)
+    slope = casadi.jacobian(gap, q)
+    # Bases under a held right end only shift, so the tip's velocity is the base's where the left tip's is.
+    rate = slope @ u - (0 if dynamics.chain.boundary.left.holds_deflection else base[4])
+    onto = casadi.Function("onto", [q, base], [q - slope.T * gap / casadi.sumsqr(slope)])
+    along = casadi.Function("along", [q, u, base], [u - slope.T * rate / casadi.sumsqr(slope)])
+    state = casadi.SX.sym("x", 2 * size)
+    placed = onto(onto(state[:size], base), base)
+    moved = along(placed, state[size:], base)
+    return casadi.Function("projection", [state, base], [casadi.vertcat(placed, moved)])

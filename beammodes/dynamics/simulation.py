@@ -1,0 +1,259 @@
+"""Motion of a chain in time: fixed-step, variable-step and symplectic integration."""
+
+from __future__ import annotations
+
+import math
+import warnings
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from beammodes.chains.chain import Chain
+from beammodes.checks import choice, positive_real, real, shown, whole_number
+from beammodes.dynamics.base_motion import BaseMotion
+from beammodes.dynamics.damping import Damping
+from beammodes.dynamics.damping_ratio import damped_time_step
+from beammodes.dynamics.forward_dynamics import base_vector, checked_system, forward_dynamics
+from beammodes.dynamics.integrators import projection
+from beammodes.dynamics.motion_dataset import motion_dataset
+from beammodes.dynamics.runs import RUNS, Run
+from beammodes.equations.coordinates import coordinate_names, tip_names
+from beammodes.problem.loading import Load, checked_load
+from beammodes.vibration.linear import linearize
+from beammodes.vibration.modes import solve_modes
+from beammodes.vibration.stability import stable_time_step
+
+if TYPE_CHECKING:
+    import xarray
+
+__all__ = ["METHODS", "DivergedWarning", "mode_start", "simulate"]
+
+Array = NDArray[np.float64]
+State = tuple[Array, Array]
+
+#: Classical fixed-step Runge-Kutta, the implicit midpoint rule, and variable-step Runge-Kutta pairs of order
+#: 5(4) and 8(5,3), for which the step is the largest one and the one of output: the report's recipe.
+METHODS: tuple[str, ...] = tuple(RUNS)
+
+#: How many output times a run has unless told otherwise.
+OUTPUTS = 1000
+
+
+class DivergedWarning(UserWarning):
+    """A motion left the finite numbers: the step was too long, or the chain unstable."""
+
+
+def simulate(
+    chain: Chain,
+    *,
+    duration: float,
+    method: str = "rk4",
+    step: float | None = None,
+    output_step: float | None = None,
+    initial: Any = None,
+    load: Load | None = None,
+    base: BaseMotion | None = None,
+    damping: Damping | None = None,
+    tolerance: float = 1e-9,
+    progress: Callable[[int, int], None] | None = None,
+    path: str | Path | None = None,
+) -> xarray.Dataset:
+    """Return the motion of a chain, large rotations included.
+
+        M(q) q'' + h(q, q') + s(q) + C q' = (∂c/∂q)ᵀ λ
+
+    Parameters
+    ----------
+    chain : Chain
+        Its left end tied to the base, or neither end held.
+    duration : float [s]
+    method : str
+        "rk4", "midpoint", or with a variable step "rk45" or "dop853".
+    step : float [s], optional
+        Of a fixed-step method, by default half the longest stable one of Runge-Kutta, with the damping; the
+        largest one of a variable-step method, by default that of output.
+    output_step : float [s], optional
+        Between output times, rounded to whole steps; a thousandth of the duration by default.
+    initial : pair of arrays, or Equilibrium, optional
+        Coordinates and speeds (in the order of `coordinate_names`), or a shape to start from at rest;
+        straight and at rest with the base by default. `mode_start` gives a mode.
+    load : Load, optional
+        Dead loads and gravity; no spin rate.
+    base : BaseMotion, optional
+    damping : Damping, optional
+    tolerance : float
+        Relative, of the variable-step methods; absolute is a thousandth of it.
+    progress : callable, optional
+        Called with (steps or output times done, all of them).
+    path : str or Path, optional
+        netCDF file for the result, also for what an interrupted run has.
+
+    Returns
+    -------
+    xarray.Dataset
+        Over time: angle and angular_velocity of each segment, x and y of each node, tip_deflection, energies
+        and momenta, q and u. Attribute `complete` is 0 if the run was interrupted from the keyboard or left
+        the finite numbers; `stopped` then says why. What came before is kept.
+
+    Warns
+    -----
+    DivergedWarning
+        If the state is no longer finite.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If an argument is not of its kind, or the base cannot move this chain.
+
+    Examples
+    --------
+    >>> from beammodes.problem.beam import Beam
+    >>> chain = Chain(Beam.unit(), "clamped-free", segments=4)
+    >>> motion = simulate(chain, duration=1.0, initial=mode_start(chain, 1, 0.01))
+    >>> bool(abs(motion.energy / motion.energy[0] - 1).max() < 1e-6)
+    True
+    """
+    checked_system(chain, load, damping, base)
+    given, ground = checked_load(load), base or BaseMotion()
+    span = positive_real("duration", duration)
+    kind = choice("method", method, RUNS)
+    shown_step = span / OUTPUTS if output_step is None else positive_real("output_step", output_step)
+    if progress is not None and not callable(progress):
+        raise TypeError(f"progress must be a function, got {shown(progress)}")
+    if path is not None and not isinstance(path, str | Path):
+        raise TypeError(f"path must be a str or a Path, got {shown(path)}")
+    if path is not None and not Path(path).parent.is_dir():
+        raise ValueError(f"path must be in a folder that exists, got {shown(str(path))}")
+    if positive_real("tolerance", tolerance) < 1e-13:
+        raise ValueError(f"tolerance must be at least 1e-13, got {shown(tolerance)}")
+    longest = _step(chain, kind, step, min(shown_step, span), span, damping, given)
+    if span / longest > 1e9:
+        raise ValueError(
+            f"duration must be shorter, or step longer: {span / longest:.2g} steps of {longest:.3g} s"
+        )
+    every = max(1, round(min(shown_step, span) / longest))
+    start = _initial(chain, initial, ground)
+    run = Run(
+        chain,
+        given,
+        ground,
+        damping or Damping(),
+        longest,
+        every,
+        math.ceil(span / longest - 1e-9),
+        positive_real("tolerance", tolerance),
+    )
+    time, q, u, why = RUNS[kind](run, start, progress)
+    if why.startswith("non-finite"):
+        warnings.warn(f"{why}: the step is too long or the motion unstable", DivergedWarning, stacklevel=2)
+    attributes = {"method": kind, "step": longest, "complete": int(not why), "stopped": why}
+    result = motion_dataset(chain, time, q, u, load=given, base=ground, attributes=attributes)
+    if path is not None:
+        _save(result, Path(path))
+    return result
+
+
+def mode_start(chain: Chain, mode: int, amplitude: float, *, load: Load | None = None) -> State:
+    """Return coordinates and speeds of a chain at rest in the shape of a mode.
+
+    Parameters
+    ----------
+    chain : Chain
+    mode : int
+        1-based index of an elastic mode.
+    amplitude : float [rad]
+        Largest angle of a segment.
+    load : Load, optional
+        Under which the modes are taken.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If an argument is not of its kind, or the chain has no such mode.
+
+    Examples
+    --------
+    >>> from beammodes.problem.beam import Beam
+    >>> mode_start(Chain(Beam.unit(), "clamped-free", segments=2), 1, 0.1)[0].round(4)
+    array([0.0558, 0.1   ])
+    """
+    model = linearize(chain, load=load)
+    whole_number("mode", mode, most=model.elastic_modes)
+    real("amplitude", amplitude)
+    modes = solve_modes(model, mode)
+    rotation, deflection = modes.rotation[mode - 1], modes.deflection[mode - 1]
+    scale = amplitude / np.abs(rotation).max()
+    tips = {"x_0": 0.0, "y_0": deflection[0]}
+    q = [*(tips[name] for name in tip_names(chain)), *rotation[~np.array(chain.held_angles)]]
+    start = scale * np.array(q), np.zeros(len(q))
+    return _onto(chain, start, BaseMotion()) if chain.boundary.right.holds_deflection else start
+
+
+def _step(
+    chain: Chain,
+    method: str,
+    step: float | None,
+    shown_step: float,
+    span: float,
+    damping: Damping | None,
+    load: Load,
+) -> float:
+    """Return the step: as given, or for a fixed one the longest safe one that divides the output's."""
+    if step is not None:
+        return positive_real("step", step)
+    if method not in ("rk4", "midpoint"):
+        return shown_step
+    # What pulls stiffens. Gravity and a turning base move a chain however slowly it vibrates by itself.
+    pull = Load(axial_force=max(0.0, float(load.axial_force) + float(load.tip[0])))
+    limit = min(span / OUTPUTS, stable_time_step(chain, load=pull) / 2)
+    if damping is not None and method == "rk4":
+        # Dampers may stop the highest modes: their limit is then far below the undamped one.
+        limit = min(limit, damped_time_step(chain, damping) / 2)
+    return shown_step / max(1, math.ceil(shown_step / limit))
+
+
+def _initial(chain: Chain, initial: Any, base: BaseMotion) -> State:
+    """Return the first state, on the closure of a chain whose right end is held."""
+    course, names = base.at(0.0), coordinate_names(chain)
+    rest = [{"x_0": course[0, k], "y_0": course[1, k]} for k in (0, 1)]
+    q, u = (np.array([rest[k].get(n, course[2, k]) for n in names]) for k in (0, 1))
+    if initial is not None and hasattr(initial, "coordinates"):
+        q = np.asarray(initial.coordinates, dtype=np.float64)
+    elif initial is not None:
+        try:
+            q, u = (np.array(part, dtype=np.float64) for part in initial)
+        except (TypeError, ValueError):
+            raise TypeError(f"initial must be coordinates and speeds, got {shown(initial)}") from None
+    for part in (q, u):
+        if part.shape != (len(names),) or not np.isfinite(part).all():
+            raise ValueError(f"initial must be finite numbers for {', '.join(names)}, got {shown(part)}")
+    if not chain.boundary.right.holds_deflection:
+        return q, u
+    state = _onto(chain, (q, u), base)
+    if np.abs(state[0] - q).max() > 1e-3:
+        raise ValueError("initial must leave the right end where its support holds it")
+    return state
+
+
+def _onto(chain: Chain, start: State, base: BaseMotion) -> State:
+    """Return the nearest state on the closure."""
+    onto = projection(forward_dynamics(chain))
+    state = np.concatenate(start)
+    for _ in range(4):
+        state = np.array(onto(state, base_vector(base, 0.0)))[:, 0]
+    return state[: len(start[0])], state[len(start[0]) :]
+
+
+def _save(result: xarray.Dataset, path: Path) -> None:
+    from beammodes.files import write_atomically
+
+    # h5netcdf writes to a path of its own; the finished file is moved into place in one step.
+    temporary = path.with_name(f".{path.name}.part")
+    try:
+        result.to_netcdf(temporary, engine="h5netcdf")
+        write_atomically(path, lambda file: file.write(temporary.read_bytes()))
+    finally:
+        temporary.unlink(missing_ok=True)

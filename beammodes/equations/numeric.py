@@ -1,0 +1,149 @@
+"""The equations of motion in CasADi: the same physics compiled, linearized by algorithmic differentiation."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import casadi
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from beammodes.chains.chain import Chain
+from beammodes.checks import shown
+from beammodes.equations.coordinates import coordinate_names, null_space
+from beammodes.equations.mechanics import Algebra, motion_terms
+from beammodes.problem.loading import Load, checked_load
+
+__all__ = ["CompiledEquations", "NumericLinearModel", "compile_equations"]
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class NumericLinearModel:
+    """The linearized chain  M q'' + K q = 0,  fields as in `symbolic.ExactLinearModel` but in numbers.
+
+    Attributes
+    ----------
+    coordinates : tuple of str
+        Transverse coordinates: y_0 where the left end leaves it free, then the angles.
+    mass_matrix, stiffness_matrix : ndarray, shape (n, n)
+        M and K in these coordinates, before the closure is imposed.
+    basis : ndarray, shape (n, independent)
+        Columns span the coordinates that satisfy the closure.
+    """
+
+    coordinates: tuple[str, ...]
+    mass_matrix: Array
+    stiffness_matrix: Array
+    basis: Array
+
+    def reduced(self) -> tuple[Array, Array]:
+        """Return  Tᵀ M T  and  Tᵀ K T,  the matrices of the chain's independent coordinates."""
+        turn = self.basis.T
+        return turn @ self.mass_matrix @ self.basis, turn @ self.stiffness_matrix @ self.basis
+
+
+@dataclass(frozen=True)
+class CompiledEquations:
+    """The terms of  M(q) q'' + h(q, q') + s(q) = (∂c/∂q)ᵀ λ,  c(q) = 0  as CasADi functions of q and q'.
+
+    Attributes
+    ----------
+    coordinates : tuple of str
+        Names of q; see `beammodes.equations.mechanics` for their order and signs.
+    mass_matrix, static_forces, constraints, constraint_jacobian : casadi.Function
+        M, s, c and ∂c/∂q of q.
+    velocity_terms : casadi.Function
+        h of (q, q').
+    static_jacobian : casadi.Function
+        ∂/∂q (s - (∂c/∂q)ᵀ λ) of (q, λ).
+    """
+
+    coordinates: tuple[str, ...]
+    mass_matrix: casadi.Function
+    velocity_terms: casadi.Function
+    static_forces: casadi.Function
+    constraints: casadi.Function
+    constraint_jacobian: casadi.Function
+    static_jacobian: casadi.Function
+
+    def linearize(self) -> NumericLinearModel:
+        """Return M and K about the straight chain at rest, where every multiplier is zero.
+
+        The axial coordinate x_0 is dropped, as in `symbolic.EquationsOfMotion.linearize`.
+        """
+        size, closures = len(self.coordinates), self.constraints.size1_out(0)
+        rest, multipliers = np.zeros(size), np.zeros(closures)
+        keep = [i for i, name in enumerate(self.coordinates) if name != "x_0"]
+        pick = np.ix_(keep, keep)
+        rows = _array(self.constraint_jacobian(rest))[:, keep].tolist()
+        columns = null_space(rows, len(keep), float)
+        return NumericLinearModel(
+            tuple(self.coordinates[i] for i in keep),
+            _array(self.mass_matrix(rest))[pick],
+            _array(self.static_jacobian(rest, multipliers))[pick],
+            np.array(columns).reshape(len(columns), len(keep)).T,
+        )
+
+    def residual(self, q: ArrayLike, speed: ArrayLike, acceleration: ArrayLike) -> Array:
+        """Return  M(q) q'' + h(q, q') + s(q),  what the constraint forces must balance, shape (n,)."""
+        inertia = _array(self.mass_matrix(q)) @ np.asarray(acceleration)
+        static = _array(self.static_forces(q))[:, 0]
+        return np.asarray(inertia + _array(self.velocity_terms(q, speed))[:, 0] + static)
+
+
+def compile_equations(chain: Chain, *, load: Load | None = None) -> CompiledEquations:
+    """Return the nonlinear equations of motion of a chain, compiled, in the chain's physical units.
+
+        M_ij = a_ij cos(θ_i - θ_j),   h_i = Σ_j a_ij sin(θ_i - θ_j) θ_j'²,   s = ∂V/∂q
+
+    Parameters
+    ----------
+    chain : Chain
+        Of a few hundred pieces at most: the graph grows with their number squared.
+    load : Load, optional
+        An axial force.
+
+    Raises
+    ------
+    TypeError
+        If `chain` is no Chain.
+
+    Examples
+    --------
+    >>> from beammodes.problem.beam import Beam
+    >>> compiled = compile_equations(Chain(Beam.unit(), "clamped-free", segments=2))
+    >>> compiled.linearize().mass_matrix
+    array([[0.16666667, 0.0625    ],
+           [0.0625    , 0.04166667]])
+    """
+    if not isinstance(chain, Chain):
+        raise TypeError(f"chain must be a Chain, got {shown(chain)}")
+    names = coordinate_names(chain)
+    size, units = len(names), chain.units
+    q, speed = casadi.SX.sym("q", size), casadi.SX.sym("u", size)
+    algebra = Algebra(float, casadi.sin, casadi.cos, units.length, units.mass, units.stiffness)
+    terms = motion_terms(chain, casadi.vertsplit(q), casadi.vertsplit(speed), algebra, checked_load(load))
+    rows = [casadi.horzcat(*row) for row in terms.mass_matrix]
+    mass, static, closures = casadi.vertcat(*rows), _column(terms.static_forces), _column(terms.closures)
+    multipliers = casadi.SX.sym("multipliers", closures.rows())
+    jacobian = casadi.jacobian(closures, q)
+    balance = static - jacobian.T @ multipliers if closures.rows() else static
+    return CompiledEquations(
+        tuple(names),
+        casadi.Function("mass_matrix", [q], [mass]),
+        casadi.Function("velocity_terms", [q, speed], [_column(terms.velocity_terms)]),
+        casadi.Function("static_forces", [q], [static]),
+        casadi.Function("constraints", [q], [closures]),
+        casadi.Function("constraint_jacobian", [q], [jacobian]),
+        casadi.Function("static_jacobian", [q, multipliers], [casadi.jacobian(balance, q)]),
+    )
+
+
+def _column(entries: list[casadi.SX]) -> casadi.SX:
+    return casadi.vertcat(*entries) if entries else casadi.SX(0, 1)
+
+
+def _array(value: casadi.DM) -> Array:
+    return np.array(value.full(), dtype=np.float64)

@@ -1,0 +1,1 @@
+"""The Euler-Bernoulli beam itself, the judge: it knows nothing of chains."""

@@ -1,0 +1,73 @@
+"""The exact beam, whatever its ends, loads and sections: one door to the three solutions that judge."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from beammodes.checks import shown, whole_number
+from beammodes.exact.exact_beam import BeamModes, plain_modes
+from beammodes.problem.beam import Beam
+from beammodes.problem.ends import Boundary, BoundaryLike
+from beammodes.problem.loading import Load, checked_load
+from beammodes.problem.profiles import mean_over
+
+if TYPE_CHECKING:
+    from beammodes.exact.spectral_beam import SpectralBeamModes
+    from beammodes.exact.supported_beam import SupportedBeamModes
+
+__all__ = ["euler_bernoulli"]
+
+
+def euler_bernoulli(
+    beam: Beam, boundary: BoundaryLike, modes: int, *, load: Load | None = None
+) -> BeamModes | SupportedBeamModes | SpectralBeamModes:
+    """Return the first elastic modes of a beam under Euler-Bernoulli theory.
+
+    (EI φ'')'' - (T φ')' = ω² (ρA φ - (ρI φ')')  with two homogeneous conditions at each end.
+
+    A uniform beam between plain ends is `BeamModes`; ends with springs or bodies, an axial force or rotary
+    inertia make it `supported_beam.SupportedBeamModes`, and a beam that is not uniform, or one that gravity,
+    a turning hub or a tip force pulls on, is `spectral_beam.SpectralBeamModes`, good to 1e-10. All three are
+    read alike.
+
+    Parameters
+    ----------
+    beam : Beam
+    boundary : str, pair of ends or Boundary
+        Its ends; the one named first is at x = 0.
+    modes : int
+        How many elastic modes, 1 to 10⁶ of a uniform beam under no more than an axial force, else 1 to 100.
+    load : Load, optional
+        One that leaves the beam straight; frequencies are those that an observer on the hub sees.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If `beam` is not a Beam, `boundary` cannot be read, `modes` is not a whole number in range, or the
+        load bends the beam, buckles it, or pulls on it where nothing holds its left end.
+
+    Examples
+    --------
+    >>> beam = Beam(length=1.2, bending_stiffness=85.0, mass_per_length=0.62)
+    >>> euler_bernoulli(beam, "clamped-free", 3).frequency.round(3)
+    array([ 4.55 , 28.515, 79.843])
+    >>> euler_bernoulli(beam, "clamped-free(mass=0.2)", 3).frequency.round(3)
+    array([ 3.146, 22.957, 68.397])
+    >>> euler_bernoulli(beam, "clamped-free", 3, load=Load(spin_rate=50.0)).frequency.round(3)
+    array([ 9.705, 34.976, 86.607])
+    """
+    if not isinstance(beam, Beam):
+        raise TypeError(f"beam must be a Beam, got {shown(beam)}")
+    pair, pull = Boundary.of(boundary), checked_load(load)
+    count = whole_number("modes", modes, most=10**6)
+    if not (beam.is_uniform and pull.is_axial):
+        from beammodes.exact.spectral_beam import spectral_modes
+
+        return spectral_modes(beam, pair, count, pull)
+    if pull.axial_force or beam.rotary_inertia_per_length or not pair.is_plain:
+        from beammodes.exact.supported_beam import supported_modes
+
+        return supported_modes(
+            beam, pair, count, pull, mean_over(beam.rotary_inertia_per_length, beam.length)
+        )
+    return plain_modes(beam, pair, count)

@@ -1,0 +1,173 @@
+"""A beam's stored energy between any two ends, made ½ |w|² by the choice of coordinates w."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from beammodes.exact.spectral_grid import Grid
+from beammodes.exact.spectral_tension import Tension, buckled
+from beammodes.problem.beam import Beam
+from beammodes.problem.ends import Boundary
+from beammodes.problem.loading import Load
+
+__all__ = ["Motions", "kinetic_rows", "slope_rows", "supported_motions", "with_tension"]
+
+Floats = NDArray[np.float64]
+
+# A straight line α + βx at each end quantity: y(0), y'(0), y(1), y'(1), and in its mean slope.
+_LINES = np.array([[1.0, 0.0], [0.0, 1.0], [1.0, 1.0], [0.0, 1.0], [0.0, 1.0]])
+
+# Nearer to the buckling load rounding decides on which side of it a compression is.
+_LEAST_MARGIN = 1e-13
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Motions:
+    """Motions of a beam with L = mean EI = mean ρA = 1, a column each: κ at the grid's points, y(0), y'(0).
+
+    Parameters
+    ----------
+    elastic : ndarray, shape (points + 2, columns)
+        The motion elastic · w stores ½ |w|².
+    rigid : ndarray, shape (points + 2, rigid-body modes)
+        Straight motions that store nothing.
+    margin : float [-]
+        Stored energy's least share that what pushes on the beam leaves: rounding grows as its reciprocal.
+    """
+
+    elastic: Floats
+    rigid: Floats
+    margin: float = 1.0
+
+    @property
+    def turns_freely(self) -> bool:
+        """Whether a rigid rotation stores nothing."""
+        return bool(self.rigid[-1].any())
+
+
+def supported_motions(beam: Beam, boundary: Boundary, grid: Grid, tension: Tension | None = None) -> Motions:
+    """Return the motions, stored energy being that of bending, supports and the tension on the mean slope.
+
+    ½ ∫EI κ² + ½ Σ K e²  over the end quantities e; what pulls stores ½ ∫T (mean of y')², besides what
+    `with_tension` adds. Stiffnesses may span 24 decades and be infinite, so the two stiffest quantities
+    that fix a straight line are coordinates, of compliance 1/√K, and the others change the identity by rank
+    one each, the stiffest first: no stiffness is ever added to a smaller one.
+
+    Parameters
+    ----------
+    beam : Beam
+    boundary : Boundary
+    grid : Grid
+        The beam's points.
+    tension : Tension, optional
+        Along the beam; what pushes is left to `with_tension`.
+    """
+    stiffness, rows = _end_stiffness(beam, boundary), _end_rows(grid)
+    if tension is not None:
+        stiffness[4], rows[4] = tension.stiffness, tension.mean_row
+    order = sorted(range(5), key=lambda i: -stiffness[i])
+    # Any second quantity will do except that two slopes leave the line free to shift.
+    pair = [order[0], next(i for i in order[1:] if np.linalg.det(_LINES[[order[0], i]]) != 0.0)]
+    line = np.linalg.inv(_LINES[pair])
+    bending = np.diag(1.0 / np.sqrt(grid.weight * grid.stiffness))
+    elastic = [np.vstack((bending, -line @ rows[pair, :-2] @ bending))]
+    rigid = [np.zeros((len(grid.x) + 2, 0))]
+    for quantity, alone in zip(pair, line.T, strict=True):
+        straight = np.concatenate((np.zeros_like(grid.x), alone))[:, None]
+        if stiffness[quantity]:
+            elastic.append(straight / math.sqrt(stiffness[quantity]))
+        else:
+            rigid.append(straight)
+    motions = np.hstack(elastic)
+    for quantity in order:
+        if stiffness[quantity] and quantity not in pair:
+            motions = _stiffened(motions, rows[quantity] @ motions, stiffness[quantity])
+    return Motions(motions, np.hstack(rigid))
+
+
+def with_tension(motions: Motions, tension: Tension, load: Load) -> Motions:
+    """Return the motions with the energy ½ ∫T y'² counted; that of the mean slope is already, if T pulls.
+
+    Raises
+    ------
+    ValueError
+        If `load` pushes harder than the beam can bear; the message names it.
+    """
+    from scipy.linalg import solve_triangular
+
+    stored, margin = motions.elastic, 1.0
+    for rows, pulls in ((tension.pulling_rows, True), (tension.pushing_rows, False)):
+        if not len(rows):
+            continue
+        slope = rows @ stored
+        if pulls:
+            factor = np.linalg.qr(np.vstack((np.eye(slope.shape[1]), slope)))[1]
+        else:
+            margin = 1.0 - float(np.linalg.norm(slope, 2)) ** 2
+            if motions.turns_freely or margin <= _LEAST_MARGIN:
+                raise buckled(load)
+            factor = np.linalg.cholesky(np.eye(slope.shape[1]) - slope.T @ slope).T
+        stored = solve_triangular(factor, stored.T, trans="T").T
+    return Motions(stored, motions.rigid, margin)
+
+
+def slope_rows(grid: Grid) -> Floats:
+    """Return rows G with |G · motion|² = ∫ y'² dx."""
+    slope = np.hstack((grid.slope, np.zeros((len(grid.x), 1)), np.ones((len(grid.x), 1))))
+    return np.sqrt(grid.weight)[:, None] * slope
+
+
+def kinetic_rows(beam: Beam, boundary: Boundary, grid: Grid) -> Floats:
+    """Return rows P with |P · motion|² = ∫ρA y² + ∫ρI y'² + Σ m (y ± aθ)² + Jθ² over the end bodies."""
+    ones = np.ones((len(grid.x), 1))
+    deflection = np.hstack((grid.deflection, ones, grid.x[:, None]))
+    rows = [np.sqrt(grid.weight * grid.mass)[:, None] * deflection]
+    if grid.rotary.any():
+        rows.append(np.sqrt(grid.rotary)[:, None] * slope_rows(grid))
+    ends, length = _end_rows(grid), beam.length
+    whole = beam.mean_mass_per_length * length
+    for end, outward, first in ((boundary.left, -1.0, 0), (boundary.right, 1.0, 2)):
+        mass, inertia, offset = (float(number) for number in end.moving_body)
+        centre = ends[first] + outward * offset / length * ends[first + 1]
+        rows.append(math.sqrt(mass / whole) * centre[None])
+        rows.append(math.sqrt(inertia / whole) / length * ends[first + 1][None])
+    return np.vstack(rows)
+
+
+def _end_stiffness(beam: Beam, boundary: Boundary) -> list[float]:
+    length, bending = beam.length, beam.mean_bending_stiffness
+    stiffness = []
+    for end in (boundary.left, boundary.right):
+        stiffness.append(float(end.translational_stiffness) / bending * length**3)
+        stiffness.append(float(end.rotational_stiffness) / bending * length)
+    return [*stiffness, 0.0]
+
+
+def _end_rows(grid: Grid) -> Floats:
+    """Return y(0), y'(0), y(1), y'(1) and y(1) - y(0) as rows over a motion, shape (5, points + 2)."""
+    none, moment = np.zeros_like(grid.x), grid.weight * (1.0 - grid.x)
+    return np.hstack((np.array([none, none, moment, grid.weight, moment]), _LINES))
+
+
+def _stiffened(motions: Floats, row: Floats, stiffness: float) -> Floats:
+    """Return the motions with the energy ½ stiffness (row · w)² counted in ½ |w|².
+
+    A reflection makes the row's direction a coordinate of its own: what a large stiffness leaves of it is not
+    the difference of large numbers then. An infinite one leaves nothing.
+    """
+    size = float(np.linalg.norm(row))
+    if size == 0.0:
+        return motions
+    unit = row / size
+    one = int(np.argmax(np.abs(unit)))
+    mirror = unit.copy()
+    mirror[one] += math.copysign(1.0, unit[one])
+    turned = motions - np.outer(motions @ mirror, mirror / abs(mirror[one]))
+    if stiffness == math.inf:
+        return np.delete(turned, one, axis=1)
+    turned[:, one] = motions @ unit / math.hypot(1.0, math.sqrt(stiffness) * size)
+    return turned

@@ -1,0 +1,1 @@
+"""A chain as a file: MuJoCo, SDFormat, URDF, CSV."""

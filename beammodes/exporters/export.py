@@ -1,0 +1,185 @@
+"""A chain as a file for other programs: MJCF, SDFormat, URDF or CSV."""
+
+from __future__ import annotations
+
+import os
+import re
+from collections.abc import Iterable
+from functools import partial
+from pathlib import Path
+from typing import BinaryIO
+
+from beammodes.chains.chain import Chain
+from beammodes.checks import choice, shown
+from beammodes.dynamics.damping import Damping
+from beammodes.exporters.chain_csv import csv_lines
+from beammodes.exporters.export_facts import engine_step, facts_about, one_line
+from beammodes.exporters.mjcf import MAX_BODIES, mjcf_text
+from beammodes.exporters.planar_tree import Tree, planar_tree
+from beammodes.exporters.sdformat import sdformat_text
+from beammodes.exporters.urdf import springs_text, urdf_text
+from beammodes.files import write_atomically
+
+__all__ = ["FORMATS", "MAX_LINKS", "export_chain"]
+
+#: Formats by the suffix of their files.
+FORMATS = {".xml": "mjcf", ".sdf": "sdf", ".urdf": "urdf", ".csv": "csv"}
+#: A longer row of bodies is refused as a mistake; CSV files have no such limit.
+MAX_LINKS = 5000
+
+_MOST = {"mjcf": MAX_BODIES, "sdf": MAX_LINKS, "urdf": MAX_LINKS}
+
+
+def export_chain(
+    chain: Chain,
+    path: str | os.PathLike[str],
+    *,
+    format: str | None = None,
+    name: str = "chain",
+    fragment: bool = False,
+    second: Chain | None = None,
+    damping: Damping | None = None,
+    timestep: float | None = None,
+    integrator: str = "RK4",
+    force: bool = False,
+) -> tuple[Path, ...]:
+    """Write a chain as a model for a multibody program, with the frequencies to expect in its head.
+
+    The beam runs along x from its firmer end and deflects along z. A supported far end needs "mjcf".
+
+    Parameters
+    ----------
+    chain : Chain
+    path : str or Path
+    format : str, optional
+        "mjcf" for MuJoCo 3 and 4, "sdf" for Gazebo and Drake, "urdf" (with the springs in a YAML file beside
+        it, `.springs.yaml`) or "csv" (see `read_chain_csv`); by default that of the suffix, .xml, .sdf, .urdf
+        or .csv.
+    name : str
+        Of the model; names of its bodies and joints begin with it.
+    fragment : bool
+        For "mjcf" and "sdf": a part to include in other models, without gravity and time step.
+    second : Chain, optional
+        For "mjcf": the same pieces with the springs of bending along y, for hinges about both axes. Twist is
+        not modelled.
+    damping : Damping, optional
+        Of joints and supports; not for "csv".
+    timestep : float [s], optional
+        For "mjcf" and "sdf". By default half the stable one, less where the integrator would shift the first
+        frequency by more than 0.02 %.
+    integrator : str
+        For "mjcf": "RK4", "Euler", "implicit" or "implicitfast".
+    force : bool
+        Overwrite files that exist.
+
+    Returns
+    -------
+    tuple of Path
+        Of the files written.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If an argument is not of its kind or not for that format, or the format cannot hold the chain.
+    FileExistsError
+        If a file exists and `force` is not set.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from beammodes.problem.beam import Beam
+    >>> chain = Chain(Beam(1.2, 85.0, 0.62), "clamped-free", segments=8, rule="gregory")
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     [path.name for path in export_chain(chain, f"{folder}/beam.urdf")]
+    ['beam.urdf', 'beam.springs.yaml']
+    """
+    if not isinstance(chain, Chain):
+        raise TypeError(f"chain must be a Chain, got {shown(chain)}")
+    place, kind = _place_and_format(path, format)
+    only = {"fragment": fragment or None, "second": second, "damping": damping, "timestep": timestep}
+    _check_given(kind, only | {"integrator": None if integrator == "RK4" else integrator})
+    if not isinstance(name, str) or not re.fullmatch(r"[A-Za-z_][A-Za-z0-9_]{0,59}", name):
+        raise ValueError(f'name must be a word of letters, digits and _ such as "beam", got {shown(name)}')
+    springs = place.with_name(f"{place.name.removesuffix('.urdf')}.springs.yaml") if kind == "urdf" else None
+    places = (place,) if springs is None else (place, springs)
+    _check_places(places, force)
+    if kind == "csv":
+        return _write(places, csv_lines(chain, facts_about(chain).lines()))
+    tree = _tree(kind, chain, name, second, damping)
+    facts = [facts_about(each) for each in (chain, second) if each is not None]
+    lines = facts[0].lines(tree.turned)
+    lines += [f"along y: {line}" for each in facts[1:] for line in each.lines()[1:-1]]
+    if springs is not None:
+        text = urdf_text(tree, lines, name, springs=one_line(springs.name))
+        return _write(places, [text], [springs_text(tree, lines, name)])
+    step = engine_step(facts, integrator if kind == "mjcf" else "Euler", damping, timestep)
+    if kind == "sdf":
+        return _write(places, [sdformat_text(tree, lines, name, timestep=step, fragment=fragment)])
+    text = mjcf_text(tree, lines, name, timestep=step, integrator=integrator, fragment=fragment)
+    return _write(places, [text])
+
+
+def _place_and_format(path: object, format: str | None) -> tuple[Path, str]:
+    if not isinstance(path, str | os.PathLike):
+        raise TypeError(f"path must be a string or a Path, got {shown(path)}")
+    place = Path(path)
+    if format is not None:
+        return place, choice("format", format, FORMATS.values())
+    return place, FORMATS[choice("suffix of path, without format,", place.suffix.lower(), FORMATS)]
+
+
+def _check_given(kind: str, only: dict[str, object]) -> None:
+    for what, value in only.items():
+        if value is not None and kind not in _TAKEN_BY[what]:
+            raise ValueError(
+                f"{what} must be left out for {kind} files: it is for {', '.join(_TAKEN_BY[what])}"
+            )
+    for what, kept in (("second", Chain), ("damping", Damping)):
+        if not isinstance(only[what], kept | None):
+            raise TypeError(f"{what} must be a {kept.__name__} or None, got {shown(only[what])}")
+
+
+def _check_places(places: tuple[Path, ...], force: bool) -> None:
+    if not places[0].parent.is_dir():
+        raise FileNotFoundError(f"no such folder: {places[0].parent}")
+    for place in places:
+        if place.is_dir():
+            raise IsADirectoryError(f"{place} is a folder")
+        if not force and os.path.lexists(place):
+            raise FileExistsError(f"{place} exists already; it is overwritten with force=True only")
+
+
+def _tree(kind: str, chain: Chain, name: str, second: Chain | None, damping: Damping | None) -> Tree:
+    # An outer piece without mass becomes no body.
+    too_long = chain.pieces - 2 > (most := _MOST[kind])
+    tree = Tree((), (), False) if too_long else planar_tree(chain, name, second=second, damping=damping)
+    if too_long or len(tree.bodies) > most:
+        why = ": MuJoCo's XML reader refuses elements nested 500 deep" if kind == "mjcf" else ""
+        raise ValueError(f"chain must have at most {most} pieces for {kind} files, got {chain.pieces}{why}")
+    if tree.ties and kind != "mjcf":
+        raise ValueError(
+            f"chain must be supported at one end only for {kind} files, which are trees, got "
+            f"{chain.boundary.name}; mjcf files can support both"
+        )
+    return tree
+
+
+def _write(places: tuple[Path, ...], *texts: Iterable[str]) -> tuple[Path, ...]:
+    # The last first: a URDF file never stands there without its springs.
+    for place, parts in reversed([*zip(places, texts, strict=True)]):
+        write_atomically(place, partial(_fill, parts))
+    return places
+
+
+def _fill(parts: Iterable[str], file: BinaryIO) -> None:
+    for part in parts:
+        file.write(part.encode())
+
+
+_TAKEN_BY = {
+    "fragment": ("mjcf", "sdf"),
+    "second": ("mjcf",),
+    "damping": ("mjcf", "sdf", "urdf"),
+    "timestep": ("mjcf", "sdf"),
+    "integrator": ("mjcf",),
+}

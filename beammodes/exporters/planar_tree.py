@@ -1,0 +1,201 @@
+"""A chain as multibody tools take it: a row of bodies and joints from the ground, and ties at the far end.
+
+::
+
+      ground --joints-- body --hinge-- body --hinge-- body -- ties (only where the far end is supported)
+        x runs along the beam, z is the deflection; a positive angle lifts the far tip
+
+The row starts at the firmer end, so a chain with one supported end is a tree. What holds or springs the other
+end acts on sums of joint coordinates: its deflection,  z₀ + Σ (distance from hinge to tip) × (joint angle),
+or its rotation,  Σ (joint angle).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+from beammodes.chains.chain import Chain
+from beammodes.dynamics.damping import Damping
+from beammodes.exporters.bending_plane import Plane, Spring, bending_plane
+from beammodes.vibration.spectrum import is_turned
+
+__all__ = ["Body", "Joint", "Link", "Tie", "Tree", "links", "planar_tree"]
+
+#: What a body that cannot do without mass or inertia gets, over what it moves with. Heavy bodies at both ends
+#: of a short chain make ten times that of it in a frequency: still below 1e-8.
+_TRACE = 1e-10
+#: For each direction of deflection, the axes of a slide along it and of a hinge that lifts the far tip.
+_AXES = {"z": ((0, 0, 1), (0, -1, 0)), "y": ((0, 1, 0), (0, 0, 1))}
+
+
+@dataclass(frozen=True)
+class Joint:
+    """One coordinate of a body relative to the one before, "slide" or "hinge", with a spring and a damper."""
+
+    name: str
+    kind: str
+    axis: tuple[int, int, int]
+    stiffness: float = 0.0
+    damping: float = 0.0
+
+
+@dataclass(frozen=True)
+class Body:
+    """A rigid piece; `position` is that of its near tip on the body before, `inertia` about x, y and z."""
+
+    name: str
+    position: float
+    length: float
+    mass: float
+    centre: float
+    inertia: tuple[float, float, float]
+    joints: tuple[Joint, ...]
+
+
+@dataclass(frozen=True)
+class Tie:
+    """A sum of joint coordinates that a spring resists, or that is held at zero where `stiffness` is inf."""
+
+    name: str
+    terms: tuple[tuple[str, float], ...]
+    stiffness: float
+    damping: float
+
+
+@dataclass(frozen=True)
+class Tree:
+    """Bodies in a row from the ground, and what supports the far end; `turned` if that is the left one."""
+
+    bodies: tuple[Body, ...]
+    ties: tuple[Tie, ...]
+    turned: bool
+
+
+@dataclass(frozen=True)
+class Link:
+    """A body, or one that only passes a joint on, with exactly one joint; None welds it to its parent."""
+
+    parent: str
+    position: float
+    body: Body
+    joint: Joint | None
+
+
+def planar_tree(
+    chain: Chain, name: str = "chain", *, second: Chain | None = None, damping: Damping | None = None
+) -> Tree:
+    """Return a chain as bodies and joints named after `name`, bending about both axes if `second` is given.
+
+    Raises
+    ------
+    ValueError
+        If `second` has other pieces or is held in another way, or if pieces are damped themselves.
+
+    Examples
+    --------
+    >>> from beammodes.problem.beam import Beam
+    >>> tree = planar_tree(Chain(Beam.unit(), "free-clamped", 2, "naive"))
+    >>> tree.turned, [joint.stiffness for body in tree.bodies for joint in body.joints]
+    (True, [2.0, 2.0])
+    """
+    turned, damper = is_turned(chain), damping or Damping()
+    if damper.mass:
+        raise ValueError(f"damping must have mass=0: joints damp relative motion only, got {damper}")
+    chains = [chain] if second is None else [chain, second]
+    planes = [bending_plane(each, damper, turned) for each in chains]
+    _check_alike(planes)
+    planes = [plane.without_held_far_piece() for plane in planes]
+    grounded = any(end.is_grounded for each in chains for end in (each.boundary.left, each.boundary.right))
+    joints = [_joints(planes, i, name, grounded) for i in range(len(planes[0].length))]
+    return Tree(tuple(_bodies(planes, joints, name)), tuple(_ties(planes, name)), turned)
+
+
+def links(tree: Tree) -> Iterator[Link]:
+    """Yield every joint with a link of its own, as URDF and SDFormat want it; the first parent is "world"."""
+    parent = "world"
+    for body in tree.bodies:
+        position = body.position
+        trace = (_TRACE * max(body.inertia),) * 3
+        for joint in body.joints[:-1]:
+            carrier = Body(f"{joint.name}_carrier", position, 0.0, _TRACE * body.mass, 0.0, trace, (joint,))
+            yield Link(parent, position, carrier, joint)
+            parent, position = carrier.name, 0.0
+        yield Link(parent, position, body, body.joints[-1] if body.joints else None)
+        parent = body.name
+
+
+def _check_alike(planes: Sequence[Plane]) -> None:
+    first, last = planes[0], planes[-1]
+    for what in ("length", "mass", "centre", "held"):
+        if getattr(first, what) != getattr(last, what):
+            held = what == "held"
+            raise ValueError(f"second must {'be held as chain is' if held else f'have the {what} of chain'}")
+
+
+def _joints(planes: Sequence[Plane], i: int, name: str, grounded: bool) -> tuple[Joint, ...]:
+    """Return the joints between piece i and the one before; its number is that of its hinges."""
+    found = [] if i or grounded else [Joint(f"{name}_slide_x", "slide", (1, 0, 0))]
+    hinges = []
+    for plane, (letter, (along, about)) in zip(planes, _AXES.items(), strict=False):
+        across, turning = plane.near if i == 0 else ((math.inf, 0.0), plane.springs[i - 1])
+        if across[0] != math.inf:
+            found.append(Joint(f"{name}_slide_{letter}", "slide", along, *across))
+        if turning[0] != math.inf:
+            hinges.append(Joint(_hinge_name(planes, plane, i, name), "hinge", about, *turning))
+    return (*found, *hinges)
+
+
+def _hinge_name(planes: Sequence[Plane], plane: Plane, i: int, name: str) -> str:
+    # Piece 1 is the first that turns, so hinge 1 is the one nearest the ground.
+    number = i if planes[0].held[1] else i + 1
+    return f"{name}_hinge_{number}" if plane is planes[0] else f"{name}_hinge_{number}_y"
+
+
+def _bodies(planes: Sequence[Plane], joints: Sequence[tuple[Joint, ...]], name: str) -> Iterator[Body]:
+    plane = planes[0]
+    fixed = plane.held[1]
+    root, before = joints[0], 0.0
+    for i, length in enumerate(plane.length):
+        own = root if i == 0 else joints[i]
+        if i == 0 and fixed and not length and (not own or not plane.mass[0]) and len(joints) > 1:
+            # Nothing of it is left but its joints, which pass to the next piece.
+            continue
+        if i == 1 and fixed and not plane.length[0] and (not root or not plane.mass[0]):
+            own = (*root, *own)
+        inertia = _inertia([each.inertia[i] for each in planes], plane, i)
+        mass = plane.mass[i] or _TRACE * math.fsum(plane.mass)
+        number = i if fixed else i + 1
+        yield Body(f"{name}_piece_{number}", before, length, mass, plane.centre[i], inertia, own)
+        before = length
+
+
+def _inertia(about: Sequence[float], plane: Plane, i: int) -> tuple[float, float, float]:
+    """Return the inertia about x, y, z; that about the beam's axis moves nothing and is small."""
+    mass, centre = plane.mass[i], plane.centre[i]
+    # A piece that turns has inertia or a mass off its hinge; one that does not may have any inertia.
+    floor = (
+        _TRACE * max(*about, mass * centre**2) or mass * (math.fsum(plane.length) / len(plane.length)) ** 2
+    )
+    y, z = (max(own, floor) for own in (about[0], about[-1]))
+    return abs(y - z) + max(0.01 * min(y, z), floor), y, z
+
+
+def _ties(planes: Sequence[Plane], name: str) -> Iterator[Tie]:
+    for plane, letter in zip(planes, _AXES, strict=False):
+        turning = [
+            (_hinge_name(planes, plane, i, name), arm)
+            for i, arm in enumerate(plane.reach)
+            if i or not plane.held[1]
+        ]
+        across = [] if plane.held[0] else [(f"{name}_slide_{letter}", 1.0)]
+        across += [(joint, arm) for joint, arm in turning if arm]
+        plain = [(joint, 1.0) for joint, _ in turning]
+        for what, terms, spring in (("deflection", across, plane.far[0]), ("rotation", plain, plane.far[1])):
+            if terms and spring[0]:
+                yield _tie(f"{name}_far_{what}_{letter}", terms, spring)
+
+
+def _tie(name: str, terms: list[tuple[str, float]], spring: Spring) -> Tie:
+    return Tie(name, tuple(terms), *spring)

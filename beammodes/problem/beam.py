@@ -1,0 +1,177 @@
+"""The beam: its length, and the stiffness and mass along it, which set every scale of the problem."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from beammodes.checks import positive_real, shown
+from beammodes.problem.beam_properties import PropertyLike, kept_property
+from beammodes.problem.profiles import Profile, mean_over, profile_breaks
+from beammodes.problem.tabulated import SAME_PLACE
+
+if TYPE_CHECKING:
+    from beammodes.problem.sections import Section
+
+__all__ = ["Beam"]
+
+
+@dataclass(frozen=True, slots=True, init=False)
+class Beam:
+    """A straight elastic beam, uniform or not, in any consistent set of units.
+
+    Its bending obeys  ρA ∂²y/∂t² - ∂/∂x(ρI ∂³y/∂x∂t²) + ∂²/∂x²(EI ∂²y/∂x²) = 0  for 0 < x < L: Euler and
+    Bernoulli's beam, or Rayleigh's where the section's rotary inertia ρI is given.
+
+    Each property along the beam is a number; a sequence of two numbers or more, constant on that many equal
+    lengths; a `Table`; or a smooth function of x [m], for arrays or for one number at a time. Sequences are
+    kept as tables, and what is constant as a number.
+
+    Parameters
+    ----------
+    length : float [m]
+        L, the whole length.
+    bending_stiffness : float, sequence, Table or function [N m²]
+        EI, elastic modulus times area moment of inertia of the cross-section.
+    mass_per_length : float, sequence, Table or function [kg/m]
+        ρA, density times cross-sectional area.
+    rotary_inertia_per_length : float, sequence, Table or function [kg m]
+        ρI, density times area moment of inertia.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If a value is not a finite real number greater than 0 (`rotary_inertia_per_length` may be 0), or a
+        table does not span the beam. Functions are tried at 65 points, both ends among them.
+
+    Examples
+    --------
+    >>> beam = Beam(length=1.2, bending_stiffness=85.0, mass_per_length=0.62)
+    >>> round(beam.frequency_unit, 4)
+    8.1311
+    >>> Beam(1.5, bending_stiffness=[3.0, 2.0, 1.0], mass_per_length=lambda x: 2.0 - x).breaks
+    (0.5, 1.0)
+    """
+
+    length: float
+    bending_stiffness: Profile
+    mass_per_length: Profile
+    rotary_inertia_per_length: Profile
+
+    def __init__(
+        self,
+        length: float,
+        bending_stiffness: PropertyLike,
+        mass_per_length: PropertyLike,
+        rotary_inertia_per_length: PropertyLike = 0.0,
+    ) -> None:
+        whole = positive_real("length", length)
+        object.__setattr__(self, "length", whole)
+        for name, given in (("bending_stiffness", bending_stiffness), ("mass_per_length", mass_per_length)):
+            object.__setattr__(self, name, kept_property(name, given, whole))
+        rotary = kept_property("rotary_inertia_per_length", rotary_inertia_per_length, whole)
+        object.__setattr__(self, "rotary_inertia_per_length", rotary)
+        if not 0.0 < self.frequency_unit < math.inf:
+            raise ValueError(
+                f"length must suit the other two numbers: with length {self.length}, bending_stiffness "
+                f"{self.mean_bending_stiffness} and mass_per_length {self.mean_mass_per_length} frequencies "
+                "leave the range of floating-point numbers"
+            )
+
+    @classmethod
+    def unit(cls) -> Beam:
+        """Return the beam with L = EI = ρA = 1, on which dimensionless results are stated.
+
+        Examples
+        --------
+        >>> Beam.unit().frequency_unit
+        1.0
+        """
+        return cls(1.0, 1.0, 1.0)
+
+    @classmethod
+    def from_section(
+        cls,
+        section: Section,
+        *,
+        density: float,
+        elastic_modulus: float,
+        length: float,
+        rotary_inertia: bool = False,
+    ) -> Beam:
+        """Return the uniform beam of a cross-section and a material: EI, ρA and, if wanted, ρI.
+
+        Parameters
+        ----------
+        section : Section
+            One of `sections`, or anything with an `area` [m²] and a `second_moment` [m⁴].
+        density : float [kg/m³]
+            ρ.
+        elastic_modulus : float [Pa]
+            E, such as `materials.elastic_modulus` gives.
+        length : float [m]
+            L.
+        rotary_inertia : bool
+            Whether the section's rotary inertia ρI counts: Rayleigh's beam instead of Euler and Bernoulli's.
+
+        Raises
+        ------
+        TypeError, ValueError
+            If a number is not a finite real number greater than 0, or `section` lacks one of the two.
+
+        Examples
+        --------
+        >>> from beammodes.problem.sections import Rectangle
+        >>> flat = Rectangle(width=0.02, height=0.002)
+        >>> beam = Beam.from_section(flat, density=7800.0, elastic_modulus=200e9, length=1.0)
+        >>> round(beam.bending_stiffness, 6), round(beam.mass_per_length, 6)
+        (2.666667, 0.312)
+        """
+        for name in ("area", "second_moment"):
+            if not hasattr(section, name):
+                raise TypeError(f"section must have its {name}, got {shown(section)}")
+        if not isinstance(rotary_inertia, bool):
+            raise TypeError(f"rotary_inertia must be True or False, got {shown(rotary_inertia)}")
+        rho, modulus = positive_real("density", density), positive_real("elastic_modulus", elastic_modulus)
+        area = positive_real("area of section", section.area)
+        moment = positive_real("second_moment of section", section.second_moment)
+        return cls(length, modulus * moment, rho * area, rho * moment if rotary_inertia else 0.0)
+
+    @property
+    def is_uniform(self) -> bool:
+        """Whether all three properties are numbers; rotary inertia may still be one of them."""
+        properties = (self.bending_stiffness, self.mass_per_length, self.rotary_inertia_per_length)
+        return all(isinstance(profile, float) for profile in properties)
+
+    @property
+    def has_rotary_inertia(self) -> bool:
+        """Whether the section's rotary inertia is anything but zero."""
+        return not isinstance(self.rotary_inertia_per_length, float) or self.rotary_inertia_per_length > 0.0
+
+    @property
+    def mean_bending_stiffness(self) -> float:
+        """∫ EI dx / L [N m²]: the number itself where it is one."""
+        return mean_over(self.bending_stiffness, self.length)
+
+    @property
+    def mean_mass_per_length(self) -> float:
+        """∫ ρA dx / L [kg/m]: the number itself where it is one."""
+        return mean_over(self.mass_per_length, self.length)
+
+    @property
+    def breaks(self) -> tuple[float, ...]:
+        """Positions inside the beam where a property has a step or a kink, ascending [m]."""
+        properties = (self.bending_stiffness, self.mass_per_length, self.rotary_inertia_per_length)
+        kept: list[float] = []
+        for x in sorted(x for profile in properties for x in profile_breaks(profile)):
+            # Thirds and sixths of a length meet but for rounding.
+            if not kept or x - kept[-1] > SAME_PLACE * self.length:
+                kept.append(x)
+        return tuple(kept)
+
+    @property
+    def frequency_unit(self) -> float:
+        """√(EI / (ρA L⁴)) of mean EI and mean ρA [rad/s], which a dimensionless frequency multiplies."""
+        speed = math.sqrt(self.mean_bending_stiffness) / math.sqrt(self.mean_mass_per_length)
+        return speed / self.length / self.length

@@ -1,0 +1,113 @@
+"""What a user gives for a property along a beam, checked, and as the beam keeps it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from beammodes.checks import positive_real, real, shown
+from beammodes.problem.profiles import Profile, value_at
+from beammodes.problem.tabulated import SAME_PLACE, Table
+
+__all__ = ["PropertyLike", "kept_property"]
+
+#: What a user may give for a property along the beam.
+PropertyLike: TypeAlias = Profile | Sequence[float] | NDArray[Any]
+
+_GRID = 65
+
+
+def kept_property(name: str, given: object, length: float) -> Profile:
+    """Return a property of a beam of this length as it is kept: a number, a table or a function.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If it is none of what `Beam` takes; the message names the property, and position and value.
+
+    Examples
+    --------
+    >>> kept_property("bending_stiffness", [2, 1], 1.0)
+    Table(x=(0.0, 0.5, 0.5, 1.0), value=(2.0, 2.0, 1.0, 1.0))
+    """
+    if isinstance(given, Table):
+        return _spanning(name, given, length)
+    if _is_row(given):
+        return _steps(name, given, length)
+    if callable(given):
+        _try(name, given, length)
+        return given
+    if name != "rotary_inertia_per_length":
+        return positive_real(name, given)
+    number = real(name, given)
+    if number < 0.0:
+        raise ValueError(f"{name} must not be negative, got {shown(given)}")
+    return number + 0.0
+
+
+def _is_row(given: object) -> bool:
+    if isinstance(given, np.ndarray):
+        return given.ndim == 1 and given.size > 1
+    return isinstance(given, Sequence) and not isinstance(given, str | bytes) and len(given) > 1
+
+
+def _steps(name: str, given: Any, length: float) -> Profile:
+    for part, item in enumerate(given, start=1):
+        try:
+            _allowed(name, real(name, item), f" on part {part} of {len(given)}")
+        except (TypeError, ValueError) as error:
+            raise type(error)(f"{error}; the whole is {shown(given)}") from None
+    values = [float(item) + 0.0 for item in given]
+    if min(values) == max(values):
+        return values[0]
+    inner = [length * part / len(values) for part in range(1, len(values)) for _ in range(2)]
+    return Table((0.0, *inner, length), tuple(value for value in values for _ in range(2)))
+
+
+def _spanning(name: str, table: Table, length: float) -> Profile:
+    if abs(table.x[-1] - length) > SAME_PLACE * length:
+        raise ValueError(
+            f"{name} must be tabulated from 0 to the beam's length {length}, got a table up to {table.x[-1]}"
+        )
+    for x, value in zip(table.x, table.value, strict=True):
+        _allowed(name, value, f" at x = {x}")
+    if min(table.value) == max(table.value):
+        return table.value[0]
+    return table if table.x[-1] == length else Table((*table.x[:-1], length), table.value)
+
+
+def _try(name: str, function: Callable[[Any], Any], length: float) -> None:
+    """Evaluate a function along the beam, for an array and for single numbers."""
+    grid = 0.5 * length * (1.0 - np.cos(np.pi * np.arange(_GRID) / (_GRID - 1)))
+    grid[-1] = length
+    one_by_one = []
+    for x in grid.tolist():
+        value = function(x)
+        number = value.item() if isinstance(value, np.ndarray | np.generic) and value.size == 1 else value
+        one_by_one.append(_allowed(name, real(f"{name} at x = {x}", number), f" at x = {x}"))
+    together = value_at(function, grid)
+    differing = ~(np.abs(together - one_by_one) <= 1e-9 * np.abs(one_by_one))
+    if differing.any():
+        at = int(np.argmax(differing))
+        raise ValueError(
+            f"{name} must be a function with one value at each position, got {together[at]} for an array "
+            f"and {one_by_one[at]} for the number at x = {grid[at]}"
+        )
+
+
+def _allowed(name: str, value: float, where: str) -> float:
+    """Return a value that the property may have, or raise an error that says where it is not."""
+    if name == "rotary_inertia_per_length":
+        if value < 0.0:
+            raise ValueError(f"{name} must not be negative, got {value}{where}")
+    elif value < 0.0:
+        raise ValueError(f"{name} must be greater than 0, got {value}{where}")
+    elif value == 0.0:
+        raise ValueError(
+            f"{name} must be greater than 0, got {value}{where}: a beam may not taper to nothing, "
+            "let it end where the section is still finite"
+        )
+    return value

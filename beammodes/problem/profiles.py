@@ -1,0 +1,173 @@
+"""Properties that vary along a beam: numbers, tables and functions of x, and what chains take from them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, TypeAlias
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from beammodes.checks import real
+from beammodes.problem.tabulated import Table, table_breaks, table_limit, table_moments
+
+__all__ = ["Profile", "Table", "mean_over", "mean_reciprocal", "moments", "profile_breaks", "value_at"]
+
+Floats = NDArray[np.float64]
+
+#: How a property is kept: a number where it is constant, else a table or a function of x [m].
+Profile: TypeAlias = float | Table | Callable[[Any], Any]
+
+
+def value_at(profile: Profile, x: ArrayLike, side: int = 0) -> Floats:
+    """Return the values of a profile at positions `x`.
+
+    Parameters
+    ----------
+    profile : float, Table or function
+        The property.
+    x : float or array [m]
+        Positions on the beam; one within 1e-10 of the length of a table's position is taken for it.
+    side : int
+        At a step, -1 takes the limit from the left, +1 from the right and 0 the mean of both.
+
+    Returns
+    -------
+    ndarray, shape x.shape
+
+    Raises
+    ------
+    TypeError
+        If a function returns what is no real number.
+
+    Examples
+    --------
+    >>> value_at(lambda x: 1.0 - 0.5 * x, [0.0, 1.0]).tolist()
+    [1.0, 0.5]
+    """
+    position = np.asarray(x, dtype=np.float64)
+    if isinstance(profile, Table):
+        if side == 0:
+            return 0.5 * (table_limit(profile, position, -1) + table_limit(profile, position, 1))
+        return table_limit(profile, position, side)
+    if callable(profile):
+        return _function_values(profile, position.ravel()).reshape(position.shape)
+    return np.full(position.shape, profile)
+
+
+def mean_reciprocal(profile: Profile, x: ArrayLike) -> Floats:
+    """Return at each `x` the mean of 1 / left limit and 1 / right limit of a profile.
+
+    ½ (1/value(x-) + 1/value(x+)): the flexibility of a hinge, whose half cells have each their own stiffness.
+
+    Parameters
+    ----------
+    profile : float, Table or function
+        The property, nowhere zero.
+    x : float or array [m]
+        Positions on the beam.
+
+    Raises
+    ------
+    TypeError
+        As `value_at`.
+
+    Examples
+    --------
+    >>> mean_reciprocal(Table((0.0, 1.0, 1.0, 2.0), (1.0, 1.0, 4.0, 4.0)), [0.5, 1.0]).tolist()
+    [1.0, 0.625]
+    """
+    if isinstance(profile, Table):
+        return 0.5 * (1.0 / value_at(profile, x, -1) + 1.0 / value_at(profile, x, 1))
+    return 1.0 / value_at(profile, x)
+
+
+def moments(profile: Profile, edges: ArrayLike) -> tuple[Floats, Floats, Floats]:
+    """Return the moments of a profile over each interval between successive edges, about its middle c.
+
+    m0 = ∫ρ dx,  m1 = ∫ρ (x-c) dx,  m2 = ∫ρ (x-c)² dx
+
+    Exact but for rounding for numbers and tables. Functions take Gauss's rule with 12 points an interval, 32
+    where intervals are few: 1e-14 where the function is smooth over one interval.
+
+    Parameters
+    ----------
+    profile : float, Table or function
+        ρ; mass per length makes a piece's mass, mass moment and rotary inertia.
+    edges : array, shape (intervals + 1,) [m]
+        Ascending positions on the beam.
+
+    Returns
+    -------
+    m0, m1, m2 : ndarray, shape (intervals,)
+        In the profile's unit times [m], [m²] and [m³].
+
+    Raises
+    ------
+    TypeError
+        As `value_at`.
+
+    Examples
+    --------
+    >>> mass, shift, inertia = moments(Table((0.0, 1.0), (3.0, 1.0)), [0.0, 1.0])
+    >>> mass.round(6), shift.round(6), inertia.round(6)
+    (array([2.]), array([-0.166667]), array([0.166667]))
+    """
+    position = np.asarray(edges, dtype=np.float64)
+    width = np.diff(position)
+    if isinstance(profile, Table):
+        return table_moments(profile, position)
+    if callable(profile):
+        return _function_moments(profile, position)
+    return profile * width, np.zeros_like(width), profile * width**3 / 12.0
+
+
+def profile_breaks(profile: Profile) -> tuple[float, ...]:
+    """Return the positions inside the beam where a profile has a step or a kink, ascending [m].
+
+    Functions are taken to be smooth.
+
+    Examples
+    --------
+    >>> profile_breaks(Table((0.0, 0.5, 0.5, 0.8, 1.0), (2.0, 2.0, 1.0, 1.0, 1.5)))
+    (0.5, 0.8)
+    """
+    return table_breaks(profile) if isinstance(profile, Table) else ()
+
+
+def mean_over(profile: Profile, length: float) -> float:
+    """Return the mean of a profile over a beam of this length [m]; a number is its own mean.
+
+    Examples
+    --------
+    >>> mean_over(Table((0.0, 2.0), (3.0, 1.0)), 2.0)
+    2.0
+    """
+    if isinstance(profile, Table) or callable(profile):
+        with np.errstate(over="ignore", invalid="ignore"):
+            return float(np.sum(moments(profile, np.linspace(0.0, length, 9))[0]) / length)
+    return profile
+
+
+def _function_values(function: Callable[[Any], Any], position: Floats) -> Floats:
+    if position.size > 1:
+        try:
+            values = np.asarray(function(position))
+        except (TypeError, ValueError):
+            values = np.empty(0)
+        if values.dtype.kind in "iuf" and values.shape in (position.shape, ()):
+            return np.broadcast_to(values, position.shape).astype(np.float64)
+    # The function takes one number at a time, or fails here with its own words.
+    return np.array([real("value of the function", _plain(function(at))) for at in position.tolist()])
+
+
+def _plain(value: Any) -> Any:
+    return value.item() if isinstance(value, np.ndarray) and value.size == 1 else value
+
+
+def _function_moments(function: Callable[[Any], Any], edges: Floats) -> tuple[Floats, Floats, Floats]:
+    node, weight = np.polynomial.legendre.leggauss(32 if len(edges) <= 4096 else 12)
+    half, middle = 0.5 * np.diff(edges), 0.5 * (edges[1:] + edges[:-1])
+    values = _function_values(function, (middle[:, None] + half[:, None] * node).ravel())
+    weighted = values.reshape(len(half), len(node)) * weight
+    return half * weighted.sum(axis=1), half**2 * (weighted @ node), half**3 * (weighted @ node**2)

@@ -1,0 +1,189 @@
+"""Natural modes of a linear chain, with every digit of the lowest frequencies kept."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from beammodes.checks import shown, whole_number
+from beammodes.equilibrium.bent_model import BentModel, bent_shapes
+from beammodes.problem.loading import Load
+from beammodes.vibration.linear import LinearModel
+from beammodes.vibration.spectrum import FlexibilityForm, flexibility_form, is_turned
+from beammodes.vibration.stored_energy import Buckled, check_stable, energy_metric, unit_energy
+
+__all__ = ["MAX_DENSE", "Modes", "solve_modes"]
+
+Array = NDArray[np.float64]
+
+#: Chains of at most this many hinges are solved by a dense singular value decomposition, which gives all
+#: modes at once; longer ones by Lanczos iteration, which gives the lowest.
+MAX_DENSE = 500
+
+
+@dataclass(frozen=True)
+class Modes:
+    """Elastic modes of a chain, ascending, normalized to unit modal mass.
+
+    Attributes
+    ----------
+    angular_frequency : ndarray, shape (modes,) [rad/s]
+    rigid_body_modes : int
+        How many motions store nothing; they are counted here and are no rows of the arrays.
+    position : ndarray, shape (nodes,) [m]
+        Of the nodes on the straight chain: left tip, hinges, right tip.
+    deflection : ndarray, shape (modes, nodes) [kg^-½]
+        Mode shapes; the largest entry of each is positive.
+    rotation : ndarray, shape (modes, pieces) [kg^-½/m]
+        Angle of each piece in each mode.
+    """
+
+    angular_frequency: Array
+    rigid_body_modes: int
+    position: Array
+    deflection: Array
+    rotation: Array
+
+    @property
+    def frequency(self) -> Array:
+        """Natural frequencies, shape (modes,) [Hz]."""
+        return self.angular_frequency / (2 * np.pi)
+
+
+def solve_modes(model: LinearModel | BentModel, modes: int | None = None) -> Modes:
+    """Return the lowest elastic modes of a linear chain.
+
+        K u = ω² M u,   uᵀ M u = 1
+
+    Relative accuracy of ω is 1e-12 or better for the lowest ten modes of any chain up to 10⁶ hinges, and
+    about 1e-13 for every mode of a short one. Tested against 50-digit arithmetic.
+
+    Parameters
+    ----------
+    model : LinearModel or BentModel
+        From `linearize`. About a bent shape `position` is that along the chain, `deflection` the nodes'
+        motion along y (along x they move by  -Σ l_i sin θ_i  times the rotations), and the accuracy of ω
+        is about 1e-16 N².
+    modes : int, optional
+        How many, from the first; all of them by default. A chain with fewer gives those it has.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If `modes` is no whole number of at least 1, or a chain of more than 500 hinges is asked for more
+        than a tenth of its modes, or the shape that it vibrates about is not stable.
+
+    Examples
+    --------
+    >>> from beammodes.problem.beam import Beam
+    >>> from beammodes.chains.chain import Chain
+    >>> from beammodes.vibration.linear import linearize
+    >>> solve_modes(linearize(Chain(Beam.unit(), "clamped-free", segments=6)), modes=2).angular_frequency
+    array([ 3.50364768, 21.28034888])
+    """
+    if not isinstance(model, LinearModel | BentModel):
+        raise TypeError(f"model must be a LinearModel or a BentModel from linearize(), got {shown(model)}")
+    chain = model.chain
+    count = model.elastic_modes if modes is None else whole_number("modes", modes)
+    count = min(count, model.elastic_modes)
+    if isinstance(model, BentModel):
+        omega, lift, turned = bent_shapes(model, count)
+        return Modes(omega, model.rigid_body_modes, chain.node_position, lift, turned)
+    form = flexibility_form(chain, model.load)
+    try:
+        inverse, x = _solved(form, count)
+    except Buckled:
+        raise ValueError(_buckled(model.load)) from None
+    deflection, angle = form.motion(x)
+    # Unit modal mass: the image of a unit singular vector has length 1/ω.
+    shape, slope = deflection / inverse, angle / inverse
+    if is_turned(chain):
+        shape, slope = shape[::-1], -slope[::-1]
+    return _in_physical_units(model, _seen_from_hub(model, 1 / inverse), shape, slope)
+
+
+def _solved(form: FlexibilityForm, count: int) -> tuple[Array, Array]:
+    check_stable(form, MAX_DENSE)
+    if count == 0:
+        return np.zeros(0), np.zeros((len(form.flexibility_root), 0))
+    return _dense(form, count) if form.hinges <= MAX_DENSE else _lanczos(form, count)
+
+
+def _buckled(load: Load) -> str:
+    if load.is_axial:
+        return "axial_force must not compress the chain beyond its buckling load (see buckling_load)"
+    return f"load must not buckle the straight chain (see find_equilibrium), got {load}"
+
+
+def _seen_from_hub(model: LinearModel, omega: Array) -> Array:
+    """Return ω as it is, or in the plane of rotation of a turning hub, where Ω² is taken from ω² again."""
+    if not model.load.spin_rate or model.load.plane == "flap":
+        return omega
+    rate = math.sqrt(model.chain.exact_units.square_rate(model.load.spin_rate))
+    # Rounding leaves so much of a rotation that the hub follows.
+    if model.rigid_body_modes or (len(omega) and omega[0] <= rate * (1 + 1e-12)):
+        raise ValueError(
+            f"spin_rate must be lower for {model.chain.boundary.name} in the plane of rotation, where the "
+            f"straight shape is not stable, got {float(model.load.spin_rate)}"
+        )
+    return np.asarray(np.sqrt((omega - rate) * (omega + rate)))
+
+
+def _dense(form: FlexibilityForm, count: int) -> tuple[Array, Array]:
+    """Return 1/ω and x of unit stored energy of the lowest modes, by singular values of F D^{-½}."""
+    coordinates, excluded = form.forbidden.shape
+    # The full QR's trailing columns span what the end conditions allow.
+    complete = np.linalg.qr(form.forbidden, mode="complete")[0] if excluded else np.eye(coordinates)
+    w = complete[:, excluded:]
+    x = form.allowed(w)
+    if form.pull.any():
+        x = x @ unit_energy(form, w, x)
+    _, inverse, turn = np.linalg.svd(form.kinetic(x), full_matrices=False)
+    return inverse[:count], x @ turn[:count].T
+
+
+def _lanczos(form: FlexibilityForm, count: int) -> tuple[Array, Array]:
+    """Return 1/ω and x of unit stored energy of the lowest modes, by Lanczos iteration."""
+    from scipy.sparse.linalg import LinearOperator, eigsh
+
+    size = len(form.flexibility_root)
+    if 10 * count > size:
+        raise ValueError(
+            f"modes must be at most {size // 10}, a tenth of the chain's, for a chain of more than "
+            f"{MAX_DENSE} hinges, got {count}"
+        )
+
+    def compliance(x: Array) -> Array:
+        inside = form.allowed(x.reshape(size, -1))
+        return form.allowed(form.adjoint(form.kinetic(inside)))
+
+    operator = LinearOperator((size, size), matvec=compliance, matmat=compliance, dtype=np.float64)
+    # A fixed start vector makes the result reproducible; a random one has a part in every mode.
+    start = form.allowed(np.random.default_rng(0).standard_normal((size, 1)))[:, 0]
+    # 1/ω² falls as 1/n⁴, so few vectors suffice; an error of 1e-10 in them is one of 1e-20 in ω.
+    few = min(2 * count + 6, size)
+    w = eigsh(operator, k=count, which="LA", v0=start, tol=1e-10, ncv=few, **energy_metric(form))[1][:, ::-1]
+    # One Rayleigh-Ritz step on |F x| itself: a singular value loses only ω_n/ω_1, its square (ω_n/ω_1)².
+    w = np.linalg.qr(w - form.forbidden @ (form.forbidden.T @ w))[0]
+    x = form.allowed(w)
+    if form.pull.any():
+        x = x @ unit_energy(form, w, x)
+    _, inverse, turn = np.linalg.svd(np.linalg.qr(form.kinetic(x), mode="r"))
+    return inverse, x @ turn.T
+
+
+def _in_physical_units(model: LinearModel, omega: Array, shape: Array, slope: Array) -> Modes:
+    units = model.chain.units
+    largest = np.abs(shape).argmax(axis=0)
+    # A mode in which only a hinged end turns has no deflection to take a sign from.
+    sign = np.where(shape[largest, np.arange(shape.shape[1])] < 0, -1.0, 1.0) / np.sqrt(units.mass)
+    return Modes(
+        omega * units.angular_frequency,
+        model.rigid_body_modes,
+        model.chain.node_position,
+        (shape * sign).T,
+        (slope * sign / units.length).T,
+    )

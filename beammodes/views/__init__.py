@@ -1,0 +1,1 @@
+"""Data made visible: axes, text tables, films. Nothing here computes."""
