@@ -16,6 +16,7 @@ NAMES = (
     "c_table",
     "error_by_rule",
     "better_figures",
+    "simulators",
     "segments_map",
     "cost_front",
     "quadrature",
