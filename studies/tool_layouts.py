@@ -71,8 +71,8 @@ def flex_errors(segments: Sequence[int], *, shifted: bool = False) -> NDArray[np
     return np.round(found, 9)
 
 
-def adams_link_errors(segments: Sequence[int], *, attachment: str) -> NDArray[np.float64]:
-    """Return the errors of mode 1 of an Adams discrete flexible link, attached "rigid" or "flexible".
+def adams_link_errors(segments: Sequence[int], *, attachment: str, mode: int = 1) -> NDArray[np.float64]:
+    """Return the errors of one mode of an Adams discrete flexible link, attached "rigid" or "flexible".
 
     N rigid rods; massless Euler-Bernoulli beams of length ell join their middles. "rigid" fixes the first
     rod to the wall; "flexible" joins its middle to the wall by a beam of ell/2. Shear is left out.
@@ -80,7 +80,7 @@ def adams_link_errors(segments: Sequence[int], *, attachment: str) -> NDArray[np
     from skfem import Basis, BilinearForm, ElementLineHermite, MeshLine
     from skfem.helpers import dd, ddot
 
-    exact = bm.euler_bernoulli(bm.Beam.unit(), BOUNDARY, 1).angular_frequency[0]
+    exact = bm.euler_bernoulli(bm.Beam.unit(), BOUNDARY, mode).angular_frequency[-1]
     found = []
     for count in map(int, segments):
         middles = (np.arange(count) + 0.5) / count
@@ -91,7 +91,7 @@ def adams_link_errors(segments: Sequence[int], *, attachment: str) -> NDArray[np
         mass[basis.nodal_dofs[0]], mass[basis.nodal_dofs[1]] = 1 / count, 1 / count**3 / 12
         free = basis.complement_dofs(basis.get_dofs(lambda x, start=nodes[0]: np.isclose(x[0], start)))
         inverse = scipy.linalg.eigh(np.diag(mass[free]), stiffness[np.ix_(free, free)], eigvals_only=True)
-        found.append(1 / np.sqrt(inverse[-1]) / exact - 1)
+        found.append(1 / np.sqrt(inverse[-mode]) / exact - 1)
     return np.round(found, 9)
 
 
