@@ -94,6 +94,7 @@ _HOME = {
     "compile_equations": "equations.numeric",
     "damped_modes": "dynamics.damping_ratio",
     "damped_time_step": "dynamics.damping_ratio",
+    "draw_chain": "views.schematic",
     "elastic_modulus": "problem.materials",
     "equations_of_motion": "equations.symbolic",
     "error_dataset": "accuracy.error_table",
@@ -208,6 +209,7 @@ if TYPE_CHECKING:
     from beammodes.vibration.stability import published_time_step as published_time_step
     from beammodes.vibration.stability import stable_time_step as stable_time_step
     from beammodes.views.animation import animate as animate
+    from beammodes.views.schematic import draw_chain as draw_chain
 
 
 def __getattr__(name: str) -> Any:
