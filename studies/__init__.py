@@ -23,6 +23,7 @@ NAMES = (
     "figure_3",
     "figure_5",
     "truck",
+    "schematics",
     "axial_force",
     "nonuniform",
     "step_size",

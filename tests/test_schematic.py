@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import csv
 import math
+import warnings
 from fractions import Fraction
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+import xarray
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from matplotlib.artist import Artist
@@ -23,7 +27,9 @@ from beammodes.views.end_symbols import body_of
 from beammodes.views.pose import pose_of
 from beammodes.views.spring_labels import spring_texts, support_texts
 from beammodes.views.symbols import GROUND_SPRING, SPRING
+from studies import schematics
 
+FIGURES = Path(__file__).parent.parent / "figures"
 UNIT = bm.Beam.unit()
 BLOCK = bm.End(mass=1.0, rotary_inertia=0.2**2 / 6, offset=0.1)
 
@@ -294,3 +300,37 @@ def test_what_is_no_chain_or_too_long_is_refused() -> None:
         bm.draw_chain(bm.Chain(UNIT, "clamped-free", 500), ax)
     with pytest.raises(ValueError, match="unit must be one of"):
         spring_texts(CHAIN, "Nm")
+
+
+@pytest.fixture(scope="module")
+def gallery() -> xarray.Dataset:
+    return schematics.data()
+
+
+def test_the_gallery_is_the_one_committed(gallery: xarray.Dataset) -> None:
+    ours = list(csv.reader(schematics.tables(gallery)[".csv"].splitlines()))
+    with (FIGURES / "schematics.csv").open(encoding="utf-8") as file:
+        theirs = list(csv.reader(file))
+    assert len(ours) == len(theirs) > 100
+    for mine, committed in zip(ours, theirs, strict=True):
+        for cell, other in zip(mine, committed, strict=True):
+            assert cell == other or float(cell) == pytest.approx(float(other), rel=1e-6, abs=2e-7)
+
+
+def test_the_gallery_shows_its_chains(gallery: xarray.Dataset) -> None:
+    panels = [panel for section in schematics.sections().values() for panel in section]
+    rules = [panel.chain.rule.name for panel in panels[: len(bm.RULES)] if panel.chain.rule]
+    assert rules == list(bm.RULES)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        figure = schematics.draw(gallery)
+        figure.draw_without_rendering()
+    axes = [ax for ax in figure.axes if hinges(ax)]
+    assert len(axes) == len(panels) == gallery.sizes["panel"]
+    for ax, panel in zip(axes, panels, strict=True):
+        check_whole(ax)
+        assert len(hinges(ax)) == len(panel.chain.joint_stiffness)
+    # README states each rule's order.
+    for ax, rule in zip(axes, bm.RULES, strict=False):
+        assert ax.get_title("left") == rule
+        assert ax.get_title("right") == f"order {bm.error_law('clamped-free', 1, rule).order}"

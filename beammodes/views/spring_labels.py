@@ -75,7 +75,7 @@ def support_texts(chain: Chain, unit: str = "EI/ell") -> list[tuple[str, str]]:
     --------
     >>> from beammodes.problem.beam import Beam
     >>> ends = "pinned(rotational_stiffness=8)-free(translational_stiffness=2)"
-    >>> support_texts(Chain(Beam.unit(), ends, 4, "double_wall"))   # the wall's 2 EI/ell in series with 8 EI/L
+    >>> support_texts(Chain(Beam.unit(), ends, 4, "double_wall"))   # 2 EI/ell in series with 8 EI/L
     [('', '4 EI/L'), ('2 EI/L³', '')]
     """
     own = choice("unit", unit, LABELS) == "EI/ell"
@@ -129,7 +129,7 @@ def draw_support_labels(
 
 
 def _draw_beside(ax: Axes, place: EndPlace, text: str, below: float, size: float) -> None:
-    x, y = place.at[0] - place.side * 0.09 * place.length, place.at[1] - below * place.length
+    x, y = place.at[0] - place.side * 0.11 * place.length, place.at[1] - below * place.length
     align = "left" if place.side < 0 else "right"
     ax.text(x, y, text, ha=align, va="center", color=GROUND_SPRING, fontsize=size, zorder=6)
     ax.update_datalim([(x, y - 0.04 * place.length)])
