@@ -80,6 +80,7 @@ _HOME = {
     "SpectralBeamModes": "exact.spectral_shapes",
     "SupportedBeamModes": "exact.supported_beam",
     "Table": "problem.profiles",
+    "Tolerance": "accuracy.tolerances",
     "Tube": "problem.sections",
     "Weight": "chains.rules",
     "animate": "views.animation",
@@ -103,6 +104,7 @@ _HOME = {
     "export_chain": "exporters.export",
     "find_equilibrium": "equilibrium.equilibria",
     "frequency_error": "accuracy.errors",
+    "frequency_spread": "accuracy.uncertainty",
     "from_sectionproperties": "problem.sections",
     "harmonic": "dynamics.base_motion",
     "joint_dampers": "dynamics.damping_ratio",
@@ -117,6 +119,7 @@ _HOME = {
     "read_chain_csv": "exporters.chain_csv",
     "recommend": "accuracy.advice",
     "segments_needed": "accuracy.errors",
+    "segments_within_spread": "accuracy.enough_segments",
     "shape_dataset": "accuracy.shapes",
     "simulate": "dynamics.simulation",
     "solve_modes": "vibration.modes",
@@ -139,6 +142,7 @@ if TYPE_CHECKING:
     from beammodes.accuracy.comparison import SlendernessWarning as SlendernessWarning
     from beammodes.accuracy.comparison import chain_errors as chain_errors
     from beammodes.accuracy.comparison import theory_errors as theory_errors
+    from beammodes.accuracy.enough_segments import segments_within_spread as segments_within_spread
     from beammodes.accuracy.error_table import error_dataset as error_dataset
     from beammodes.accuracy.errors import frequency_error as frequency_error
     from beammodes.accuracy.errors import segments_needed as segments_needed
@@ -148,6 +152,8 @@ if TYPE_CHECKING:
     from beammodes.accuracy.static_errors import static_dataset as static_dataset
     from beammodes.accuracy.statics import beam_statics as beam_statics
     from beammodes.accuracy.statics import chain_statics as chain_statics
+    from beammodes.accuracy.tolerances import Tolerance as Tolerance
+    from beammodes.accuracy.uncertainty import frequency_spread as frequency_spread
     from beammodes.auditing.audit import Audit as Audit
     from beammodes.auditing.audit import audit_chain as audit_chain
     from beammodes.chains.axial_rule import axially_corrected as axially_corrected

@@ -17,6 +17,7 @@ NAMES = (
     "error_by_rule",
     "better_figures",
     "simulators",
+    "uncertainty",
     "segments_map",
     "cost_front",
     "quadrature",
