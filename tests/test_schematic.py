@@ -206,6 +206,17 @@ def test_what_is_welded_to_the_ground_is_dark() -> None:
         assert welded[1] != moving[1] == whole[1]
 
 
+def test_ends_may_be_left_out() -> None:
+    chain = bm.Chain(UNIT, (BLOCK, "clamped(mass=1)"), 4)
+    ax = drawn(chain, ends=False)
+    assert (
+        [type(patch) for patch in ax.patches]
+        == [Circle] * len(chain.joint_stiffness)
+        == [Circle] * len(words(ax))
+    )
+    assert not ax.collections
+
+
 def test_point_masses_are_dots_where_a_rule_gathers_them() -> None:
     def dots(rule: str) -> int:
         patches = drawn(bm.Chain(UNIT, "pinned-pinned", 4, rule), labels=None).patches
@@ -264,6 +275,7 @@ CHAIN = bm.Chain(UNIT, "clamped-free", 4)
     [
         ({"labels": "Nm/rad"}, ValueError, r'labels must be one of .*did you mean "N m/rad"'),
         ({"labels": 3}, TypeError, "labels must be one of"),
+        ({"size": 0}, ValueError, "size must be greater than 0"),
         ({"shape": 3.0}, TypeError, "shape must be None, Modes"),
         ({"shape": (np.zeros(6), np.zeros(4))}, ValueError, "rotation of shape must hold 5 finite"),
         ({"shape": (np.zeros(5), np.zeros(5))}, ValueError, "deflection of shape must hold 6 finite"),

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import itertools
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from beammodes.chains.chain import Chain
-from beammodes.checks import choice, shown
+from beammodes.checks import choice, positive_real, shown
 from beammodes.problem.ends import End
 from beammodes.views.end_symbols import EndPlace, body_of, draw_body, draw_support, height_of_support
 from beammodes.views.pose import Pose, Shape, pose_of
@@ -57,9 +58,9 @@ def draw_chain(
     amplitude : float
         Its largest deflection in lengths of the chain; less where a piece would turn by more than 60°.
     labels : str or None
-        Springs as "EI/ell", as fractions where they are exact, or in "N m/rad"; None writes none. Supports'
-        springs, then, are in EI/L and EI/L³, or in N m/rad and N/m. The numbers of a chain from pieces are
-        those given. Of more than 12 hinges, equal neighbours share a label.
+        Springs as "EI/ell" (of the mean EI), as fractions where they are exact, or in "N m/rad"; None
+        writes none. Supports' springs, then, are in EI/L and EI/L³, or in N m/rad and N/m. The numbers of a
+        chain from pieces are those given. Of more than 12 hinges, equal neighbours share a label.
     ends : bool
         Whether supports and bodies are drawn.
     size : float [pt]
@@ -83,24 +84,19 @@ def draw_chain(
         raise TypeError(f"chain must be a Chain, got {shown(chain)}")
     if chain.pieces > MAX_DRAWN:
         raise ValueError(f"chain must have at most {MAX_DRAWN} pieces to be drawn, got {chain.pieces}")
-    unit = None if labels is None else choice("labels", labels, LABELS)
+    unit, points = None if labels is None else choice("labels", labels, LABELS), positive_real("size", size)
     pose = pose_of(chain, shape, mode=mode, amplitude=amplitude)
     radius = _spring_radius(chain)
     _draw_rods(ax, chain, pose, radius)
-    places, lift = _places(chain, pose, radius), 1.1 * radius
-    if ends:
-        for place, (translation, rotation) in zip(places, chain.support_stiffness, strict=True):
-            stiffness = (float(translation), float(rotation))
-            draw_body(ax, place)
-            draw_support(ax, stiffness, place)
-            lift = max(lift, height_of_support(stiffness, place.length), place.body.half)
+    places = _places(chain, pose, radius) if ends else ()
+    # Labels stand in one row, above whatever is at the ends.
+    lift = max([1.1 * radius, *_draw_ends(ax, chain, places)])
     for x, y in zip(pose.x[1:-1], pose.y[1:-1], strict=True):
         draw_spiral(ax, (x, y), radius, inner=0.42 * radius)
         draw_hinge(ax, (x, y), 0.3 * radius)
     if unit is not None:
-        draw_spring_labels(ax, chain, pose, unit, lift=lift, size=size)
-        if ends:
-            draw_support_labels(ax, chain, places, unit, size=size)
+        draw_spring_labels(ax, chain, pose, unit, lift=lift, size=points)
+        draw_support_labels(ax, chain, places, unit, size=points)
     ax.set_aspect("equal")
     ax.axis("off")
     ax.margins(0.03)
@@ -112,6 +108,17 @@ def _spring_radius(chain: Chain) -> float:
     whole = chain.node_position[-1]
     between = chain.length[chain.length > 0]
     return float(min(_RADIUS * whole, max(_TINY * whole, 0.4 * between.min())))
+
+
+def _draw_ends(ax: Axes, chain: Chain, places: Sequence[EndPlace]) -> list[float]:
+    """Draw supports and bodies and return how high they reach above their ends."""
+    heights = []
+    for place, (translation, rotation) in zip(places, chain.support_stiffness, strict=False):
+        stiffness = (float(translation), float(rotation))
+        draw_body(ax, place)
+        draw_support(ax, stiffness, place)
+        heights.append(max(height_of_support(stiffness, place.length), place.body.half))
+    return heights
 
 
 def _places(chain: Chain, pose: Pose, radius: float) -> tuple[EndPlace, EndPlace]:

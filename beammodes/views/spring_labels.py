@@ -118,10 +118,10 @@ def draw_spring_labels(ax: Axes, chain: Chain, pose: Pose, unit: str, *, lift: f
 
 
 def draw_support_labels(
-    ax: Axes, chain: Chain, places: tuple[EndPlace, EndPlace], unit: str, *, size: float
+    ax: Axes, chain: Chain, places: Sequence[EndPlace], unit: str, *, size: float
 ) -> None:
     """Write the springs of elastic supports below the ends, on the side of the beam."""
-    for place, (translation, rotation) in zip(places, support_texts(chain, unit), strict=True):
+    for place, (translation, rotation) in zip(places, support_texts(chain, unit), strict=False):
         lower = place.body.half / place.length
         for text, below in ((rotation, 0.075), (translation, 0.19 if rotation else 0.15)):
             if text:
