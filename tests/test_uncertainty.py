@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import math
+import re
 import warnings
 from pathlib import Path
 from types import SimpleNamespace
@@ -19,6 +20,7 @@ import beammodes as bm
 from beammodes.accuracy.enough_segments import EnoughSegments
 from studies import uncertainty
 
+README = Path(__file__).parent.parent / "README.md"
 FIGURES = Path(__file__).parent.parent / "figures"
 BAR = bm.Rectangle(width=0.06, height=0.02)
 STEEL: dict[str, Any] = {"elastic_modulus": 207e9, "density": 7850.0, "length": 1.0}
@@ -280,3 +282,16 @@ def test_the_study_marks_where_the_error_is_hidden(table: xarray.Dataset) -> Non
         for count in table.segments_enough.stack(panel=("beam", "boundary")).transpose("panel", "rule")
         for rule in table.rule.values
     ]
+
+
+def test_readme_says_what_the_study_found(table: xarray.Dataset) -> None:
+    (part,) = re.findall(r"### Fewer segments.*?!\[", README.read_text(encoding="utf-8"), flags=re.DOTALL)
+    cantilever = table.sel(boundary="clamped-free")
+    for beam in table.beam.values:
+        one = cantilever.sel(beam=beam)
+        assert f"±{100 * float(one.half_width.max()):.2g} %" in part
+    few = cantilever.segments_enough
+    wood = {rule: int(few.sel(beam="wooden board", rule=rule)) for rule in ("mitiguy", "gregory")}
+    steel = [int(few.sel(beam="rolled steel bar", rule=rule)) for rule in ("mitiguy", "gregory")]
+    assert f"need {wood['mitiguy']} segments with the report's springs and {wood['gregory']} by" in part
+    assert f": {steel[0]} and {steel[1]}." in part
