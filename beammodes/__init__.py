@@ -113,7 +113,7 @@ _HOME = {
     "matched": "springs.inverse",
     "modal_assurance": "accuracy.shapes",
     "modal_response": "dynamics.superposition",
-    "mode_start": "dynamics.simulation",
+    "mode_start": "dynamics.initial_state",
     "mode_tuned": "springs.tuning",
     "published_time_step": "vibration.stability",
     "read_chain_csv": "exporters.chain_csv",
@@ -169,8 +169,8 @@ if TYPE_CHECKING:
     from beammodes.dynamics.damping_ratio import damped_modes as damped_modes
     from beammodes.dynamics.damping_ratio import damped_time_step as damped_time_step
     from beammodes.dynamics.damping_ratio import joint_dampers as joint_dampers
+    from beammodes.dynamics.initial_state import mode_start as mode_start
     from beammodes.dynamics.simulation import DivergedWarning as DivergedWarning
-    from beammodes.dynamics.simulation import mode_start as mode_start
     from beammodes.dynamics.simulation import simulate as simulate
     from beammodes.dynamics.superposition import modal_response as modal_response
     from beammodes.equations.numeric import compile_equations as compile_equations

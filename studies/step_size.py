@@ -13,8 +13,8 @@ from matplotlib.figure import Figure
 from matplotlib.patheffects import withStroke
 
 import beammodes as bm
+from beammodes.dynamics.initial_state import mode_start
 from beammodes.dynamics.integrators import Stepper, runge_kutta
-from beammodes.dynamics.simulation import mode_start
 from beammodes.dynamics.step_study import (
     ANALYSED,
     SAFE_CONSTANT,

@@ -14,7 +14,8 @@ from PIL import Image
 
 from beammodes.chains.chain import Chain
 from beammodes.dynamics.base_motion import BaseMotion, spin_up
-from beammodes.dynamics.simulation import mode_start, simulate
+from beammodes.dynamics.initial_state import mode_start
+from beammodes.dynamics.simulation import simulate
 from beammodes.problem.beam import Beam
 from beammodes.views.animation import animate, plot_motion, seen_from
 

@@ -4,6 +4,9 @@ from __future__ import annotations
 
 import itertools
 import math
+import signal
+import subprocess
+import sys
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -19,9 +22,10 @@ from beammodes.chains.chain import Chain
 from beammodes.dynamics.base_motion import BaseMotion, harmonic, spin_up
 from beammodes.dynamics.damping import Damping
 from beammodes.dynamics.forward_dynamics import base_vector
+from beammodes.dynamics.initial_state import mode_start
 from beammodes.dynamics.integrators import runge_kutta
 from beammodes.dynamics.midpoint import implicit_midpoint, momentum_map
-from beammodes.dynamics.simulation import METHODS, DivergedWarning, mode_start, simulate
+from beammodes.dynamics.simulation import METHODS, DivergedWarning, simulate
 from beammodes.equations.coordinates import coordinate_names
 from beammodes.problem.beam import Beam
 from beammodes.problem.loading import Load
@@ -631,6 +635,56 @@ def test_interrupted_runs_keep_what_they_have(method: str, tmp_path: Path) -> No
     assert [file.name for file in tmp_path.iterdir()] == ["motion.nc"]
 
 
+INTERRUPTED = """
+import sys
+import beammodes as bm
+
+chain = bm.Chain(bm.Beam.unit(), "clamped-free", segments=12)
+start = bm.mode_start(chain, 1, 0.3)
+told = lambda done, whole: print(done, flush=True)
+found = bm.simulate(
+    chain, duration=400.0, step=1e-3, method=sys.argv[1], initial=start, progress=told, path=sys.argv[2]
+)
+print(found.stopped)
+"""
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="no such signal")
+@pytest.mark.parametrize("method", ["rk4", "midpoint"])
+def test_an_interrupt_from_the_keyboard_within_compiled_code(method: str, tmp_path: Path) -> None:
+    path = tmp_path / "motion.nc"
+    command = [sys.executable, "-c", INTERRUPTED, method, str(path)]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as run:
+        assert run.stdout is not None and int(run.stdout.readline()) == 2000
+        run.send_signal(signal.SIGINT)
+        out, err = run.communicate(timeout=60)
+    last = out.splitlines()[-1]
+    assert (run.returncode, err) == (0, "") and last.startswith("interrupted after step")
+    with xarray.open_dataset(path, engine="h5netcdf") as kept:
+        assert kept.complete == 0 and float(kept.time[-1]) == pytest.approx(int(last.split()[-1]) * 1e-3)
+
+
+@pytest.mark.parametrize("method", ["midpoint", "rk45", "dop853"])
+def test_a_rate_without_numbers_stops_at_once_and_quietly(
+    method: str, capfd: pytest.CaptureFixture[str]
+) -> None:
+    # Squares of such speeds are beyond the range of floats.
+    start = np.zeros(3), np.full(3, 1e200)
+    with pytest.warns(DivergedWarning, match="non-finite"):
+        motion = simulate(CANTILEVER, duration=1.0, method=method, initial=start)
+    assert motion.complete == 0 and motion.time[0] == 0.0 and np.isfinite(motion.u).all()
+    assert capfd.readouterr() == ("", "")
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_a_motion_lasts_as_long_as_asked(method: str) -> None:
+    motion = simulate(CANTILEVER, duration=1.0, step=0.3, output_step=0.3, method=method)
+    # A fixed step ends the motion with the first step that reaches its duration.
+    np.testing.assert_allclose(motion.time, [0.0, 0.3, 0.6, 0.9, 1.2 if method in FIXED else 1.0])
+    with pytest.raises(ValueError, match=r"^step must not be longer than duration, 1\.0, got 1\.5"):
+        simulate(CANTILEVER, duration=1.0, step=1.5, method=method)
+
+
 def test_progress_is_told_to_the_end() -> None:
     calls = []
     simulate(CANTILEVER, duration=5.0, step=1e-3, output_step=1e-2, progress=lambda *done: calls.append(done))
@@ -699,6 +753,8 @@ def test_a_folder_that_is_not_there_is_noticed_before_the_run(tmp_path: Path) ->
             progress=lambda *done: calls.append(done),
         )
     assert calls == []
+    with pytest.raises(ValueError, match=r"^path must be a file, got the folder"):
+        simulate(CANTILEVER, duration=0.1, step=0.01, path=tmp_path)
 
 
 def test_straight_and_at_rest_with_the_base_by_default() -> None:

@@ -15,8 +15,8 @@ from beammodes.chains.chain import Chain
 from beammodes.dynamics.base_motion import BaseMotion
 from beammodes.dynamics.damping import Damping
 from beammodes.dynamics.forward_dynamics import forward_dynamics
+from beammodes.dynamics.initial_state import mode_start
 from beammodes.dynamics.integrators import runge_kutta
-from beammodes.dynamics.simulation import mode_start
 from beammodes.dynamics.step_study import (
     ANALYSED,
     SAFE_CONSTANT,

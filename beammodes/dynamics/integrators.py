@@ -41,12 +41,23 @@ class Stepper:
     times: tuple[float, ...]
 
     def steps(self, state: Array, step: float, start: float, count: int, base: BaseMotion) -> Array:
-        """Return the states after each of `count` steps from time `start`, shape (count, size)."""
+        """Return the states after each of `count` steps from time `start`, shape (count, size).
+
+        Raises
+        ------
+        KeyboardInterrupt
+            Also where CasADi, interrupted in its own code, raises a RuntimeError that says so.
+        """
         at = start + step * (np.arange(count)[None, :] + np.array(self.times)[:, None])
         course = base.at(at)  # (3, 3, stages, count)
         columns = np.moveaxis(course, 2, 0).reshape(-1, count)
         mapped = self.function.mapaccum(count)
-        return np.asarray(mapped(state, np.full((1, count), step), columns).full().T)
+        try:
+            return np.asarray(mapped(state, np.full((1, count), step), columns).full().T)
+        except RuntimeError as error:
+            if str(error).rstrip().endswith("KeyboardInterrupt"):
+                raise KeyboardInterrupt from error
+            raise
 
 
 def runge_kutta(

@@ -82,7 +82,8 @@ def implicit_midpoint(
     )
     unknown, given = casadi.vertcat(v, force), casadi.vertcat(q, p, step, middle, late)
     system = casadi.Function("system", [unknown, given], [residual])
-    options = {"abstol": 1e-13, "max_iter": 30, "error_on_fail": False}
+    # What is not finite is reported once, by the run, and not by CasADi at every iteration.
+    options = {"abstol": 1e-13, "max_iter": 30, "error_on_fail": False, "show_eval_warnings": False}
     solve = casadi.rootfinder("solve", "newton", system, options)
     # Where Newton's method finds nothing there is no new state.
     failed = casadi.if_else(casadi.norm_inf(residual) < 1e-9, 0, casadi.SX.nan())

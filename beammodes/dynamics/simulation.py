@@ -8,31 +8,22 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-from numpy.typing import NDArray
-
 from beammodes.chains.chain import Chain
-from beammodes.checks import choice, positive_real, real, shown, whole_number
+from beammodes.checks import choice, positive_real, shown
 from beammodes.dynamics.base_motion import BaseMotion
 from beammodes.dynamics.damping import Damping
 from beammodes.dynamics.damping_ratio import damped_time_step
-from beammodes.dynamics.forward_dynamics import base_vector, checked_system, forward_dynamics
-from beammodes.dynamics.integrators import projection
+from beammodes.dynamics.forward_dynamics import checked_system
+from beammodes.dynamics.initial_state import initial_state
 from beammodes.dynamics.motion_dataset import motion_dataset
 from beammodes.dynamics.runs import RUNS, Run
-from beammodes.equations.coordinates import coordinate_names, tip_names
 from beammodes.problem.loading import Load, checked_load
-from beammodes.vibration.linear import linearize
-from beammodes.vibration.modes import solve_modes
 from beammodes.vibration.stability import stable_time_step
 
 if TYPE_CHECKING:
     import xarray
 
-__all__ = ["METHODS", "DivergedWarning", "mode_start", "simulate"]
-
-Array = NDArray[np.float64]
-State = tuple[Array, Array]
+__all__ = ["METHODS", "DivergedWarning", "simulate"]
 
 #: Classical fixed-step Runge-Kutta, the implicit midpoint rule, and variable-step Runge-Kutta pairs of order
 #: 5(4) and 8(5,3), for which the step is the largest one and the one of output: the report's recipe.
@@ -70,11 +61,12 @@ def simulate(
     chain : Chain
         Its left end tied to the base, or neither end held.
     duration : float [s]
+        A fixed step ends the motion with the first step that reaches it.
     method : str
         "rk4", "midpoint", or with a variable step "rk45" or "dop853".
     step : float [s], optional
-        Of a fixed-step method, by default half the longest stable one of Runge-Kutta, with the damping; the
-        largest one of a variable-step method, by default that of output.
+        At most `duration`. Of a fixed-step method, by default half the longest stable one of Runge-Kutta,
+        with the damping; the largest one of a variable-step method, by default that of output.
     output_step : float [s], optional
         Between output times, rounded to whole steps; a thousandth of the duration by default.
     initial : pair of arrays, or Equilibrium, optional
@@ -123,10 +115,7 @@ def simulate(
     shown_step = span / OUTPUTS if output_step is None else positive_real("output_step", output_step)
     if progress is not None and not callable(progress):
         raise TypeError(f"progress must be a function, got {shown(progress)}")
-    if path is not None and not isinstance(path, str | Path):
-        raise TypeError(f"path must be a str or a Path, got {shown(path)}")
-    if path is not None and not Path(path).parent.is_dir():
-        raise ValueError(f"path must be in a folder that exists, got {shown(str(path))}")
+    target = None if path is None else _target(path)
     if positive_real("tolerance", tolerance) < 1e-13:
         raise ValueError(f"tolerance must be at least 1e-13, got {shown(tolerance)}")
     longest = _step(chain, kind, step, min(shown_step, span), span, damping, given)
@@ -135,61 +124,17 @@ def simulate(
             f"duration must be shorter, or step longer: {span / longest:.2g} steps of {longest:.3g} s"
         )
     every = max(1, round(min(shown_step, span) / longest))
-    start = _initial(chain, initial, ground)
-    run = Run(
-        chain,
-        given,
-        ground,
-        damping or Damping(),
-        longest,
-        every,
-        math.ceil(span / longest - 1e-9),
-        positive_real("tolerance", tolerance),
-    )
+    start = initial_state(chain, initial, ground)
+    steps = math.ceil(span / longest - 1e-9)
+    run = Run(chain, given, ground, damping or Damping(), span, longest, every, steps, float(tolerance))
     time, q, u, why = RUNS[kind](run, start, progress)
     if why.startswith("non-finite"):
         warnings.warn(f"{why}: the step is too long or the motion unstable", DivergedWarning, stacklevel=2)
     attributes = {"method": kind, "step": longest, "complete": int(not why), "stopped": why}
     result = motion_dataset(chain, time, q, u, load=given, base=ground, attributes=attributes)
-    if path is not None:
-        _save(result, Path(path))
+    if target is not None:
+        _save(result, target)
     return result
-
-
-def mode_start(chain: Chain, mode: int, amplitude: float, *, load: Load | None = None) -> State:
-    """Return coordinates and speeds of a chain at rest in the shape of a mode.
-
-    Parameters
-    ----------
-    chain : Chain
-    mode : int
-        1-based index of an elastic mode.
-    amplitude : float [rad]
-        Largest angle of a segment.
-    load : Load, optional
-        Under which the modes are taken.
-
-    Raises
-    ------
-    TypeError, ValueError
-        If an argument is not of its kind, or the chain has no such mode.
-
-    Examples
-    --------
-    >>> from beammodes.problem.beam import Beam
-    >>> mode_start(Chain(Beam.unit(), "clamped-free", segments=2), 1, 0.1)[0].round(4)
-    array([0.0558, 0.1   ])
-    """
-    model = linearize(chain, load=load)
-    whole_number("mode", mode, most=model.elastic_modes)
-    real("amplitude", amplitude)
-    modes = solve_modes(model, mode)
-    rotation, deflection = modes.rotation[mode - 1], modes.deflection[mode - 1]
-    scale = amplitude / np.abs(rotation).max()
-    tips = {"x_0": 0.0, "y_0": deflection[0]}
-    q = [*(tips[name] for name in tip_names(chain)), *rotation[~np.array(chain.held_angles)]]
-    start = scale * np.array(q), np.zeros(len(q))
-    return _onto(chain, start, BaseMotion()) if chain.boundary.right.holds_deflection else start
 
 
 def _step(
@@ -203,7 +148,9 @@ def _step(
 ) -> float:
     """Return the step: as given, or for a fixed one the longest safe one that divides the output's."""
     if step is not None:
-        return positive_real("step", step)
+        if positive_real("step", step) > span:
+            raise ValueError(f"step must not be longer than duration, {span}, got {shown(step)}")
+        return float(step)
     if method not in ("rk4", "midpoint"):
         return shown_step
     # What pulls stiffens. Gravity and a turning base move a chain however slowly it vibrates by itself.
@@ -215,36 +162,16 @@ def _step(
     return shown_step / max(1, math.ceil(shown_step / limit))
 
 
-def _initial(chain: Chain, initial: Any, base: BaseMotion) -> State:
-    """Return the first state, on the closure of a chain whose right end is held."""
-    course, names = base.at(0.0), coordinate_names(chain)
-    rest = [{"x_0": course[0, k], "y_0": course[1, k]} for k in (0, 1)]
-    q, u = (np.array([rest[k].get(n, course[2, k]) for n in names]) for k in (0, 1))
-    if initial is not None and hasattr(initial, "coordinates"):
-        q = np.asarray(initial.coordinates, dtype=np.float64)
-    elif initial is not None:
-        try:
-            q, u = (np.array(part, dtype=np.float64) for part in initial)
-        except (TypeError, ValueError):
-            raise TypeError(f"initial must be coordinates and speeds, got {shown(initial)}") from None
-    for part in (q, u):
-        if part.shape != (len(names),) or not np.isfinite(part).all():
-            raise ValueError(f"initial must be finite numbers for {', '.join(names)}, got {shown(part)}")
-    if not chain.boundary.right.holds_deflection:
-        return q, u
-    state = _onto(chain, (q, u), base)
-    if np.abs(state[0] - q).max() > 1e-3:
-        raise ValueError("initial must leave the right end where its support holds it")
-    return state
-
-
-def _onto(chain: Chain, start: State, base: BaseMotion) -> State:
-    """Return the nearest state on the closure."""
-    onto = projection(forward_dynamics(chain))
-    state = np.concatenate(start)
-    for _ in range(4):
-        state = np.array(onto(state, base_vector(base, 0.0)))[:, 0]
-    return state[: len(start[0])], state[len(start[0]) :]
+def _target(path: str | Path) -> Path:
+    """Return a file to write; what cannot be one is found out before the motion, not after it."""
+    if not isinstance(path, str | Path):
+        raise TypeError(f"path must be a str or a Path, got {shown(path)}")
+    target = Path(path)
+    if not target.parent.is_dir():
+        raise ValueError(f"path must be in a folder that exists, got {shown(str(path))}")
+    if target.is_dir():
+        raise ValueError(f"path must be a file, got the folder {shown(str(path))}")
+    return target
 
 
 def _save(result: xarray.Dataset, path: Path) -> None:

@@ -28,9 +28,9 @@ from beammodes.chains.chain import Chain
 from beammodes.checks import choice, positive_real, real, whole_number
 from beammodes.dynamics.base_motion import BaseMotion
 from beammodes.dynamics.forward_dynamics import base_vector, forward_dynamics
+from beammodes.dynamics.initial_state import mode_start
 from beammodes.dynamics.integrators import Stepper, projection, runge_kutta
 from beammodes.dynamics.midpoint import implicit_midpoint, momentum_map
-from beammodes.dynamics.simulation import mode_start
 from beammodes.vibration.linear import linearize
 from beammodes.vibration.modes import solve_modes
 from beammodes.vibration.stability import INTEGRATORS

@@ -81,7 +81,8 @@ def animate(
     --------
     >>> from beammodes.problem.beam import Beam
     >>> from beammodes.chains.chain import Chain
-    >>> from beammodes.dynamics.simulation import mode_start, simulate
+    >>> from beammodes.dynamics.initial_state import mode_start
+    >>> from beammodes.dynamics.simulation import simulate
     >>> chain = Chain(Beam.unit(), "clamped-free", segments=4)
     >>> motion = simulate(chain, duration=1.0, initial=mode_start(chain, 1, 0.5))
     >>> folder = Path(tempfile.mkdtemp())
