@@ -67,7 +67,7 @@ _HOME = {
     "End": "problem.supports",
     "Equilibrium": "equilibrium.equilibria",
     "EquilibriumNotFound": "equilibrium.equilibria",
-    "GivenSection": "problem.sections",
+    "GivenSection": "problem.given_section",
     "ISection": "problem.sections",
     "LinearModel": "vibration.linear",
     "Load": "problem.loading",
@@ -94,7 +94,7 @@ _HOME = {
     "chain_statics": "accuracy.statics",
     "compile_equations": "equations.numeric",
     "damped_modes": "dynamics.damping_ratio",
-    "damped_time_step": "dynamics.damping_ratio",
+    "damped_time_step": "dynamics.damped_step",
     "draw_chain": "views.schematic",
     "elastic_modulus": "problem.materials",
     "equations_of_motion": "equations.symbolic",
@@ -105,7 +105,7 @@ _HOME = {
     "find_equilibrium": "equilibrium.equilibria",
     "frequency_error": "accuracy.errors",
     "frequency_spread": "accuracy.uncertainty",
-    "from_sectionproperties": "problem.sections",
+    "from_sectionproperties": "problem.given_section",
     "harmonic": "dynamics.base_motion",
     "joint_dampers": "dynamics.damping_ratio",
     "linearize": "vibration.linear",
@@ -165,9 +165,9 @@ if TYPE_CHECKING:
     from beammodes.dynamics.base_motion import BaseMotion as BaseMotion
     from beammodes.dynamics.base_motion import harmonic as harmonic
     from beammodes.dynamics.base_motion import spin_up as spin_up
+    from beammodes.dynamics.damped_step import damped_time_step as damped_time_step
     from beammodes.dynamics.damping import Damping as Damping
     from beammodes.dynamics.damping_ratio import damped_modes as damped_modes
-    from beammodes.dynamics.damping_ratio import damped_time_step as damped_time_step
     from beammodes.dynamics.damping_ratio import joint_dampers as joint_dampers
     from beammodes.dynamics.initial_state import mode_start as mode_start
     from beammodes.dynamics.simulation import DivergedWarning as DivergedWarning
@@ -192,17 +192,17 @@ if TYPE_CHECKING:
     from beammodes.problem.beam import Beam as Beam
     from beammodes.problem.ends import BOUNDARIES as BOUNDARIES
     from beammodes.problem.ends import Boundary as Boundary
+    from beammodes.problem.given_section import GivenSection as GivenSection
+    from beammodes.problem.given_section import from_sectionproperties as from_sectionproperties
     from beammodes.problem.loading import Load as Load
     from beammodes.problem.materials import MODULI as MODULI
     from beammodes.problem.materials import elastic_modulus as elastic_modulus
     from beammodes.problem.profiles import Table as Table
     from beammodes.problem.sections import Box as Box
     from beammodes.problem.sections import Circle as Circle
-    from beammodes.problem.sections import GivenSection as GivenSection
     from beammodes.problem.sections import ISection as ISection
     from beammodes.problem.sections import Rectangle as Rectangle
     from beammodes.problem.sections import Tube as Tube
-    from beammodes.problem.sections import from_sectionproperties as from_sectionproperties
     from beammodes.problem.supports import ENDS as ENDS
     from beammodes.problem.supports import End as End
     from beammodes.springs.inverse import match_springs as match_springs

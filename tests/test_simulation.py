@@ -20,8 +20,8 @@ from scipy.special import ellipk
 
 from beammodes.chains.chain import Chain
 from beammodes.dynamics.base_motion import BaseMotion, harmonic, spin_up
+from beammodes.dynamics.chain_state import base_vector
 from beammodes.dynamics.damping import Damping
-from beammodes.dynamics.forward_dynamics import base_vector
 from beammodes.dynamics.initial_state import mode_start
 from beammodes.dynamics.integrators import runge_kutta
 from beammodes.dynamics.midpoint import implicit_midpoint, momentum_map

@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 from beammodes.chains.chain import Chain
 from beammodes.checks import real, shown, whole_number
 from beammodes.dynamics.base_motion import BaseMotion
-from beammodes.dynamics.forward_dynamics import base_vector, forward_dynamics
+from beammodes.dynamics.chain_state import base_vector
+from beammodes.dynamics.forward_dynamics import forward_dynamics
 from beammodes.dynamics.integrators import projection
 from beammodes.equations.coordinates import coordinate_names, tip_names
 from beammodes.problem.loading import Load

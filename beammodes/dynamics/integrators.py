@@ -16,8 +16,9 @@ from numpy.typing import NDArray
 
 from beammodes.chains.chain import Chain
 from beammodes.dynamics.base_motion import BaseMotion
+from beammodes.dynamics.chain_state import ChainState
 from beammodes.dynamics.damping import Damping
-from beammodes.dynamics.forward_dynamics import ChainState, ForwardDynamics, forward_dynamics
+from beammodes.dynamics.forward_dynamics import ForwardDynamics, forward_dynamics
 from beammodes.problem.loading import Load
 
 __all__ = ["Stepper", "closure", "projection", "runge_kutta"]

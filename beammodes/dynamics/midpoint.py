@@ -18,8 +18,8 @@ import casadi
 
 from beammodes.chains.chain import Chain
 from beammodes.dynamics.base_motion import BaseMotion
+from beammodes.dynamics.chain_state import ChainState, checked_system
 from beammodes.dynamics.damping import Damping
-from beammodes.dynamics.forward_dynamics import ChainState, checked_system
 from beammodes.dynamics.integrators import Stepper, closure
 from beammodes.equations.coordinates import coordinate_names, tip_names
 from beammodes.equations.load_field import Algebra

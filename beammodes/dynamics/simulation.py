@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING, Any
 from beammodes.chains.chain import Chain
 from beammodes.checks import choice, positive_real, shown
 from beammodes.dynamics.base_motion import BaseMotion
+from beammodes.dynamics.chain_state import checked_system
+from beammodes.dynamics.damped_step import damped_time_step
 from beammodes.dynamics.damping import Damping
-from beammodes.dynamics.damping_ratio import damped_time_step
-from beammodes.dynamics.forward_dynamics import checked_system
 from beammodes.dynamics.initial_state import initial_state
 from beammodes.dynamics.motion_dataset import motion_dataset
 from beammodes.dynamics.runs import RUNS, Run
@@ -102,6 +102,7 @@ def simulate(
 
     Examples
     --------
+    >>> from beammodes.dynamics.initial_state import mode_start
     >>> from beammodes.problem.beam import Beam
     >>> chain = Chain(Beam.unit(), "clamped-free", segments=4)
     >>> motion = simulate(chain, duration=1.0, initial=mode_start(chain, 1, 0.01))
