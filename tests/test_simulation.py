@@ -443,6 +443,23 @@ def test_default_step_is_stable_under_tension() -> None:
     assert float(np.ptp(motion.energy.to_numpy())) < 0.05 * float(motion.kinetic_energy.max())
 
 
+@pytest.mark.parametrize("method", FIXED)
+def test_default_step_is_stable_under_a_strong_weight(method: str) -> None:
+    # 1e6 EI/L²: steps for free vibration alone diverge within four.
+    motion = simulate(CANTILEVER, duration=0.02, method=method, load=Load(gravity=1e6))
+    assert motion.complete == 1 and motion.step < stable_time_step(CANTILEVER) / 50
+
+
+def test_default_step_is_stable_on_a_base_that_turns_fast() -> None:
+    chain, base = Chain(UNIT, "clamped-free", 10), BaseMotion(angle=spin_up(100.0, 1.2))
+    # Steps for free vibration alone diverge after 554 of 0.002.
+    motion = simulate(chain, duration=1.2, base=base)
+    assert motion.complete == 1
+    exact = simulate(chain, duration=0.3, output_step=0.3, method="dop853", base=base)
+    at = motion.interp(time=0.3)
+    assert float(at.tip_deflection) == pytest.approx(float(exact.tip_deflection[-1]), abs=1e-3)
+
+
 # Simo and Vu-Quoc 1986, Journal of Applied Mechanics 53, 855-863: L = 10, EI = 14000, ρA = 1.2, spin-up to
 # 6 rad/s in 15 s. Tip deflections recomputed for an inextensible beam without section inertia, 8 digits;
 # those of chains with the report's springs likewise.

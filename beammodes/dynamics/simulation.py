@@ -8,6 +8,8 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from beammodes.chains.chain import Chain
 from beammodes.checks import choice, positive_real, shown
 from beammodes.dynamics.base_motion import BaseMotion
@@ -66,7 +68,8 @@ def simulate(
         "rk4", "midpoint", or with a variable step "rk45" or "dop853".
     step : float [s], optional
         At most `duration`. Of a fixed-step method, by default half the longest stable one of Runge-Kutta,
-        with the damping; the largest one of a variable-step method, by default that of output.
+        with the damping and with the pull of loads and base; the largest one of a variable-step method, by
+        default that of output.
     output_step : float [s], optional
         Between output times, rounded to whole steps; a thousandth of the duration by default.
     initial : pair of arrays, or Equilibrium, optional
@@ -88,7 +91,8 @@ def simulate(
     xarray.Dataset
         Over time: angle and angular_velocity of each segment, x and y of each node, tip_deflection, energies
         and momenta, q and u. Attribute `complete` is 0 if the run was interrupted from the keyboard or left
-        the finite numbers; `stopped` then says why. What came before is kept.
+        the finite numbers; `stopped` then says why. What came before is kept. Without damping, on a base at
+        rest, `energy` changes by the error of the steps only: it tells whether they were short enough.
 
     Warns
     -----
@@ -119,7 +123,13 @@ def simulate(
     target = None if path is None else _target(path)
     if positive_real("tolerance", tolerance) < 1e-13:
         raise ValueError(f"tolerance must be at least 1e-13, got {shown(tolerance)}")
-    longest = _step(chain, kind, step, min(shown_step, span), span, damping, given)
+    if step is not None and positive_real("step", step) > span:
+        raise ValueError(f"step must not be longer than duration, {span}, got {shown(step)}")
+    longest = step or min(shown_step, span)
+    if step is None and kind in ("rk4", "midpoint"):
+        pull = _largest_pull(chain, given, ground, span)
+        limit = _safe_step(chain, span, Load(axial_force=pull), damping if kind == "rk4" else None)
+        longest /= max(1, math.ceil(longest / limit))
     if span / longest > 1e9:
         raise ValueError(
             f"duration must be shorter, or step longer: {span / longest:.2g} steps of {longest:.3g} s"
@@ -138,29 +148,27 @@ def simulate(
     return result
 
 
-def _step(
-    chain: Chain,
-    method: str,
-    step: float | None,
-    shown_step: float,
-    span: float,
-    damping: Damping | None,
-    load: Load,
-) -> float:
-    """Return the step: as given, or for a fixed one the longest safe one that divides the output's."""
-    if step is not None:
-        if positive_real("step", step) > span:
-            raise ValueError(f"step must not be longer than duration, {span}, got {shown(step)}")
-        return float(step)
-    if method not in ("rk4", "midpoint"):
-        return shown_step
-    # What pulls stiffens. Gravity and a turning base move a chain however slowly it vibrates by itself.
-    pull = Load(axial_force=max(0.0, float(load.axial_force) + float(load.tip[0])))
+def _safe_step(chain: Chain, span: float, pull: Load, damping: Damping | None) -> float:
+    """Return a fixed step at which every mode is stable, and short beside the whole motion."""
     limit = min(span / OUTPUTS, stable_time_step(chain, load=pull) / 2)
-    if damping is not None and method == "rk4":
+    if damping is not None:
         # Dampers may stop the highest modes: their limit is then far below the undamped one.
         limit = min(limit, damped_time_step(chain, damping) / 2)
-    return shown_step / max(1, math.ceil(shown_step / limit))
+    return limit
+
+
+def _largest_pull(chain: Chain, load: Load, base: BaseMotion, span: float) -> float:
+    """Return how hard a motion may pull on a piece [N]: what pulls makes its vibration faster.
+
+    What pushes a chain from the side pulls on it once it has turned, and pulls thrice as hard on a pendulum
+    that has fallen from level, as its weight does.
+    """
+    push = math.hypot(*map(float, load.tip)) + float(chain.mass.sum()) * math.hypot(*map(float, load.weight))
+    if base != BaseMotion():
+        (_, _, ax), (_, _, ay), (_, spin, gain) = base.at(np.linspace(0.0, span, OUTPUTS + 1))
+        carried = np.hypot(ax, ay) + chain.length.sum() * np.hypot(spin**2, gain)
+        push += float(chain.mass.sum() * carried.max())
+    return max(0.0, float(load.axial_force)) + 3 * push
 
 
 def _target(path: str | Path) -> Path:

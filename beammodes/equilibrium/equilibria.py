@@ -152,8 +152,11 @@ def find_equilibrium(
 
 def _started(chain: Chain, guess: Equilibrium | ArrayLike) -> Array:
     """Return the coordinates to start from, in the chain's own units."""
-    values = guess.coordinates if isinstance(guess, Equilibrium) else np.asarray(guess, dtype=np.float64)
     size = len(coordinate_names(chain))
+    try:
+        values = guess.coordinates if isinstance(guess, Equilibrium) else np.asarray(guess, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise TypeError(f"guess must hold {size} finite coordinates, got {shown(guess)}") from None
     if values.shape != (size,) or not np.isfinite(values).all():
         raise ValueError(f"guess must hold {size} finite coordinates, got {shown(guess)}")
     return np.asarray(values / _unit(chain))
