@@ -708,6 +708,13 @@ def test_progress_is_told_to_the_end() -> None:
     assert calls == [(2000, 5000), (4000, 5000), (5000, 5000)]
 
 
+def test_progress_may_be_shown(capsys: pytest.CaptureFixture[str]) -> None:
+    simulate(CANTILEVER, duration=3.0, step=1e-3, progress=True)
+    assert capsys.readouterr() == ("", "\r2000 of 3000\r3000 of 3000\n")
+    simulate(CANTILEVER, duration=3.0, step=1e-3, progress=False)
+    assert capsys.readouterr() == ("", "")
+
+
 def test_an_interrupt_from_elsewhere_is_not_swallowed() -> None:
     def progress(done: int, whole: int) -> None:
         raise RuntimeError(f"{done} of {whole}")

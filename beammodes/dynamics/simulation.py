@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import sys
 import warnings
 from collections.abc import Callable
 from pathlib import Path
@@ -51,7 +52,7 @@ def simulate(
     base: BaseMotion | None = None,
     damping: Damping | None = None,
     tolerance: float = 1e-9,
-    progress: Callable[[int, int], None] | None = None,
+    progress: Callable[[int, int], None] | bool = False,
     path: str | Path | None = None,
 ) -> xarray.Dataset:
     """Return the motion of a chain, large rotations included.
@@ -81,8 +82,9 @@ def simulate(
     damping : Damping, optional
     tolerance : float
         Relative, of the variable-step methods; absolute is a thousandth of it.
-    progress : callable, optional
-        Called with (steps or output times done, all of them).
+    progress : bool or callable
+        True writes to standard error how far a run is; a function is called with (steps or output times
+        done, all of them).
     path : str or Path, optional
         netCDF file for the result, also for what an interrupted run has.
 
@@ -118,8 +120,9 @@ def simulate(
     span = positive_real("duration", duration)
     kind = choice("method", method, RUNS)
     shown_step = span / OUTPUTS if output_step is None else positive_real("output_step", output_step)
-    if progress is not None and not callable(progress):
-        raise TypeError(f"progress must be a function, got {shown(progress)}")
+    if not isinstance(progress, bool) and not callable(progress):
+        raise TypeError(f"progress must be a bool or a function, got {shown(progress)}")
+    told = _say if progress is True else progress or None
     target = None if path is None else _target(path)
     if positive_real("tolerance", tolerance) < 1e-13:
         raise ValueError(f"tolerance must be at least 1e-13, got {shown(tolerance)}")
@@ -138,7 +141,7 @@ def simulate(
     start = initial_state(chain, initial, ground)
     steps = math.ceil(span / longest - 1e-9)
     run = Run(chain, given, ground, damping or Damping(), span, longest, every, steps, float(tolerance))
-    time, q, u, why = RUNS[kind](run, start, progress)
+    time, q, u, why = RUNS[kind](run, start, told)
     if why.startswith("non-finite"):
         warnings.warn(f"{why}: the step is too long or the motion unstable", DivergedWarning, stacklevel=2)
     attributes = {"method": kind, "step": longest, "complete": int(not why), "stopped": why}
@@ -181,6 +184,11 @@ def _target(path: str | Path) -> Path:
     if target.is_dir():
         raise ValueError(f"path must be a file, got the folder {shown(str(path))}")
     return target
+
+
+def _say(done: int, whole: int) -> None:
+    sys.stderr.write(f"\r{done} of {whole}" + ("\n" if done == whole else ""))
+    sys.stderr.flush()
 
 
 def _save(result: xarray.Dataset, path: Path) -> None:
