@@ -653,9 +653,11 @@ def test_interrupted_runs_keep_what_they_have(method: str, tmp_path: Path) -> No
 
 
 INTERRUPTED = """
-import sys
+import signal, sys
 import beammodes as bm
 
+# A process that was started in the background may have been told to take no notice.
+signal.signal(signal.SIGINT, signal.default_int_handler)
 chain = bm.Chain(bm.Beam.unit(), "clamped-free", segments=12)
 start = bm.mode_start(chain, 1, 0.3)
 told = lambda done, whole: print(done, flush=True)

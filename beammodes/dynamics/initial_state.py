@@ -11,7 +11,6 @@ from beammodes.chains.chain import Chain
 from beammodes.checks import real, shown, whole_number
 from beammodes.dynamics.base_motion import BaseMotion
 from beammodes.dynamics.chain_state import base_vector
-from beammodes.dynamics.forward_dynamics import forward_dynamics
 from beammodes.dynamics.integrators import projection
 from beammodes.equations.coordinates import coordinate_names, tip_names
 from beammodes.problem.loading import Load
@@ -85,7 +84,7 @@ def initial_state(chain: Chain, initial: Any, base: BaseMotion) -> State:
 
 def _onto(chain: Chain, start: State, base: BaseMotion) -> State:
     """Return the nearest state on the closure."""
-    onto = projection(forward_dynamics(chain))
+    onto = projection(chain)
     state = np.concatenate(start)
     for _ in range(4):
         state = np.array(onto(state, base_vector(base, 0.0)))[:, 0]

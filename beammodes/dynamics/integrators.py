@@ -18,7 +18,8 @@ from beammodes.chains.chain import Chain
 from beammodes.dynamics.base_motion import BaseMotion
 from beammodes.dynamics.chain_state import ChainState
 from beammodes.dynamics.damping import Damping
-from beammodes.dynamics.forward_dynamics import ForwardDynamics, forward_dynamics
+from beammodes.dynamics.forward_dynamics import forward_dynamics
+from beammodes.equations.coordinates import coordinate_names
 from beammodes.problem.loading import Load
 
 __all__ = ["Stepper", "closure", "projection", "runge_kutta"]
@@ -94,7 +95,7 @@ def runge_kutta(
     fourth = rate(state + step * third, late)
     new = state + step / 6 * (first + 2 * second + 2 * third + fourth)
     if chain.boundary.right.holds_deflection:
-        new = projection(dynamics)(new, late)
+        new = projection(chain)(new, late)
     return Stepper(casadi.Function("runge_kutta", [state, step, course], [new]), (0.0, 0.5, 1.0))
 
 
@@ -109,17 +110,17 @@ def closure(chain: Chain, q: Any, base: Any) -> Any:
     )
 
 
-def projection(dynamics: ForwardDynamics) -> casadi.Function:
+def projection(chain: Chain) -> casadi.Function:
     """Return the function (state, base) -> nearest state with the right tip's deflection the base's.
 
     Two Newton steps: a Runge-Kutta step leaves the closure by little.
     """
-    size = len(dynamics.coordinates)
+    size = len(coordinate_names(chain))
     q, u, base = (casadi.SX.sym(n, k) for n, k in (("q", size), ("u", size), ("base", 9)))
-    gap = closure(dynamics.chain, q, base)
+    gap = closure(chain, q, base)
     slope = casadi.jacobian(gap, q)
     # Bases under a held right end only shift, so the tip's velocity is the base's where the left tip's is.
-    rate = slope @ u - (0 if dynamics.chain.boundary.left.holds_deflection else base[4])
+    rate = slope @ u - (0 if chain.boundary.left.holds_deflection else base[4])
     onto = casadi.Function("onto", [q, base], [q - slope.T * gap / casadi.sumsqr(slope)])
     along = casadi.Function("along", [q, u, base], [u - slope.T * rate / casadi.sumsqr(slope)])
     state = casadi.SX.sym("x", 2 * size)

@@ -77,7 +77,7 @@ def _midpoint_run(run: Run, start: tuple[Array, Array], progress: Progress) -> F
     u_found = np.array(speed.map(len(time))(q_found.T, p_found.T, base_vector(run.base, time)).full().T)
     if run.chain.boundary.right.holds_deflection:
         # The rule keeps the closure, not its rate, which is left an error of second order.
-        onto = projection(forward_dynamics(run.chain, load=run.load, damping=run.damping, base=run.base))
+        onto = projection(run.chain)
         both = onto.map(len(time))(np.hstack([q_found, u_found]).T, base_vector(run.base, time)).full().T
         u_found = np.array(both[:, len(q) :])
     lost = np.flatnonzero(~np.isfinite(u_found).all(axis=1))
@@ -129,7 +129,8 @@ class Rate:
 
     def __call__(self, time: float, x: Array) -> Array:
         """Return q' and q'' at a time and a state (q, q')."""
-        self.q[:], self.u[:] = np.split(x, 2)
+        size = len(self.q)
+        self.q[:], self.u[:] = x[:size], x[size:]
         if self.moves:
             self.base[:] = base_vector(self.run.base, time)
         self.evaluate()
@@ -167,7 +168,7 @@ def _variable_pieces(run: Run, solver_name: str, state: Array) -> Iterator[tuple
     solver_class = getattr(scipy.integrate, solver_name)
     rate, onto = Rate(run, len(state) // 2), None
     if run.chain.boundary.right.holds_deflection:
-        onto = projection(forward_dynamics(run.chain, load=run.load, damping=run.damping, base=run.base))
+        onto = projection(run.chain)
     time, first, message = 0.0, None, ""
     if not np.isfinite(rate(0.0, state)).all():
         # SciPy would look for a first step for ever.

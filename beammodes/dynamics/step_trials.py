@@ -162,7 +162,7 @@ def variable_step_cost(
     import scipy.integrate
 
     dynamics, still = forward_dynamics(chain), base_vector(_STILL, 0.0)
-    onto = projection(dynamics) if chain.boundary.right.holds_deflection else None
+    onto = projection(chain) if chain.boundary.right.holds_deflection else None
     q, u = mode_start(chain, 1, amplitude)
     size, state = len(q), np.concatenate([q, u])
 
