@@ -11,10 +11,12 @@ from beammodes.chains.chain import Chain
 from beammodes.checks import choice, whole_number
 from beammodes.dynamics.base_motion import BaseMotion
 from beammodes.dynamics.chain_state import base_vector
-from beammodes.dynamics.forward_dynamics import forward_dynamics
+from beammodes.dynamics.damping import Damping
 from beammodes.dynamics.initial_state import mode_start
 from beammodes.dynamics.integrators import Stepper, projection, runge_kutta
 from beammodes.dynamics.midpoint import implicit_midpoint, momentum_map
+from beammodes.dynamics.runs import Rate, Run
+from beammodes.problem.loading import Load
 from beammodes.vibration.linear import linearize
 from beammodes.vibration.modes import solve_modes
 
@@ -158,20 +160,12 @@ def variable_step_cost(
     >>> 10 < cost.steps < 40
     True
     """
-    import casadi
     import scipy.integrate
 
-    dynamics, still = forward_dynamics(chain), base_vector(_STILL, 0.0)
-    onto = projection(chain) if chain.boundary.right.holds_deflection else None
+    run = Run(chain, Load(), _STILL, Damping(), output_step * outputs, output_step, 1, outputs, tolerance)
     q, u = mode_start(chain, 1, amplitude)
-    size, state = len(q), np.concatenate([q, u])
-
-    x = casadi.SX.sym("x", 2 * size)
-    accelerations = dynamics.acceleration(x[:size], x[size:], still)
-    whole = casadi.Function("rate", [x], [casadi.vertcat(x[size:], accelerations)])
-
-    def rate(_: float, x: Array) -> Array:
-        return np.asarray(whole(x).full()[:, 0])
+    size, state, still = len(q), np.concatenate([q, u]), base_vector(_STILL, 0.0)
+    rate, onto = Rate(run, size), projection(chain) if chain.boundary.right.holds_deflection else None
 
     steps = evaluations = 0
     largest, first = 0.0, None
