@@ -11,7 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from beammodes.checks import choice, positive_real, shown
-from beammodes.problem.sections import Section, Tube
+from beammodes.problem.section_shape import Section
+from beammodes.problem.sections import Tube
 
 __all__ = ["Tolerance", "dimensions_of", "given_tolerances"]
 

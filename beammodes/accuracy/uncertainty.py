@@ -18,7 +18,7 @@ from beammodes.checks import positive_real, real, shown, whole_number
 from beammodes.exact.beam_theory import euler_bernoulli
 from beammodes.problem.beam import Beam
 from beammodes.problem.ends import Boundary, BoundaryLike
-from beammodes.problem.sections import Section
+from beammodes.problem.section_shape import Section
 
 if TYPE_CHECKING:
     import xarray
