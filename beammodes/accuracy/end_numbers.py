@@ -16,7 +16,7 @@ from beammodes.problem.ends import Boundary
 from beammodes.problem.loading import Load
 from beammodes.problem.supports import End
 
-__all__ = ["NUMBERS", "EndNumbers", "in_beam_units"]
+__all__ = ["NUMBERS", "EndNumbers", "in_beam_units", "load_in_beam_units", "with_numbers"]
 
 _UNITS = {
     "translational_stiffness": "EI / L^3",
@@ -68,15 +68,27 @@ class EndNumbers:
     def cases(self, boundary: Boundary, load: Load) -> Iterator[tuple[tuple[int, ...], Boundary, Load]]:
         """Yield indices, and the boundary and the load with these numbers in the place of their own."""
         for index in np.ndindex(self.shape):
-            ends, pull = {"left": boundary.left, "right": boundary.right}, load
-            for (name, values), i in zip(self.values.items(), index, strict=True):
-                side, _, field = name.partition("_")
-                if side in ends:
-                    held = math.inf if values[i] == math.inf else values[i]
-                    ends[side] = replace(ends[side], **{field: held})
-                else:
-                    pull = replace(pull, **{name: values[i]})
-            yield index, Boundary(**ends), pull
+            chosen = {name: values[i] for (name, values), i in zip(self.values.items(), index, strict=True)}
+            yield index, *with_numbers(boundary, load, chosen)
+
+
+def with_numbers(boundary: Boundary, load: Load, numbers: Mapping[str, float]) -> tuple[Boundary, Load]:
+    """Return a boundary and a load with numbers, named as in `NUMBERS`, in the place of their own.
+
+    Examples
+    --------
+    >>> print(*with_numbers(Boundary.of("clamped-free"), Load(), {"right_mass": 0.5})[:1])
+    clamped-free(mass=0.5)
+    """
+    ends = {"left": boundary.left, "right": boundary.right}
+    for name, value in numbers.items():
+        side, _, field = name.partition("_")
+        if side in ends:
+            held = math.inf if value == math.inf else value
+            ends[side] = replace(ends[side], **{field: held})
+        else:
+            load = replace(load, **{name: value})
+    return Boundary(**ends), load
 
 
 def in_beam_units(boundary: Boundary, beam: Beam) -> Boundary:
@@ -103,3 +115,30 @@ def in_beam_units(boundary: Boundary, beam: Beam) -> Boundary:
         supports = (units.support(end.translational_stiffness, 2), units.support(end.rotational_stiffness, 0))
         ends.append(End(*map(float, (*supports, mass, inertia, offset))))
     return Boundary(*ends)
+
+
+def load_in_beam_units(load: Load, beam: Beam) -> Load:
+    """Return axial force, spin rate and hub radius that count for L = EI = ρA = 1 as these do for `beam`.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If `beam` is not a uniform Beam, or there is more to the load than those three.
+
+    Examples
+    --------
+    >>> load_in_beam_units(Load(axial_force=3.0), Beam(2.0, 1.0, 1.0)).axial_force
+    12.0
+    """
+    if not isinstance(beam, Beam):
+        raise TypeError(f"beam must be a Beam, got {shown(beam)}")
+    if not beam.is_uniform:
+        raise ValueError(f"beam must be uniform, got {shown(beam)}")
+    if any(load.weight) or any(load.tip) or load.tip_moment:
+        raise ValueError(f"load must be an axial force or a spin here, got {shown(load)}")
+    return Load(
+        axial_force=float(ExactUnits.of(beam, 1).force(load.axial_force)),
+        spin_rate=float(load.spin_rate) / beam.frequency_unit,
+        hub_radius=float(load.hub_radius) / beam.length,
+        plane=load.plane,
+    )

@@ -22,7 +22,7 @@ from beammodes.problem.loading import Load, checked_load
 if TYPE_CHECKING:
     import xarray
 
-__all__ = ["error_dataset", "labelled_errors"]
+__all__ = ["error_dataset", "exact_frequencies", "labelled_errors"]
 
 Array = NDArray[np.float64]
 
@@ -84,7 +84,7 @@ def error_dataset(
     error = np.empty((len(records), len(pairs), *numbers.shape, len(counts), len(mode)))
     for p, pair in enumerate(pairs):
         for index, ends, force in numbers.cases(pair, pull):
-            exact[(p, *index)] = _exact_frequencies(ends, mode, force)
+            exact[(p, *index)] = exact_frequencies(ends, mode, force)
             for r, record in enumerate(records):
                 error[(r, p, *index)] = frequency_error(
                     ends, segments=np.array(counts)[:, None], mode=mode, rule=record, load=force
@@ -101,10 +101,17 @@ def error_dataset(
     )
 
 
-def _exact_frequencies(boundary: Boundary, mode: NDArray[np.intp], load: Load) -> Array:
+def exact_frequencies(boundary: Boundary, mode: NDArray[np.intp], load: Load) -> Array:
+    """Return the beam's angular frequencies of these modes, for L = EI = ρA = 1.
+
+    Examples
+    --------
+    >>> exact_frequencies(Boundary.of("pinned-pinned"), np.array([2]), Load()) == (2 * np.pi) ** 2
+    array([ True])
+    """
     if boundary.is_plain and load == Load():
         return np.asarray(wavenumber(boundary, mode)) ** 2
-    return beam_frequencies(boundary, len(mode), load)
+    return beam_frequencies(boundary, int(mode.max()), load)[mode - 1]
 
 
 def labelled_errors(
