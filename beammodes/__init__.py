@@ -59,6 +59,7 @@ _HOME = {
     "BentModel": "equilibrium.bent_model",
     "Boundary": "problem.ends",
     "Box": "problem.sections",
+    "Case": "batch.cases",
     "Chain": "chains.chain",
     "Circle": "problem.sections",
     "Damping": "dynamics.damping",
@@ -73,15 +74,18 @@ _HOME = {
     "Load": "problem.loading",
     "MODULI": "problem.materials",
     "Modes": "vibration.modes",
+    "Normal": "batch.distributions",
     "RULES": "chains.rules",
     "Rectangle": "problem.sections",
     "Rule": "chains.rules",
     "SlendernessWarning": "accuracy.comparison",
     "SpectralBeamModes": "exact.spectral_shapes",
+    "Study": "batch.study",
     "SupportedBeamModes": "exact.supported_beam",
     "Table": "problem.profiles",
     "Tolerance": "accuracy.tolerances",
     "Tube": "problem.sections",
+    "Uniform": "batch.distributions",
     "Weight": "chains.rules",
     "animate": "views.animation",
     "audit_chain": "auditing.audit",
@@ -115,6 +119,7 @@ _HOME = {
     "modal_response": "dynamics.superposition",
     "mode_start": "dynamics.initial_state",
     "mode_tuned": "springs.tuning",
+    "open_study": "batch.study_run",
     "published_time_step": "vibration.stability",
     "read_chain_csv": "exporters.chain_csv",
     "recommend": "accuracy.advice",
@@ -156,6 +161,11 @@ if TYPE_CHECKING:
     from beammodes.accuracy.uncertainty import frequency_spread as frequency_spread
     from beammodes.auditing.audit import Audit as Audit
     from beammodes.auditing.audit import audit_chain as audit_chain
+    from beammodes.batch.cases import Case as Case
+    from beammodes.batch.distributions import Normal as Normal
+    from beammodes.batch.distributions import Uniform as Uniform
+    from beammodes.batch.study import Study as Study
+    from beammodes.batch.study_run import open_study as open_study
     from beammodes.chains.axial_rule import axially_corrected as axially_corrected
     from beammodes.chains.chain import Chain as Chain
     from beammodes.chains.rules import RULES as RULES

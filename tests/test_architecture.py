@@ -41,6 +41,7 @@ ORDER = [
     "dynamics",
     "exporters",
     "auditing",
+    "batch",
     "views",
 ]
 EVERY_FILE = pytest.mark.parametrize("stem", FILES)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import fields, replace
+from typing import Any
 
 import numpy as np
 
@@ -72,7 +73,7 @@ class EndNumbers:
             yield index, *with_numbers(boundary, load, chosen)
 
 
-def with_numbers(boundary: Boundary, load: Load, numbers: Mapping[str, float]) -> tuple[Boundary, Load]:
+def with_numbers(boundary: Boundary, load: Load, numbers: Mapping[str, Any]) -> tuple[Boundary, Load]:
     """Return a boundary and a load with numbers, named as in `NUMBERS`, in the place of their own.
 
     Examples

@@ -73,7 +73,9 @@ def static_dataset(
     for index, chain in grid.chains():
         errors[:, *index, :] = np.transpose([chain_static_errors(chain, load) for load in LOADS])
     dims = ("rule", "boundary", "segments", "static_load")
-    labels = {name: f"relative error of the chain's static {name.replace('_', ' ')}" for name in STATIC_QUANTITIES}
+    labels = {
+        name: f"relative error of the chain's static {name.replace('_', ' ')}" for name in STATIC_QUANTITIES
+    }
     return xarray.Dataset(
         {
             f"{name}_error": (dims, error, {"long_name": label, "units": "1"})

@@ -1,0 +1,206 @@
+"""A block of a study's points, as beams, ends, loads and chains; what several quantities need, found once."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from beammodes.accuracy.end_numbers import NUMBERS, in_beam_units, load_in_beam_units, with_numbers
+from beammodes.accuracy.error_table import exact_frequencies
+from beammodes.accuracy.errors import frequency_error
+from beammodes.batch.study_axes import SECTIONS, dimensions_of
+from beammodes.chains.chain import Chain
+from beammodes.chains.rules import AnyRule
+from beammodes.checks import shown
+from beammodes.problem.beam import Beam
+from beammodes.problem.ends import Boundary
+from beammodes.problem.loading import Load
+
+__all__ = ["MATERIAL", "MAX_REASONS", "UNIFORM_BEAM", "Case", "Cases"]
+
+Floats = NDArray[np.float64]
+
+#: Messages kept of one block.
+MAX_REASONS = 3
+
+#: What makes a beam without a section, and what a section needs to make one.
+UNIFORM_BEAM = ("length", "bending_stiffness", "mass_per_length")
+MATERIAL = ("elastic_modulus", "density", "length")
+
+
+@dataclass(frozen=True)
+class Case:
+    """One point of a study, as a user's own function sees it.
+
+    Attributes
+    ----------
+    values : mapping
+        The value of every axis but the modes, by name.
+    """
+
+    values: Mapping[str, Any]
+
+    @property
+    def segments(self) -> int:
+        """N."""
+        return int(self.values["segments"])
+
+    @property
+    def rule(self) -> AnyRule:
+        """The rule's record."""
+        rule: AnyRule = self.values["rule"]
+        return rule
+
+    @cached_property
+    def beam(self) -> Beam:
+        """The uniform beam: of the section and material, of the numbers given, or L = EI = ρA = 1."""
+        given = self.values
+        if "section" in given:
+            kind = str(given["section"])
+            sizes = {size: float(given[size]) for size in dimensions_of(kind) if size in given}
+            modulus, density, length = (float(given[name]) for name in MATERIAL)
+            section = SECTIONS[kind](**sizes)
+            return Beam.from_section(section, density=density, elastic_modulus=modulus, length=length)
+        if "length" in given:
+            return Beam(**{name: float(given[name]) for name in UNIFORM_BEAM})
+        return Beam.unit()
+
+    @cached_property
+    def _held(self) -> tuple[Boundary, Load]:
+        numbers = {name: float(self.values[name]) for name in NUMBERS if name in self.values}
+        plane = str(self.values.get("plane", Load().plane))
+        return with_numbers(self.values["boundary"], Load(plane=plane), numbers)
+
+    @property
+    def boundary(self) -> Boundary:
+        """The two ends, in the beam's units."""
+        return self._held[0]
+
+    @property
+    def load(self) -> Load:
+        """The load, in the beam's units."""
+        return self._held[1]
+
+    @property
+    def chain(self) -> Chain:
+        """The chain; raises ValueError where its rule has no positive springs."""
+        return Chain(self.beam, self.boundary, self.segments, self.rule)
+
+
+@dataclass(frozen=True, eq=False)
+class Cases:
+    """Points of a study, beside each other.
+
+    Attributes
+    ----------
+    columns : mapping from axis names to arrays, shape (cases,)
+    mode : ndarray of int, shape (1 or cases, modes)
+    refused : list of str
+        Why some numbers are NaN: the first few messages of the errors that their computation met.
+    """
+
+    columns: Mapping[str, NDArray[Any]]
+    mode: NDArray[np.intp]
+    refused: list[str] = field(default_factory=list)
+
+    def __len__(self) -> int:
+        return len(self.columns["segments"])
+
+    def __iter__(self) -> Iterator[Case]:
+        lists = [column.tolist() for column in self.columns.values()]
+        for values in zip(*lists, strict=True):
+            yield Case(dict(zip(self.columns, values, strict=True)))
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """How many cases and modes."""
+        return len(self), self.mode.shape[1]
+
+    def each(self, function: Callable[[Case], float]) -> Floats:
+        """Return a number of every case, shape (cases,), NaN where it has none."""
+        found = np.full(len(self), np.nan)
+        for i, case in enumerate(self):
+            with self._answering(case):
+                found[i] = function(case)
+        return found
+
+    @cached_property
+    def frequency_unit(self) -> Floats:
+        """√(EI / (ρA L⁴)), shape (cases, 1)."""
+        if not self._has_beams:
+            return np.ones((len(self), 1))
+        return self.each(lambda case: case.beam.frequency_unit)[:, None]
+
+    @cached_property
+    def relative_error(self) -> Floats:
+        """ω_chain / ω_beam - 1, shape (cases, modes)."""
+        error = np.full(self.shape, np.nan)
+        for (pair, rule, load), at in self._groups:
+            error[at] = self._errors(at, pair, rule, load)
+        return error
+
+    @cached_property
+    def exact(self) -> Floats:
+        """The beam's angular frequencies for L = EI = ρA = 1, shape (cases, modes)."""
+        modes = np.broadcast_to(self.mode, self.shape)
+        exact = np.full(self.shape, np.nan)
+        for (pair, _, load), at in self._groups:
+            wanted, place = np.unique(modes[at], return_inverse=True)
+            with self._answering():
+                exact[at] = exact_frequencies(pair, wanted, load)[place].reshape(len(at), -1)
+        return exact
+
+    def _errors(self, at: NDArray[np.intp], pair: Boundary, rule: AnyRule, load: Load) -> Floats:
+        """Return the errors of cases that differ in N and mode alone: one call of the closed form."""
+        segments = self.columns["segments"][at, None]
+        mode = self.mode if len(self.mode) == 1 else self.mode[at]
+        error = np.full((len(at), self.mode.shape[1]), np.nan)
+        with self._answering():
+            error[:] = frequency_error(pair, segments=segments, mode=mode, rule=rule, load=load)
+        return error
+
+    @contextmanager
+    def _answering(self, case: Case | None = None) -> Iterator[None]:
+        """Let a ValueError count as the answer that there is none, and remember what it said."""
+        try:
+            yield
+        except ValueError as error:
+            if len(self.refused) < MAX_REASONS and str(error) not in self.refused:
+                self.refused.append(str(error))
+        except Exception as error:
+            error.add_note(f"met in a study, {'' if case is None else shown(dict(case.values))}")
+            raise
+
+    @property
+    def _has_beams(self) -> bool:
+        return "length" in self.columns
+
+    @cached_property
+    def _groups(self) -> list[tuple[tuple[Boundary, AnyRule, Load], NDArray[np.intp]]]:
+        """Ends for L = EI = ρA = 1, rule and load likewise, and the places of the cases that share them."""
+        pairs, rules = self.columns["boundary"], self.columns["rule"]
+        numbered = any(name in self.columns for name in (*NUMBERS, "plane"))
+        if numbered or (self._has_beams and not all(pair.is_plain for pair in pairs)):
+            return self._groups_by_number()
+        # Objects are told apart by identity: the hash of a rule costs more than its error.
+        identity = np.array([list(map(id, column.tolist())) for column in (pairs, rules)])
+        _, first, which = np.unique(identity, axis=1, return_index=True, return_inverse=True)
+        return [
+            ((pairs[at], rules[at], Load()), np.flatnonzero(which.ravel() == k)) for k, at in enumerate(first)
+        ]
+
+    def _groups_by_number(self) -> list[tuple[tuple[Boundary, AnyRule, Load], NDArray[np.intp]]]:
+        found: dict[tuple[Boundary, AnyRule, Load], list[int]] = {}
+        for i, case in enumerate(self):
+            with self._answering(case):
+                pair, load = case.boundary, case.load
+                if self._has_beams:
+                    pair, load = in_beam_units(pair, case.beam), load_in_beam_units(load, case.beam)
+                found.setdefault((pair, case.rule, load), []).append(i)
+        return [(key, np.array(places)) for key, places in found.items()]

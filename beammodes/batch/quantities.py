@@ -1,0 +1,207 @@
+"""What a study may compute: a small function of a block of points for each name, or the user's own."""
+
+from __future__ import annotations
+
+import hashlib
+import inspect
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from beammodes.accuracy.buckling import buckling_load
+from beammodes.accuracy.static_errors import STATIC_QUANTITIES, chain_static_errors
+from beammodes.batch.cases import Case, Cases
+from beammodes.checks import choice, shown
+from beammodes.vibration.stability import highest_angular_frequency, stable_time_step
+
+__all__ = ["QUANTITIES", "Quantity", "quantities_of"]
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """One number of every point of a study.
+
+    Attributes
+    ----------
+    name, long_name : str
+    units, own_units : str
+        With a beam of given dimensions, in any consistent units, here named as SI; for L = EI = ρA = 1.
+    compute : callable
+        From `Cases` to an array of shape (cases, modes), or (cases,).
+    per_mode : bool
+        Whether every mode has its own.
+    closed_form : bool
+        Whether plain ends take microseconds a value, not milliseconds.
+    source : str
+        What tells one function of this name from another: nothing for those of this package, whose version
+        does.
+    """
+
+    name: str
+    long_name: str
+    units: str
+    own_units: str
+    compute: Callable[[Cases], Floats]
+    per_mode: bool = False
+    closed_form: bool = False
+    source: str = ""
+
+    def definition(self) -> dict[str, Any]:
+        """Return what defines the quantity, in plain values for a file."""
+        return {"per_mode": self.per_mode, **({"source": self.source} if self.source else {})}
+
+
+@dataclass(frozen=True)
+class _Own:
+    """A user's function of one point, as a function of many."""
+
+    function: Callable[[Case], float]
+
+    def __call__(self, cases: Cases) -> Floats:
+        return cases.each(self.function)
+
+
+@dataclass(frozen=True)
+class _StaticError:
+    place: int
+
+    def __call__(self, cases: Cases) -> Floats:
+        return cases.each(self._one)
+
+    def _one(self, case: Case) -> float:
+        return chain_static_errors(case.chain, str(case.values.get("static_load", "tip_force")))[self.place]
+
+
+def _angular_frequency(cases: Cases) -> Floats:
+    return cases.exact * (1 + cases.relative_error) * cases.frequency_unit
+
+
+def _exact_angular_frequency(cases: Cases) -> Floats:
+    return np.where(np.isnan(cases.relative_error), np.nan, cases.exact * cases.frequency_unit)
+
+
+def _relative_error(cases: Cases) -> Floats:
+    return cases.relative_error
+
+
+def _highest(case: Case) -> float:
+    return highest_angular_frequency(case.chain, load=case.load)
+
+
+def _time_step(case: Case) -> float:
+    return stable_time_step(case.chain, str(case.values.get("integrator", "rk4")), load=case.load)
+
+
+def _chain_buckling(case: Case) -> float:
+    return buckling_load(case.chain)
+
+
+def _beam_buckling(case: Case) -> float:
+    return buckling_load(case.beam, case.boundary)
+
+
+def _buckling_error(case: Case) -> float:
+    return _chain_buckling(case) / _beam_buckling(case) - 1
+
+
+_RATE, _FORCE = ("rad / s", "sqrt(EI / (rhoA L^4))"), ("N", "EI / L^2")
+
+#: The quantities of this package, by name.
+QUANTITIES: dict[str, Quantity] = {
+    quantity.name: quantity
+    for quantity in (
+        Quantity(
+            "relative_error",
+            "relative frequency error of the chain",
+            *("1", "1"),
+            _relative_error,
+            per_mode=True,
+            closed_form=True,
+        ),
+        Quantity(
+            "angular_frequency",
+            "angular frequency of the chain",
+            *_RATE,
+            _angular_frequency,
+            per_mode=True,
+            closed_form=True,
+        ),
+        Quantity(
+            "exact_angular_frequency",
+            "angular frequency of the Euler-Bernoulli beam",
+            *_RATE,
+            _exact_angular_frequency,
+            per_mode=True,
+            closed_form=True,
+        ),
+        Quantity(
+            "highest_angular_frequency", "highest angular frequency of the chain", *_RATE, _Own(_highest)
+        ),
+        Quantity(
+            "stable_time_step",
+            "largest stable fixed step of the chain",
+            *("s", "sqrt(rhoA L^4 / EI)"),
+            _Own(_time_step),
+        ),
+        Quantity("buckling_load", "buckling load of the chain", *_FORCE, _Own(_chain_buckling)),
+        Quantity("exact_buckling_load", "buckling load of the beam", *_FORCE, _Own(_beam_buckling)),
+        Quantity("buckling_error", "relative error of the buckling load", *("1", "1"), _Own(_buckling_error)),
+        *(
+            Quantity(
+                f"{name}_error",
+                f"relative error of the chain's static {name.replace('_', ' ')}",
+                *("1", "1"),
+                _StaticError(place),
+            )
+            for place, name in enumerate(STATIC_QUANTITIES)
+        ),
+    )
+}
+
+
+def quantities_of(compute: object) -> tuple[Quantity, ...]:
+    """Return the quantities that names of `QUANTITIES` and functions of one `Case` stand for.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If there are none, a name is unknown or met twice, or a function does not stand in a module, where
+        other processes can find it.
+
+    Examples
+    --------
+    >>> [quantity.name for quantity in quantities_of(["relative_error", "stable_time_step"])]
+    ['relative_error', 'stable_time_step']
+    """
+    single = isinstance(compute, str) or not isinstance(compute, Iterable)
+    found = [_quantity(item) for item in ([compute] if single else list(compute))]  # type: ignore[call-overload]
+    if not found:
+        raise ValueError("compute must name at least one quantity, got none")
+    names = [quantity.name for quantity in found]
+    twice = [name for name in names if names.count(name) > 1]
+    if twice:
+        raise ValueError(f"compute must name each quantity once, got {twice[0]} twice")
+    return tuple(found)
+
+
+def _quantity(item: object) -> Quantity:
+    if not inspect.isfunction(item):
+        return QUANTITIES[choice("compute", item, QUANTITIES)]
+    name = item.__qualname__
+    try:
+        source = inspect.getsource(item)
+    except (OSError, TypeError):
+        source = ""
+    if not source or not name.isidentifier() or name in QUANTITIES:
+        raise ValueError(
+            "compute must name quantities, or functions written in a module under names of their own, "
+            f"got {shown(item)}"
+        )
+    digest = hashlib.sha256(source.encode()).hexdigest()
+    label = (inspect.getdoc(item) or name.replace("_", " ")).splitlines()[0]
+    return Quantity(name, label, "", "", _Own(item), source=f"{item.__module__}.{name} {digest}")

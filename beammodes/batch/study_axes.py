@@ -1,0 +1,255 @@
+"""What a study may vary: the names, how a value of each is read and written, and its unit."""
+
+from __future__ import annotations
+
+import hashlib
+import inspect
+import math
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
+from functools import cached_property, partial
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from beammodes.accuracy.end_numbers import NUMBERS, with_numbers
+from beammodes.accuracy.grids import listed
+from beammodes.accuracy.loads import LOADS
+from beammodes.batch.distributions import Distribution, Normal, Uniform, uniform_samples
+from beammodes.chains.rules import RULES, Layout, layout_of
+from beammodes.checks import choice, positive_real, shown, whole_number
+from beammodes.closed_form.lookup import MAX_MODE, MAX_SEGMENTS
+from beammodes.problem.ends import Boundary
+from beammodes.problem.loading import PLANES, Load
+from beammodes.problem.sections import Box, Circle, ISection, Rectangle, Tube
+from beammodes.vibration.stability import INTEGRATORS
+
+__all__ = ["AXES", "SECTIONS", "Axis", "AxisKind", "axis_values", "dimensions_of"]
+
+#: The sections of given dimensions, by name.
+SECTIONS: dict[str, Callable[..., Any]] = {
+    "rectangle": Rectangle,
+    "circle": Circle,
+    "tube": Tube,
+    "box": Box,
+    "i_section": ISection,
+}
+
+_ANY_ENDS = Boundary.of("free-free")
+
+
+@dataclass(frozen=True)
+class AxisKind:
+    """How values of an axis are read, and what they are called.
+
+    Attributes
+    ----------
+    read : callable
+        Value as given to value as kept; raises TypeError or ValueError.
+    long_name : str
+    units, own_units : str
+        Of a study whose beam has dimensions (in any consistent units, here named as SI), and for
+        L = EI = ρA = 1.
+    single : tuple of types
+        Whose instances stand for one value, though they can be iterated over.
+    """
+
+    read: Callable[[Any], Any]
+    long_name: str
+    units: str = ""
+    own_units: str = ""
+    single: tuple[type, ...] = (str,)
+
+    @property
+    def is_number(self) -> bool:
+        """Whether values are real numbers, which may have a distribution."""
+        return bool(self.units)
+
+
+def dimensions_of(section: str) -> tuple[str, ...]:
+    """Return the names of a section's dimensions.
+
+    Examples
+    --------
+    >>> dimensions_of("box")
+    ('width', 'height', 'wall')
+    """
+    return tuple(inspect.signature(SECTIONS[section]).parameters)
+
+
+def _end_number(name: str, value: Any) -> float:
+    """Return a number of an end or a load, which its own class has checked."""
+    try:
+        with_numbers(_ANY_ENDS, Load(), {name: value})
+    except (TypeError, ValueError) as error:
+        raise type(error)(f"{name}: {error}") from None
+    return float(value)
+
+
+def _word(name: str, words: Iterable[str]) -> AxisKind:
+    return AxisKind(partial(choice, name, allowed=tuple(words)), name.replace("_", " "))
+
+
+def _whole(name: str, long_name: str, most: int) -> AxisKind:
+    return AxisKind(partial(whole_number, name, most=most), long_name)
+
+
+_SI = {
+    "translational_stiffness": "N / m",
+    "rotational_stiffness": "N m / rad",
+    "mass": "kg",
+    "rotary_inertia": "kg m^2",
+    "offset": "m",
+    "axial_force": "N",
+    "spin_rate": "rad / s",
+    "hub_radius": "m",
+}
+_BEAM = {
+    "length": "m",
+    "bending_stiffness": "N m^2",
+    "mass_per_length": "kg / m",
+    "elastic_modulus": "Pa",
+    "density": "kg / m^3",
+    **{name: "m" for section in SECTIONS for name in dimensions_of(section)},
+}
+
+#: Everything that may be an axis.
+AXES: dict[str, AxisKind] = {
+    "boundary": AxisKind(Boundary.of, "ends of the beam", single=(str, tuple, Boundary)),
+    "rule": AxisKind(layout_of, "discretization rule", single=(str, Layout)),
+    "segments": _whole("segments", "number of rigid segments", MAX_SEGMENTS),
+    "mode": _whole("mode", "elastic mode", MAX_MODE),
+    **{
+        name: AxisKind(
+            partial(_end_number, name),
+            name.replace("_", " "),
+            _SI[name.removeprefix("left_").removeprefix("right_")],
+            units,
+        )
+        for name, units in NUMBERS.items()
+    },
+    "plane": _word("plane", PLANES),
+    "section": _word("section", SECTIONS),
+    **{
+        name: AxisKind(partial(positive_real, name), name.replace("_", " "), units, units)
+        for name, units in _BEAM.items()
+    },
+    "static_load": _word("static_load", LOADS),
+    "integrator": _word("integrator", INTEGRATORS),
+}
+
+
+@dataclass(frozen=True)
+class Axis:
+    """One axis of a study: its values, and the dimension along which they run.
+
+    Attributes
+    ----------
+    name : str
+        One of `AXES`.
+    dimension : str or None
+        None for a value that all points share.
+    values : tuple
+        As many as the dimension is long; of a distribution none.
+    distribution : Normal, Uniform or None
+    seed, count : int
+        Of the samples.
+    """
+
+    name: str
+    dimension: str | None
+    values: tuple[Any, ...] = ()
+    distribution: Distribution | None = None
+    seed: int = 0
+    count: int = 0
+
+    @property
+    def size(self) -> int:
+        """How many values there are."""
+        return self.count if self.distribution else len(self.values)
+
+    def at(self, index: NDArray[np.intp]) -> NDArray[Any]:
+        """Return the values at these places, an array of objects for ends and rules."""
+        if self.distribution is None:
+            return np.asarray(self._array[index if self.dimension else np.zeros_like(index)])
+        first, last = int(index.min()), int(index.max()) + 1
+        samples = uniform_samples(self.seed, self.name, first, last)
+        return self.distribution.quantile(samples)[index - first]
+
+    def labels(self) -> list[Any]:
+        """Return the values as a dataset's coordinates have them."""
+        if self.distribution:
+            return [float(value) for value in self.at(np.arange(self.count))]
+        return [value.name if isinstance(value, Boundary | Layout) else value for value in self.values]
+
+    def definition(self) -> dict[str, Any]:
+        """Return what defines the axis, in plain values for a file."""
+        shared: dict[str, Any] = {"dimension": self.dimension}
+        if self.distribution:
+            kind, numbers = type(self.distribution).__name__, vars(self.distribution)
+            return shared | {"distribution": kind, **numbers, "seed": self.seed, "count": self.count}
+        # Strict JSON knows no infinity.
+        plain = ["inf" if value == math.inf else value for value in self.labels()]
+        own = [_written(value) for value in self.values if isinstance(value, Layout)]
+        records = {"records": own} if any(own) else {}
+        return shared | {"values": plain, **records}
+
+    @classmethod
+    def from_definition(cls, name: str, written: Mapping[str, Any]) -> Axis:
+        """Return the axis that `definition` wrote, except that ends and rules are names in it."""
+        if "distribution" in written:
+            rest = dict(written)
+            dimension, seed, count = (rest.pop(key) for key in ("dimension", "seed", "count"))
+            kind = {"Normal": Normal, "Uniform": Uniform}[rest.pop("distribution")]
+            return cls(name, dimension, (), kind(**rest), seed, count)
+        values = (float(value) if AXES[name].is_number else value for value in written["values"])
+        return cls(name, written["dimension"], tuple(values))
+
+    @cached_property
+    def _array(self) -> NDArray[Any]:
+        if isinstance(self.values[0], Boundary | Layout):
+            array = np.empty(len(self.values), dtype=object)
+            array[:] = self.values
+            return array
+        return np.array(self.values)
+
+
+def axis_values(name: str, value: Any) -> tuple[tuple[Any, ...], bool]:
+    """Return the checked values of an axis, and whether they were given as several.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If there is no such axis, no value, or one that it cannot have.
+
+    Examples
+    --------
+    >>> axis_values("segments", range(1, 4)), axis_values("plane", "lag")
+    (((1, 2, 3), True), (('lag',), False))
+    """
+    kind = AXES[choice("axis", name, AXES)]
+    if isinstance(value, tuple) and value and all(isinstance(item, Boundary) for item in value):
+        value = list(value)  # BOUNDARIES, say; other tuples are read as one pair of ends
+    if isinstance(value, Normal | Uniform):
+        raise TypeError(
+            f"{name} must not be a distribution here: Study.sampled takes them, got {shown(value)}"
+        )
+    several = isinstance(value, Iterable) and not isinstance(value, kind.single)
+    return tuple(kind.read(item) for item in _items(name, value, kind)), several
+
+
+def _items(name: str, value: Any, kind: AxisKind) -> list[Any]:
+    if isinstance(value, np.ndarray | np.generic):
+        value = value.tolist()
+    return listed(name, value, kind.single)
+
+
+def _written(rule: Layout) -> str:
+    """Return what tells a rule of the user's own from others of its name: nothing for a registered one."""
+    if RULES.get(rule.name) == rule:
+        return ""
+    text = repr(rule)
+    if " at 0x" in text:
+        raise TypeError(f"rule must be a record that can be written down, got {shown(rule)}")
+    return hashlib.sha256(text.encode()).hexdigest()

@@ -1,0 +1,91 @@
+"""Chunks put together again: one labelled table, with NaN for what is not there."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from beammodes.batch.cases import MAX_REASONS
+from beammodes.batch.evaluated import Evaluated
+from beammodes.batch.quantities import QUANTITIES
+from beammodes.batch.study_axes import AXES, Axis
+
+if TYPE_CHECKING:
+    import xarray
+
+__all__ = ["study_dataset"]
+
+
+def study_dataset(definition: Mapping[str, Any], chunks: Iterable[tuple[int, Evaluated]]) -> xarray.Dataset:
+    """Return the finished chunks of a study as one table.
+
+    Parameters
+    ----------
+    definition : mapping
+        As `Study.definition`.
+    chunks : iterable of (int, Evaluated)
+        In the order of their numbers.
+
+    Returns
+    -------
+    xarray.Dataset
+        The study's dimensions, modes last; a variable for each quantity. Attributes: `cases` and
+        `finished_cases`, not counting modes; `complete`, 1 or 0; `refused`, why some numbers are NaN.
+    """
+    import xarray
+
+    axes = [Axis.from_definition(name, written) for name, written in definition["axes"].items()]
+    sizes = {axis.dimension: axis.size for axis in axes if axis.dimension}
+    modes = sizes.pop("mode", 0)
+    total, step = math.prod(sizes.values()), definition["chunk"]
+    compute = definition["compute"]
+    whole = {
+        name: np.full((total, modes or 1) if kind["per_mode"] else (total,), np.nan)
+        for name, kind in compute.items()
+    }
+    done, reasons = 0, []
+    for number, chunk in chunks:
+        part = slice(number * step, (number + 1) * step)
+        for name, array in whole.items():
+            array[part] = chunk.values[name]
+        done += min(step, total - number * step)
+        reasons += [reason for reason in chunk.refused if reason not in reasons]
+    dimensions = tuple(sizes)
+    own = not any(axis.name == "length" for axis in axes)
+    variables = {}
+    for name, array in whole.items():
+        spread = dimensions + (("mode",) if compute[name]["per_mode"] and modes else ())
+        shape = tuple(sizes.values()) + ((modes,) if len(spread) > len(dimensions) else ())
+        variables[name] = (spread, array.reshape(shape), _attributes(name, own))
+    return xarray.Dataset(
+        variables,
+        coords={axis.name: _coordinate(axis, own) for axis in axes},
+        attrs={
+            "source": f"beammodes {definition['beammodes']}",
+            "route": "study in chunks",
+            "cases": total,
+            "finished_cases": done,
+            "complete": int(done == total),
+            "refused": "; ".join(reasons[:MAX_REASONS]),
+        },
+    )
+
+
+def _attributes(name: str, own: bool) -> dict[str, str]:
+    if name not in QUANTITIES:
+        return {"long_name": name.replace("_", " ")}
+    quantity = QUANTITIES[name]
+    return {"long_name": quantity.long_name, "units": quantity.own_units if own else quantity.units}
+
+
+def _coordinate(axis: Axis, own: bool) -> tuple[Any, ...]:
+    kind, labels = AXES[axis.name], axis.labels()
+    attributes = {"long_name": kind.long_name}
+    if kind.is_number:
+        attributes["units"] = kind.own_units if own else kind.units
+    elif not isinstance(labels[0], str):
+        attributes["units"] = "1"
+    return (axis.dimension, labels, attributes) if axis.dimension else ((), labels[0], attributes)

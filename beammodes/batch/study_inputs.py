@@ -1,0 +1,67 @@
+"""What a study is given, checked as a whole."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from beammodes.accuracy.end_numbers import NUMBERS
+from beammodes.batch.cases import MATERIAL, UNIFORM_BEAM
+from beammodes.batch.distributions import Normal, Uniform
+from beammodes.batch.quantities import Quantity
+from beammodes.batch.study_axes import AXES, SECTIONS, Axis, axis_values, dimensions_of
+from beammodes.checks import choice, shown
+
+__all__ = ["all_plain", "check_complete", "grid_axes", "random_axis"]
+
+
+def grid_axes(axes: Mapping[str, Any]) -> tuple[Axis, ...]:
+    """Return axes of one value each, or of several along a dimension of the axis's own name.
+
+    Examples
+    --------
+    >>> [axis.dimension for axis in grid_axes({"segments": [1, 2], "mode": 1})]
+    ['segments', None]
+    """
+    found = []
+    for name, value in axes.items():
+        values, several = axis_values(name, value)
+        found.append(Axis(name, name if several else None, values))
+    return tuple(found)
+
+
+def random_axis(name: str, distribution: Normal | Uniform, seed: int, count: int) -> Axis:
+    """Return an axis of samples; raises as its values would, at the ends of the distribution."""
+    if not AXES[choice("axis", name, AXES)].is_number:
+        raise TypeError(f"{name} must be values, not a distribution, got {shown(distribution)}")
+    for bound in distribution.bounds:
+        AXES[name].read(bound)
+    return Axis(name, "sample", (), distribution, seed, count)
+
+
+def all_plain(named: Mapping[str, Axis]) -> bool:
+    """Return whether no point has springs, bodies or loads."""
+    return not set(named) & {*NUMBERS, "plane"} and all(pair.is_plain for pair in named["boundary"].values)
+
+
+def check_complete(named: Mapping[str, Axis], quantities: tuple[Quantity, ...]) -> None:
+    """Raise ValueError if an axis that another or a quantity needs is missing, or one is of no use."""
+    needed = {"boundary", "segments"} | ({"mode"} if any(q.per_mode for q in quantities) else set())
+    beam = {*UNIFORM_BEAM, *MATERIAL, *_all_dimensions()} & set(named)
+    if "section" in named:
+        needed |= set(MATERIAL)
+        unused = beam - {*MATERIAL, *(d for name in named["section"].values for d in dimensions_of(name))}
+    else:
+        needed |= set(UNIFORM_BEAM) if beam else set()
+        unused = beam - set(UNIFORM_BEAM)
+    missing = [name for name in AXES if name in needed - set(named)]
+    if missing:
+        raise ValueError(f"axes must include {missing[0]} here, got {', '.join(named)}")
+    if unused:
+        raise ValueError(
+            f"axes must leave out {min(unused)} unless its section is given, got {', '.join(named)}"
+        )
+
+
+def _all_dimensions() -> set[str]:
+    return {size for name in SECTIONS for size in dimensions_of(name)}

@@ -1,0 +1,133 @@
+"""Running a study: what is missing in its store is computed, saved as it comes, and read back."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Callable, Iterator
+from contextlib import closing
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from beammodes.batch.evaluated import Evaluated
+from beammodes.batch.executors import computed, executor_of
+from beammodes.batch.store import Store, locked
+from beammodes.batch.study_dataset import study_dataset
+from beammodes.checks import shown
+from beammodes.progress import progress_of
+
+if TYPE_CHECKING:
+    import xarray
+
+    from beammodes.batch.study import Study
+
+__all__ = ["open_study", "run_study"]
+
+Report = Callable[[int, int], None]
+
+
+def run_study(
+    study: Study, store: str | Path | None, *, engine: Any, workers: int | None, progress: Any
+) -> xarray.Dataset:
+    """Compute what is not in the store, and return everything; see `Study.run`."""
+    report = progress_of(progress, "study", "chunks")
+    if store is None:
+        found: dict[int, Evaluated] = {}
+        _compute(study, found, engine, workers, report, found.__setitem__)
+        return study_dataset(study.definition, sorted(found.items()))
+    folder = _folder(store)
+    folder.mkdir(parents=True, exist_ok=True)
+    with locked(folder) as alone:
+        kept = Store.of(folder, study.definition, study.digest)
+        if alone:
+            kept.clean()
+        whole = {number for number, _ in _sound(kept, remove=True)}
+        try:
+            _compute(study, dict.fromkeys(whole), engine, workers, report, kept.save)
+        except BaseException as error:
+            count = f"{len(kept.finished())} of {study.chunks} chunks"
+            error.add_note(f"{count} are stored in {folder}; the same call goes on from there")
+            raise
+        return study_dataset(kept.definition, _sound(kept))
+
+
+def open_study(path: str | Path) -> xarray.Dataset:
+    """Return what is finished of a stored study, also while it is being computed.
+
+    Parameters
+    ----------
+    path : str or Path
+        The folder that `Study.run` was given as its store.
+
+    Returns
+    -------
+    xarray.Dataset
+        As `Study.run` returns, with NaN for what is not there yet; attributes `finished_cases` of `cases`
+        and `complete` say how much there is. All of it is read into memory; of a study too large for that,
+        each chunk-*.nc is a netCDF file by itself, of consecutive points.
+
+    Raises
+    ------
+    FileNotFoundError
+        If no study is stored there.
+    TypeError, ValueError
+        If `path` is no path, or the definition there cannot be read.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from beammodes import Study
+    >>> study = Study.grid(boundary="clamped-free", segments=[5, 10], mode=1, compute="relative_error")
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     _ = study.run(store=folder)
+    ...     found = open_study(folder)
+    >>> found.relative_error.values.round(6), found.finished_cases, found.cases
+    (array([-0.005085, -0.001259]), 2, 2)
+    """
+    store = Store.read(_folder(path))
+    return study_dataset(store.definition, _sound(store))
+
+
+def _folder(path: object) -> Path:
+    if not isinstance(path, str | Path):
+        raise TypeError(f"store must be a folder's name or Path, got {shown(path)}")
+    return Path(path)
+
+
+def _compute(
+    study: Study,
+    done: Any,
+    engine: Any,
+    workers: int | None,
+    report: Report,
+    save: Callable[[int, Evaluated], object],
+) -> None:
+    """Compute the chunks that are not among `done`, and save each as it comes."""
+    missing = [number for number in range(study.chunks) if number not in done]
+    count = study.chunks - len(missing)
+    report(count, study.chunks)
+    if not missing:
+        return
+    tasks = ((number, study.cases(number)) for number in missing)
+    with (
+        executor_of(engine, workers) as executor,
+        closing(computed(tasks, study.quantities, executor)) as results,
+    ):
+        for number, chunk in results:
+            save(number, chunk)
+            count += 1
+            report(count, study.chunks)
+
+
+def _sound(store: Store, *, remove: bool = False) -> Iterator[tuple[int, Evaluated]]:
+    """Yield the finished chunks of undamaged files."""
+    for number, path in store.finished().items():
+        try:
+            chunk = store.load(path)
+        except FileNotFoundError:
+            continue  # Another run has removed it as damaged.
+        if chunk is not None:
+            yield number, chunk
+            continue
+        warnings.warn(f"{path.name} is damaged{', and computed again' if remove else ''}", stacklevel=3)
+        if remove:
+            path.unlink(missing_ok=True)

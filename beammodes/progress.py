@@ -1,0 +1,111 @@
+"""How far long work has come: one line on a terminal, nothing elsewhere."""
+
+from __future__ import annotations
+
+import sys
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import TextIO
+
+from beammodes.checks import shown
+
+__all__ = ["ProgressLine", "progress_of"]
+
+_BAR = 20
+_PERIOD = 0.1  # seconds between two lines: more would only slow the work down
+
+
+@dataclass
+class ProgressLine:
+    """A line that says how much is done, how fast, and how long the rest will take.
+
+    Parameters
+    ----------
+    label, unit : str
+        What is being done, and what is counted.
+    stream : text file
+    clock : callable
+        Time in seconds.
+
+    Examples
+    --------
+    >>> line = ProgressLine("study", "chunks", sys.stdout, iter([0.0, 2.0]).__next__)
+    >>> print(line.text(10, 40), line.text(20, 40), sep="\\n")
+    study: [#####               ] 10 of 40 chunks
+    study: [##########          ] 20 of 40 chunks, 5/s, 4 s left
+    """
+
+    label: str
+    unit: str
+    stream: TextIO
+    clock: Callable[[], float] = time.monotonic
+    _first: tuple[float, int] | None = field(default=None, init=False)
+    _shown: float = field(default=float("-inf"), init=False)
+
+    def __call__(self, done: int, total: int) -> None:
+        """Show that `done` of `total` are done."""
+        if done < total and time.monotonic() - self._shown < _PERIOD:
+            return
+        self._shown = time.monotonic()
+        # What the last line had more is wiped.
+        self.stream.write(f"\r{self.text(done, total)}\x1b[K" + ("\n" if done == total else ""))
+        self.stream.flush()
+
+    def text(self, done: int, total: int) -> str:
+        """Return the line."""
+        now = self.clock()
+        start, before = self._first = self._first or (now, done)
+        bar = "#" * (_BAR * done // max(total, 1))
+        text = f"{self.label}: [{bar:<{_BAR}}] {done} of {total} {self.unit}"
+        rate = (done - before) / (now - start) if now > start else 0.0
+        if not rate:
+            return text
+        return f"{text}, {rate:.3g}/s" + (f", {_clock((total - done) / rate)} left" if done < total else "")
+
+
+def progress_of(
+    progress: object, label: str, unit: str, stream: TextIO | None = None
+) -> Callable[[int, int], None]:
+    """Return a callable that shows progress as asked for.
+
+    Parameters
+    ----------
+    progress : callable, bool or None
+        Called with (done, total); True or False for a line or none, None for one on a terminal only.
+    label, unit : str
+    stream : text file, optional
+        Standard error by default.
+
+    Raises
+    ------
+    TypeError
+        If it is something else.
+
+    Examples
+    --------
+    >>> import io
+    >>> progress_of(None, "study", "chunks", io.StringIO())(1, 2)               # not a terminal: quiet
+    """
+    out = stream or sys.stderr
+    if progress is None:
+        progress = out.isatty()
+    if isinstance(progress, bool):
+        return ProgressLine(label, unit, out) if progress else _quiet
+    if not callable(progress):
+        raise TypeError(f"progress must be a function, True, False or None, got {shown(progress)}")
+    return progress
+
+
+def _quiet(_done: int, _total: int) -> None:
+    """Show nothing."""
+
+
+def _clock(seconds: float) -> str:
+    """Return a duration as people say it."""
+    whole = round(seconds)
+    if whole < 120:
+        return f"{whole} s"
+    if whole < 7200:
+        return f"{whole // 60} min {whole % 60:02d} s"
+    return f"{whole // 3600} h {whole % 3600 // 60:02d} min"
