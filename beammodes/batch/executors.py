@@ -45,7 +45,8 @@ def executor_of(engine: Any, workers: int | None = None) -> Iterator[Executor | 
     elif choice("engine", engine, ENGINES) == "serial":
         yield None
     else:
-        yield from _processes(whole_number("workers", workers or os.cpu_count() or 1, most=1024))
+        count = (os.cpu_count() or 1) if workers is None else workers
+        yield from _processes(whole_number("workers", count, most=1024))
 
 
 def _processes(workers: int) -> Iterator[Executor]:

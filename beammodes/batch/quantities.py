@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import inspect
+import math
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import Any
@@ -98,7 +99,8 @@ def _time_step(case: Case) -> float:
 
 
 def _chain_buckling(case: Case) -> float:
-    return buckling_load(case.chain)
+    chain = case.chain
+    return buckling_load(chain) if chain.elastic_modes else math.nan
 
 
 def _beam_buckling(case: Case) -> float:

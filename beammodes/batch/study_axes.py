@@ -67,15 +67,18 @@ class AxisKind:
         return bool(self.units)
 
 
-def dimensions_of(section: str) -> tuple[str, ...]:
-    """Return the names of a section's dimensions.
+def dimensions_of(section: str, *, optional: bool = True) -> tuple[str, ...]:
+    """Return the names of a section's dimensions, with or without those of which only one is given.
 
     Examples
     --------
     >>> dimensions_of("box")
     ('width', 'height', 'wall')
+    >>> dimensions_of("tube", optional=False)
+    ('outer',)
     """
-    return tuple(inspect.signature(SECTIONS[section]).parameters)
+    found = inspect.signature(SECTIONS[section]).parameters.values()
+    return tuple(part.name for part in found if optional or part.default is part.empty)
 
 
 def _end_number(name: str, value: Any) -> float:

@@ -48,19 +48,18 @@ def check_complete(named: Mapping[str, Axis], quantities: tuple[Quantity, ...]) 
     """Raise ValueError if an axis that another or a quantity needs is missing, or one is of no use."""
     needed = {"boundary", "segments"} | ({"mode"} if any(q.per_mode for q in quantities) else set())
     beam = {*UNIFORM_BEAM, *MATERIAL, *_all_dimensions()} & set(named)
+    used, always = set(UNIFORM_BEAM), set(UNIFORM_BEAM) if beam else set()
     if "section" in named:
-        needed |= set(MATERIAL)
-        unused = beam - {*MATERIAL, *(d for name in named["section"].values for d in dimensions_of(name))}
-    else:
-        needed |= set(UNIFORM_BEAM) if beam else set()
-        unused = beam - set(UNIFORM_BEAM)
-    missing = [name for name in AXES if name in needed - set(named)]
+        sections = named["section"].values
+        used = {*MATERIAL, *(size for kind in sections for size in dimensions_of(kind))}
+        always = {*MATERIAL, *(size for kind in sections for size in dimensions_of(kind, optional=False))}
+    if beam - used:
+        raise ValueError(
+            f"axes must leave out {min(beam - used)} without a section that has it, got {', '.join(named)}"
+        )
+    missing = [name for name in AXES if name in (needed | always) - set(named)]
     if missing:
         raise ValueError(f"axes must include {missing[0]} here, got {', '.join(named)}")
-    if unused:
-        raise ValueError(
-            f"axes must leave out {min(unused)} unless its section is given, got {', '.join(named)}"
-        )
 
 
 def _all_dimensions() -> set[str]:

@@ -1,0 +1,305 @@
+"""Studies: their numbers are those of the functions that they call, whatever the chunks."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import beammodes as bm
+from beammodes.batch.quantities import QUANTITIES
+from beammodes.batch.study_axes import AXES
+
+# A steel strip, 1 m x 20 mm x 2 mm.
+STRIP = {
+    "section": "rectangle",
+    "width": 0.02,
+    "height": 0.002,
+    "length": 1.0,
+    "elastic_modulus": 200e9,
+    "density": 7800.0,
+}
+
+
+def strip(height: float = 0.002) -> bm.Beam:
+    return bm.Beam.from_section(bm.Rectangle(0.02, height), density=7800.0, elastic_modulus=200e9, length=1.0)
+
+
+def hinges(case: bm.Case) -> float:
+    """How many hinges there are."""
+    return len(case.chain.joint_stiffness)
+
+
+def test_a_grid_of_plain_ends_is_the_error_dataset() -> None:
+    grid = {"boundary": list(bm.BOUNDARIES), "segments": [1, 2, 7, 30], "rule": list(bm.RULES)}
+    names = ["relative_error", "angular_frequency", "exact_angular_frequency"]
+    table = bm.Study.grid(**grid, mode=[1, 2, 3], compute=names).run()
+    expected = bm.error_dataset(**grid, modes=3)
+    for name in names:
+        found = table[name].transpose(*expected[name].dims)
+        np.testing.assert_allclose(found, expected[name], rtol=1e-12, atol=1e-15, err_msg=name)
+        assert found.attrs == expected[name].attrs
+    for name in expected.coords:
+        assert (table[name] == expected[name]).all()
+        assert table[name].attrs.get("units") == expected[name].attrs.get("units")
+
+
+@pytest.mark.parametrize(
+    "over",
+    [
+        {"right_mass": [0.0, 0.5], "left_rotational_stiffness": [3.0, math.inf]},
+        {"axial_force": [-1.0, 0.0, 40.0]},
+        {"spin_rate": [0.0, 2.0], "hub_radius": [0.1]},
+    ],
+)
+def test_a_grid_of_numbers_is_the_error_dataset(over: dict[str, list[float]]) -> None:
+    base = "pinned-free" if "left_rotational_stiffness" in over else "clamped-free"
+    table = bm.Study.grid(
+        boundary=[base], segments=[3, 6], mode=[1, 2], **over, compute="relative_error"
+    ).run()
+    expected = bm.error_dataset(boundary=base, segments=[3, 6], modes=2, over=over).squeeze("rule")
+    found = table.relative_error.transpose(*expected.relative_error.dims)
+    np.testing.assert_allclose(found, expected.relative_error, rtol=0, atol=1e-13)
+
+
+def test_frequencies_of_a_section_are_those_of_the_solved_chain() -> None:
+    # The second route: mass and stiffness in SI units, solved.
+    heights, masses = [0.001, 0.003], [0.0, 0.25]
+    table = bm.Study.grid(
+        boundary="clamped-free", segments=8, mode=[1, 2, 3], right_mass=masses,
+        **STRIP | {"height": heights}, compute=["angular_frequency", "exact_angular_frequency"],
+    ).run()  # fmt: skip
+    assert table.angular_frequency.units == "rad / s" and table.right_mass.units == "kg"
+    for height in heights:
+        for mass in masses:
+            at = table.sel(height=height, right_mass=mass)
+            ends = f"clamped-free(mass={mass})"
+            solved = bm.solve_modes(bm.linearize(bm.Chain(strip(height), ends, 8)), 3)
+            np.testing.assert_allclose(at.angular_frequency, solved.angular_frequency, rtol=1e-10)
+            exact = bm.euler_bernoulli(strip(height), ends, 3)
+            np.testing.assert_allclose(at.exact_angular_frequency, exact.angular_frequency, rtol=1e-10)
+
+
+def test_loads_and_supports_are_in_the_units_of_the_beam() -> None:
+    load = bm.Load(axial_force=20.0, spin_rate=5.0, hub_radius=0.2, plane="lag")
+    table = bm.Study.grid(
+        boundary="clamped-free(rotary_inertia=0.001)", segments=5, mode=[1, 2], axial_force=20.0,
+        spin_rate=5.0, hub_radius=0.2, plane="lag", **STRIP, compute=["angular_frequency", "relative_error"],
+    ).run()  # fmt: skip
+    ends = "clamped-free(rotary_inertia=0.001)"
+    solved = bm.solve_modes(bm.linearize(bm.Chain(strip(), ends, 5), load=load), 2).angular_frequency
+    np.testing.assert_allclose(table.angular_frequency, solved, rtol=1e-9)
+    errors = bm.chain_errors(bm.Chain(strip(), ends, 5), 2, load=load)
+    np.testing.assert_allclose(table.relative_error, errors, atol=1e-9)
+
+
+def test_numbers_of_a_whole_chain() -> None:
+    names = [name for name, quantity in QUANTITIES.items() if not quantity.per_mode]
+    grid = {"boundary": ["clamped-free", "clamped-pinned"], "segments": [2, 5], "rule": ["mitiguy", "naive"]}
+    table = bm.Study.grid(**grid, **STRIP, compute=[*names, hinges]).run()
+    buckling, statics = bm.buckling_dataset(**grid), bm.static_dataset(**grid).sel(static_load="tip_force")
+    np.testing.assert_allclose(
+        table.buckling_error.transpose("rule", "boundary", "segments"), buckling.relative_error, rtol=1e-11
+    )
+    for name in statics:
+        found = table[name].transpose("rule", "boundary", "segments")
+        np.testing.assert_allclose(found, statics[name], rtol=1e-12, atol=1e-15)
+    chain = bm.Chain(strip(), "clamped-free", 5, "naive")
+    at = table.sel(boundary="clamped-free", segments=5, rule="naive")
+    assert float(at.buckling_load) == bm.buckling_load(chain)
+    assert float(at.exact_buckling_load) == bm.buckling_load(strip(), "clamped-free")
+    assert float(at.stable_time_step) == bm.stable_time_step(chain) and at.stable_time_step.units == "s"
+    # Their product is the integrator's limit, 2 sqrt 2.
+    product = table.stable_time_step * table.highest_angular_frequency
+    np.testing.assert_allclose(product, math.sqrt(8), rtol=1e-14)
+    assert float(at.hinges) == 5
+
+
+def test_words_of_integrators_and_loads_are_axes() -> None:
+    table = bm.Study.grid(
+        boundary="clamped-free", segments=4, rule="naive", integrator=["rk4", "leapfrog"],
+        static_load=["tip_force", "tip_moment"], compute=["stable_time_step", "tip_deflection_error"],
+    ).run()  # fmt: skip
+    ratio = table.stable_time_step.sel(integrator="rk4") / table.stable_time_step.sel(integrator="leapfrog")
+    np.testing.assert_allclose(ratio, math.sqrt(2), rtol=1e-14)  # limits 2 sqrt 2 and 2
+    # static_dataset's own example: 0.40625 under a tip force; a chain of equal springs under a moment turns
+    # 1/N more than the beam and so deflects (N + 1)/N as much.
+    np.testing.assert_allclose(table.tip_deflection_error.isel(integrator=0), [0.40625, 0.25], rtol=1e-14)
+
+
+def test_points_run_together() -> None:
+    points = {"boundary": ["clamped-free", "free-pinned"], "segments": [4, 9], "rule": ["naive", "gregory"]}
+    table = bm.Study.points(points, mode=[1, 2], compute="relative_error").run()
+    assert dict(table.sizes) == {"point": 2, "mode": 2} and list(table.segments.values) == [4, 9]
+    for i in range(2):
+        ends, segments, rule = (points[name][i] for name in points)
+        expected = [bm.frequency_error(ends, segments=segments, mode=m, rule=rule) for m in (1, 2)]  # type: ignore[arg-type, call-overload]
+        np.testing.assert_allclose(table.relative_error[i], expected, rtol=1e-12)
+    each = bm.Study.points(points | {"mode": [2, 1]}, compute="relative_error").run()
+    np.testing.assert_allclose(each.relative_error, np.diag(table.relative_error[:, ::-1]), rtol=1e-12)
+
+
+def sampled(count: int, chunk: int, seed: int = 5) -> bm.Study:
+    return bm.Study.sampled(
+        count, seed=seed, boundary="clamped-free", segments=[3, 4], mode=[1, 2], chunk=chunk,
+        **STRIP | {"height": bm.Normal(0.002, 1e-4), "right_mass": bm.Uniform(0.0, 0.1)},
+        compute=["angular_frequency", "relative_error"],
+    )  # fmt: skip
+
+
+def test_samples_do_not_depend_on_chunks_or_count() -> None:
+    whole = sampled(12, 100).run()
+    for other in (sampled(12, 5).run(), sampled(20, 7).run().isel(sample=slice(12))):
+        assert (other.height == whole.height).all() and (other.right_mass == whole.right_mass).all()
+        np.testing.assert_allclose(other.angular_frequency, whole.angular_frequency, rtol=1e-13)
+    assert not (sampled(12, 100, seed=6).run().height == whole.height).any()
+    # What is computed belongs to the values that the coordinates show.
+    mass, height = float(whole.right_mass[7]), float(whole.height[7])
+    solved = bm.solve_modes(bm.linearize(bm.Chain(strip(height), f"clamped-free(mass={mass!r})", 4)), 2)
+    found = whole.angular_frequency.isel(sample=7).sel(segments=4)
+    np.testing.assert_allclose(found, solved.angular_frequency, rtol=1e-10)
+
+
+@pytest.mark.parametrize("chunk", [1, 3, 10**6])
+def test_chunks_change_nothing(chunk: int) -> None:
+    grid = {"boundary": ["clamped-free", "guided-free"], "segments": [1, 5, 9], "mode": [1, 2, 3]}
+    study = bm.Study.grid(**grid, compute="relative_error", chunk=chunk)
+    assert study.chunks == -(-6 // chunk)
+    whole = bm.Study.grid(**grid, compute="relative_error").run().relative_error
+    np.testing.assert_allclose(study.run().relative_error, whole, rtol=1e-12)
+
+
+def test_records_of_the_users_own_rules() -> None:
+    own = bm.Rule(**{**vars(bm.RULES["mitiguy"]), "name": "own", "clamped": bm.RULES["gregory"].clamped})
+    table = bm.Study.grid(
+        boundary="clamped-free", segments=6, mode=1, rule=[own, "gregory", bm.mode_tuned(1)],
+        compute="relative_error",
+    ).run()  # fmt: skip
+    assert list(table.rule.values) == ["own", "gregory", "mode_tuned(1)"]
+    assert table.relative_error[0] == table.relative_error[1]
+    expected = bm.frequency_error("clamped-free", segments=6, mode=1, rule=bm.mode_tuned(1))
+    np.testing.assert_allclose(table.relative_error[2], expected, rtol=1e-12)
+    changed = bm.Rule(**{**vars(own), "clamped": bm.RULES["naive"].clamped})
+    studies = [
+        bm.Study.grid(boundary="clamped-free", segments=6, mode=1, rule=rule, compute="relative_error")
+        for rule in (own, changed)
+    ]
+    assert studies[0].digest != studies[1].digest
+
+
+def test_cases_without_an_answer_are_nan_and_say_why() -> None:
+    # Beyond Euler's load, pi^2/4 for L = EI = 1, there is no vibration about the straight beam.
+    table = bm.Study.grid(
+        boundary="clamped-free", segments=[3, 4], mode=1, axial_force=[-2.0, -3.0], compute="relative_error"
+    ).run()
+    assert np.isnan(table.relative_error).values.tolist() == [[False, True], [False, True]]
+    assert "buckl" in table.refused
+    assert (
+        bm.Study.grid(boundary="clamped-free", segments=3, mode=1, compute="relative_error").run().refused
+        == ""
+    )
+
+
+def broken(case: bm.Case) -> float:
+    raise ZeroDivisionError(str(case.segments))
+
+
+def test_a_function_that_fails_stops_the_study_and_names_the_case() -> None:
+    study = bm.Study.grid(boundary="clamped-free", segments=[7], compute=broken)
+    with pytest.raises(ZeroDivisionError, match="7") as caught:
+        study.run()
+    assert any("segments" in note for note in caught.value.__notes__)
+
+
+GOOD = {"boundary": "clamped-free", "segments": 5, "mode": 1, "compute": "relative_error"}
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"segment": 3}, 'did you mean "segments"'),
+        ({"segments": []}, "segments must name at least one"),
+        ({"segments": [1, 2.5]}, "segments must be a whole number"),
+        ({"segments": 0}, "segments must be .* at least 1 .*, got 0"),
+        ({"mode": [1, -1]}, "mode must be"),
+        ({"boundary": "clampd-free"}, 'did you mean "clamped-free"'),
+        ({"rule": "mitigy"}, 'did you mean "mitiguy"'),
+        ({"compute": "relative_eror"}, 'did you mean "relative_error"'),
+        ({"compute": []}, "compute must name at least one"),
+        ({"compute": ["relative_error"] * 2}, "each quantity once"),
+        ({"compute": lambda _: 1.0}, "written in a module"),
+        ({"compute": math.sqrt}, "compute must be one of"),
+        ({"right_mass": [0.1, math.nan]}, "right_mass: mass must be finite"),
+        ({"right_mass": -0.1}, "right_mass: mass must not be negative"),
+        ({"spin_rate": "fast"}, "spin_rate: .* real number"),
+        ({"height": 0.1}, "leave out height"),
+        ({"section": "rectangle"}, "include length"),
+        ({**STRIP, "section": ["rectangle", "box"]}, "include wall"),
+        ({"section": "rectangel"}, 'did you mean "rectangle"'),
+        ({**STRIP, "diameter": 0.1}, "leave out diameter"),
+        ({**STRIP, "density": 0.0}, "density must be greater than 0"),
+        ({"length": 2.0}, "include bending_stiffness"),
+        ({"height": bm.Normal(1.0, 0.1)}, "height must not be a distribution"),
+        ({"chunk": 0}, "chunk must be"),
+        (
+            {"segments": range(1, 10**5), **dict.fromkeys(("right_mass", "axial_force"), range(10**4))},
+            "1e.12",
+        ),
+        ({"plane": "flat"}, 'did you mean "flap"'),
+    ],
+)
+def test_bad_studies_are_refused(change: dict[str, object], message: str) -> None:
+    with pytest.raises((TypeError, ValueError), match=message):
+        bm.Study.grid(**{**GOOD, **change})
+
+
+@pytest.mark.parametrize("missing", ["boundary", "segments", "mode"])
+def test_what_a_study_needs(missing: str) -> None:
+    rest = {name: value for name, value in GOOD.items() if name != missing}
+    with pytest.raises(ValueError, match=f"axes must include {missing} here"):
+        bm.Study.grid(**rest)
+
+
+def test_bad_points_and_samples_are_refused() -> None:
+    with pytest.raises(ValueError, match="one length"):
+        bm.Study.points({"segments": [1, 2], "mode": [1]}, boundary="free-free", compute="relative_error")
+    with pytest.raises(TypeError, match="points must map"):
+        bm.Study.points([1, 2], boundary="free-free", compute="relative_error")  # type: ignore[arg-type]
+    with pytest.raises(ValueError, match="each axis must be given once, got segments"):
+        bm.Study.points({"segments": [1, 2]}, segments=3, boundary="free-free", compute="stable_time_step")
+    with pytest.raises(ValueError, match="must have an axis with a distribution"):
+        bm.Study.sampled(3, seed=1, **GOOD)
+    with pytest.raises(TypeError, match="segments must be values"):
+        bm.Study.sampled(3, seed=1, **GOOD | {"segments": bm.Uniform(1, 9)})
+    with pytest.raises(ValueError, match="height must be greater than 0"):
+        bm.Study.sampled(3, seed=1, **GOOD, **STRIP | {"height": bm.Normal(0.002, 0.001)})
+    with pytest.raises(ValueError, match="seed must be"):
+        bm.Study.sampled(3, seed=-1, **GOOD, right_mass=bm.Uniform(0.0, 1.0))
+
+
+@given(
+    name=st.sampled_from(sorted(AXES)),
+    value=st.one_of(
+        st.none(),
+        st.booleans(),
+        st.floats(),
+        st.integers(),
+        st.text(max_size=5),
+        st.lists(st.floats(), max_size=3),
+    ),
+)
+@settings(deadline=None, max_examples=200)
+def test_whatever_comes_is_taken_or_refused_by_name(name: str, value: object) -> None:
+    try:
+        study, message = bm.Study.grid(**{**GOOD, name: value}), ""
+    except (TypeError, ValueError) as error:
+        study, message = None, str(error)
+    if study is None:
+        # A section or a length alone lacks others; a boundary is named by its ends, too.
+        words = {"boundary": "end"}.get(name, name)
+        assert words in message or "axes must" in message, message
+    else:
+        assert study.size >= 1

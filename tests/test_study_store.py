@@ -1,0 +1,308 @@
+"""A study's store: nothing finished is lost or computed twice, whatever happens in between."""
+
+from __future__ import annotations
+
+import errno
+import json
+import os
+import random
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import beammodes as bm
+import beammodes.files
+from beammodes.batch.evaluated import Evaluated, evaluate
+from beammodes.batch.store import difference, locked
+
+GRID: dict[str, Any] = {
+    "boundary": ["clamped-free", "clamped-clamped"],
+    "segments": range(1, 21),
+    "mode": [1, 2],
+    "compute": ["relative_error", "angular_frequency"],
+    "chunk": 4,
+}
+
+
+def study(**changes: Any) -> bm.Study:
+    return bm.Study.grid(**GRID | changes)
+
+
+def names(folder: Path) -> list[str]:
+    """Names of the chunks' files, each of which has the digest of its bytes in it."""
+    return sorted(path.name for path in folder.glob("chunk-*.nc"))
+
+
+class Stop:
+    """Progress that raises an error once a number of chunks is done, and counts the calls."""
+
+    def __init__(self, after: float = float("inf"), error: type[BaseException] = KeyboardInterrupt) -> None:
+        self.after, self.error, self.seen = after, error, []
+
+    def __call__(self, done: int, total: int) -> None:
+        self.seen.append((done, total))
+        if done >= self.after:
+            raise self.error
+
+
+@pytest.fixture
+def calls(monkeypatch: pytest.MonkeyPatch) -> list[tuple[Any, ...]]:
+    """Filled with the chunks that are computed: their first boundary and N."""
+    seen: list[tuple[Any, ...]] = []
+
+    def counted(cases: Any, quantities: Any) -> Evaluated:
+        seen.append((cases.columns["boundary"][0].name, int(cases.columns["segments"][0])))
+        return evaluate(cases, quantities)
+
+    monkeypatch.setattr("beammodes.batch.executors.evaluate", counted)
+    return seen
+
+
+@pytest.mark.parametrize("error", [KeyboardInterrupt, SystemExit, MemoryError])
+def test_an_interrupted_study_goes_on(tmp_path: Path, calls: list[Any], error: type[BaseException]) -> None:
+    whole = study().run()
+    calls.clear()
+    stop = Stop(3, error)
+    with pytest.raises(error) as caught:
+        study().run(store=tmp_path, progress=stop)
+    assert caught.value.__notes__ == [
+        f"3 of 10 chunks are stored in {tmp_path}; the same call goes on from there"
+    ]
+    half = bm.open_study(tmp_path)
+    assert (half.finished_cases, half.cases, half.complete) == (12, 40, 0)
+    there = half.angular_frequency.notnull().any("mode").values.ravel()
+    assert there[1:12].all() and not there[12:].any()  # one segment between two clamps has no mode
+    again = Stop()
+    assert study().run(store=tmp_path, progress=again).identical(whole)
+    assert again.seen[0] == (3, 10) and again.seen[-1] == (10, 10)
+    assert len(calls) == len(set(calls)) == 10
+    study().run(store=tmp_path)
+    assert len(calls) == 10
+    assert bm.open_study(tmp_path).identical(whole) and whole.complete == 1
+
+
+def test_a_full_disk_loses_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    opened, left = os.fdopen, [4]
+
+    def full(descriptor: int, mode: str) -> Any:
+        file = opened(descriptor, mode)
+        left[0] -= 1
+        if left[0] < 0:
+
+            def write(data: bytes) -> int:
+                type(file).write(file, data[: len(data) // 2])
+                raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+            class Full:
+                def __enter__(self) -> Any:
+                    self.write = write
+                    return self
+
+                def __exit__(self, *_: object) -> None:
+                    file.close()
+
+            return Full()
+        return file
+
+    monkeypatch.setattr(beammodes.files.os, "fdopen", full)
+    with pytest.raises(OSError, match="No space left") as caught:
+        study().run(store=tmp_path)
+    assert caught.value.errno == errno.ENOSPC and "3 of 10 chunks" in caught.value.__notes__[0]
+    assert len(names(tmp_path)) == 3  # and study.json
+    assert not [path for path in tmp_path.iterdir() if path.name.startswith(".")]
+    monkeypatch.undo()
+    study().run(store=tmp_path)
+    assert bm.open_study(tmp_path).complete == 1
+
+
+def test_what_was_half_written_is_ignored_and_removed(tmp_path: Path) -> None:
+    study().run(store=tmp_path / "whole")
+    folder = tmp_path / "store"
+    folder.mkdir()
+    # As a kill leaves them: of the definition, and of a chunk.
+    (folder / ".study.json.x1").write_text('{"digest": ')
+    study().run(store=folder)
+    (folder / ".chunk-000000002-0123456789abcdef.nc.x2").write_bytes(b"\x89HDF")
+    assert bm.open_study(folder).complete == 1
+    study().run(store=folder)
+    assert not list(folder.glob(".*"))
+    assert names(folder) == names(tmp_path / "whole")
+
+
+@pytest.mark.parametrize("damage", ["cut", "flipped", "emptied", "removed"])
+def test_a_damaged_chunk_is_computed_again(tmp_path: Path, calls: list[Any], damage: str) -> None:
+    whole = study().run(store=tmp_path)
+    before = names(tmp_path)
+    path = tmp_path / before[6]
+    data = bytearray(path.read_bytes())
+    data[len(data) // 2] ^= 1
+    left = {"cut": data[:100], "flipped": data, "emptied": b""}
+    if damage == "removed":
+        path.unlink()
+        found = bm.open_study(tmp_path)
+    else:
+        path.write_bytes(left[damage])
+        with pytest.warns(UserWarning, match="chunk-000000006.* is damaged$"):
+            found = bm.open_study(tmp_path)
+    assert found.finished_cases == 36
+    calls.clear()
+    if damage == "removed":
+        again = study().run(store=tmp_path)
+    else:
+        with pytest.warns(UserWarning, match="damaged, and computed again"):
+            again = study().run(store=tmp_path)
+    assert again.identical(whole) and names(tmp_path) == before
+    assert len(calls) == 1
+
+
+def slow(case: bm.Case) -> float:
+    return float(case.segments)
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        (
+            {"segments": range(1, 22)},
+            r"axes, segments, values is .* \(20 of them\) there, .* \(21 of them\) here",
+        ),
+        ({"segments": [*range(1, 20), 99]}, "axes, segments, values number 20 is 20 there, 99 here"),
+        ({"mode": [1, 3]}, "axes, mode, values number 2 is 2 there, 3 here"),
+        ({"mode": 1}, "axes, mode, dimension is 'mode' there, None here"),
+        ({"rule": "gregory"}, r"axes, rule, values is \['mitiguy'\]"),
+        ({"right_mass": 0.1}, "axes, right_mass is here, not there"),
+        ({"chunk": 5}, "chunk is 4 there, 5 here"),
+        ({"compute": "relative_error"}, "compute, angular_frequency is there, not here"),
+        ({"compute": [*GRID["compute"], slow]}, "compute, slow is here, not there"),
+    ],
+)
+def test_a_changed_definition_is_refused(tmp_path: Path, changes: dict[str, Any], message: str) -> None:
+    first = study().run(store=tmp_path)
+    with pytest.raises(ValueError, match=f"store must be of this study, .* whose {message}"):
+        study(**changes).run(store=tmp_path)
+    assert study().run(store=tmp_path).identical(first)
+
+
+def test_another_order_or_version_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    study().run(store=tmp_path)
+    turned = bm.Study.grid(**dict(reversed(GRID.items())))
+    with pytest.raises(ValueError, match=r"axes, order is boundary, segments, mode, rule there"):
+        turned.run(store=tmp_path)
+    monkeypatch.setattr(bm, "__version__", "99.0")
+    with pytest.raises(ValueError, match=r"beammodes is '.*' there, '99.0' here"):
+        study().run(store=tmp_path)
+
+
+def test_a_changed_function_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    bm.Study.grid(boundary="free-free", segments=[3], compute=slow).run(store=tmp_path)
+    monkeypatch.setattr("inspect.getsource", lambda _: "def slow(case): return 2.0")
+    with pytest.raises(ValueError, match="compute, slow, source is"):
+        bm.Study.grid(boundary="free-free", segments=[3], compute=slow).run(store=tmp_path)
+
+
+def test_a_folder_with_other_things_is_not_a_store(tmp_path: Path) -> None:
+    (tmp_path / "thesis.txt").write_text("mine")
+    with pytest.raises(ValueError, match=r"in which there is 'thesis.txt' but no study.json"):
+        study().run(store=tmp_path)
+    assert (tmp_path / "thesis.txt").read_text() == "mine"
+    with pytest.raises(FileNotFoundError, match=r"no study is stored here"):
+        bm.open_study(tmp_path)
+    with pytest.raises(TypeError, match="store must be a folder"):
+        bm.open_study(3)  # type: ignore[arg-type]
+    with pytest.raises(FileExistsError):
+        study().run(store=tmp_path / "thesis.txt")
+    (tmp_path / "study.json").write_text("{")
+    with pytest.raises(ValueError, match=r"store must have a readable study\.json"):
+        bm.open_study(tmp_path)
+
+
+@pytest.mark.skipif(
+    sys.platform == "win32", reason="no locks there: files of one name and content are enough"
+)
+def test_two_runs_do_not_share_a_store(tmp_path: Path) -> None:
+    with locked(tmp_path) as alone:
+        assert alone
+        with pytest.raises(BlockingIOError, match="another run is computing"):
+            study().run(store=tmp_path)
+    study().run(store=tmp_path)  # the lock is given back
+
+
+def test_two_runs_without_locks_do_no_harm(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    # Each finds the other's chunks appear while it is at work, and writes them again.
+    monkeypatch.setattr("beammodes.batch.store._locked", lambda *_: False)
+
+    def meanwhile(done: int, _total: int) -> None:
+        if done == 2:
+            study().run(store=tmp_path)
+
+    both = study().run(store=tmp_path, progress=meanwhile)
+    assert both.identical(study().run()) and len(names(tmp_path)) == 10
+
+
+def test_a_sampled_study_is_read_back(tmp_path: Path) -> None:
+    sampled = bm.Study.sampled(
+        30, seed=2, boundary="clamped-free", segments=[3], mode=1, chunk=7,
+        right_mass=bm.Uniform(0.0, 1.0), left_rotational_stiffness=[float("inf")], compute="relative_error",
+    )  # fmt: skip
+    found = sampled.run(store=tmp_path)
+    assert found.identical(sampled.run()) and found.identical(bm.open_study(tmp_path))
+    kept = json.loads((tmp_path / "study.json").read_text())
+    assert kept["digest"] == sampled.digest and kept["definition"] == sampled.definition
+
+
+def test_chunks_are_netcdf_files(tmp_path: Path) -> None:
+    import xarray
+
+    whole = study().run(store=tmp_path)
+    with xarray.open_dataset(tmp_path / names(tmp_path)[1], engine="h5netcdf") as chunk:
+        assert dict(chunk.sizes) == {"case": 4, "mode": 2}
+        expected = whole.relative_error.values.reshape(-1, 2)[4:8]
+        np.testing.assert_array_equal(chunk.relative_error, expected)
+
+
+def test_differences_in_words() -> None:
+    assert difference({"a": {"b": 1}}, {"a": {"b": 1}}) == ""
+    assert difference({"a": 1, "b": 2}, {"b": 2, "a": 1}) == "order is a, b there, b, a here"
+
+
+PROGRAM = """
+import sys, beammodes as bm
+bm.Study.grid(
+    boundary=list(bm.BOUNDARIES), rule=list(bm.RULES), segments=range(1, 1001), mode=range(1, 6),
+    compute="relative_error", chunk=500,
+).run(store=sys.argv[1])
+"""
+
+
+def start(folder: Path) -> subprocess.Popen[bytes]:
+    return subprocess.Popen([sys.executable, "-c", PROGRAM, str(folder)])
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(sys.platform == "win32", reason="no SIGKILL there")
+def test_killed_ten_times_the_store_is_the_same(tmp_path: Path) -> None:
+    # The issue's own study, ten times killed at random moments once it has begun to write.
+    assert start(tmp_path / "whole").wait() == 0
+    folder, moments = tmp_path / "killed", random.Random(8)
+    counts = []
+    for _ in range(10):
+        before = len(names(folder))
+        process = start(folder)
+        while len(names(folder)) <= before and process.poll() is None:
+            time.sleep(0.002)
+        time.sleep(moments.uniform(0.0, 0.1))
+        process.send_signal(signal.SIGKILL)
+        assert process.wait() == -signal.SIGKILL, "finished before it could be killed ten times"
+        counts.append(len(names(folder)))
+    assert counts == sorted(set(counts)) and counts[-1] < 200  # each had done more, none all
+    assert start(folder).wait() == 0
+    assert names(folder) == names(tmp_path / "whole") and len(names(folder)) == 200
+    files = [(path.name, path.read_bytes()) for path in sorted((tmp_path / "whole").iterdir())]
+    assert files == [(path.name, path.read_bytes()) for path in sorted(folder.iterdir())]
+    assert bm.open_study(folder).identical(bm.open_study(tmp_path / "whole"))
