@@ -16,6 +16,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from beammodes.files import write_atomically
+from beammodes.progress import progress_of
 from beammodes.views.plots import STYLE
 from studies import NAMES
 
@@ -41,7 +42,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 def run(study: ModuleType, name: str, folder: Path) -> list[str]:
     """Compute, draw and write one study; return the names of the files written."""
-    table = study.data(progress=lambda done, total: _show_progress(name, done, total))
+    table = study.data(progress=progress_of(None, name, "points"))
     if "disagreement" in table.attrs:
         _say(f"\r{name}: three routes agree to {table.attrs['disagreement']:.0e}\n")
     figure = study.draw(table)
@@ -72,11 +73,6 @@ def _save(figure: Figure, path: Path) -> None:
     FigureCanvasAgg(figure)
     with matplotlib.rc_context(STYLE):
         write_atomically(path, lambda file: figure.savefig(file, format=kind, dpi=150, metadata=metadata))
-
-
-def _show_progress(name: str, done: int, total: int) -> None:
-    if sys.stderr.isatty() or done == total:
-        _say(f"\r{name}: {done} of {total} points{'' if sys.stderr.isatty() else chr(10)}")
 
 
 def _say(text: str) -> None:

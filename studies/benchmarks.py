@@ -30,14 +30,25 @@ from beammodes.chains.rules import RULES
 from beammodes.files import write_atomically
 from beammodes.views.tables import markdown_table
 from studies.accuracy import beam_frequency, chain_frequency
+from studies.batch_speed import batch_table
 from studies.motion_rivals import moving
 from studies.rivals import KANE_UNITS, MEMORY, METHODS, duration, kane_equations, nodal_matrices, timed
 
-__all__ = ["cell", "deriving", "environment", "lookups", "main", "replaced", "same_equations", "solving"]
+__all__ = [
+    "batches",
+    "cell",
+    "deriving",
+    "environment",
+    "lookups",
+    "main",
+    "replaced",
+    "same_equations",
+    "solving",
+]
 
 ROOT = Path(__file__).resolve().parent.parent
 BEGIN, END = "<!-- benchmarks: begin -->", "<!-- benchmarks: end -->"
-PACKAGES = ("numpy", "scipy", "sympy", "casadi", "scikit-fem", "mujoco", "pin")
+PACKAGES = ("numpy", "scipy", "sympy", "casadi", "scikit-fem", "mujoco", "pin", "distributed")
 SEGMENTS = (16, 128, 1024, 8192, 1_000_000)
 PATIENCE = 60.0
 MODES = 3
@@ -214,6 +225,14 @@ def _one_by_matrices() -> float:
     return float(np.sqrt(square) * segments**2 / exact - 1)
 
 
+def batches() -> str:
+    """Return the cost of a study by engine, and what 10⁹ points need."""
+    _say("batches")
+    if find_spec("distributed") is None:
+        return "**Studies** were not timed: Dask is not installed."
+    return batch_table()
+
+
 def replaced(text: str, tables: str) -> str:
     """Return `text` with `tables` between the two marks."""
     if text.count(BEGIN) != 1 or text.count(END) != 1 or text.index(BEGIN) > text.index(END):
@@ -239,7 +258,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     replaced(readme.read_text("utf-8"), "")
     tables = ""
     with threadpool_limits(1):
-        for part in (environment, deriving, solving, moving, lookups):
+        for part in (environment, deriving, solving, moving, lookups, batches):
             text = part().strip() + "\n"
             print(text, flush=True)
             tables += text + "\n"

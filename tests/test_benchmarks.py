@@ -12,7 +12,7 @@ import pytest
 import sympy
 
 import beammodes as bm
-from studies import accuracy, benchmarks, motion_rivals, rivals
+from studies import accuracy, batch_speed, benchmarks, motion_rivals, rivals
 
 FIRST = (1, 2, 3)
 
@@ -161,14 +161,14 @@ def test_readme_takes_the_tables(tmp_path: Path, monkeypatch: pytest.MonkeyPatch
     readme = tmp_path / "README.md"
     readme.write_text(f"above\n{benchmarks.BEGIN}\nold\n{benchmarks.END}\nbelow · ω\n", "utf-8")
     monkeypatch.setattr(benchmarks, "ROOT", tmp_path)
-    for part in ("environment", "deriving", "solving", "moving", "lookups"):
+    for part in ("environment", "deriving", "solving", "moving", "lookups", "batches"):
         monkeypatch.setattr(benchmarks, part, lambda part=part: f"the {part}\n")
     assert benchmarks.main([]) == 0
     assert "old" in readme.read_text("utf-8")
     for _ in range(2):
         assert benchmarks.main(["--write"]) == 0
     text = readme.read_text("utf-8")
-    parts = "the environment\n\nthe deriving\n\nthe solving\n\nthe moving\n\nthe lookups"
+    parts = "the environment\n\nthe deriving\n\nthe solving\n\nthe moving\n\nthe lookups\n\nthe batches"
     assert text == f"above\n{benchmarks.BEGIN}\n{parts}\n{benchmarks.END}\nbelow · ω\n"
     with pytest.raises(ValueError, match="once"):
         benchmarks.replaced("no marks", parts)
@@ -190,3 +190,24 @@ def test_the_figure_has_a_line_for_every_method(monkeypatch: pytest.MonkeyPatch)
     assert errors.loc["dense", 100] > 100 * errors.loc["flexibility form", 100]
     assert accuracy.tables(table)[".csv"].startswith("method,segments,relative_error\nclosed form,4,")
     assert len(accuracy.draw(table).axes[0].get_lines()) == len(accuracy.LINES) + 1
+
+
+def test_what_a_billion_points_need() -> None:
+    text = batch_speed.needs(bodies=0.01, plain=1e-5, handing=0.005)
+    # 0.01 s times 10^9 are 2778 h, 1e-5 s times 10^9 2.8 h; chunks of 1 s and of 0.05 s, one every 5 ms.
+    assert "2,778 core hours" in text and "about 200 cores" in text
+    assert "0.01 ms each: 3 core hours" in text and "about 10 cores" in text
+    assert "40 GB" in text  # five modes of eight bytes each
+
+
+@pytest.mark.slow
+@pytest.mark.filterwarnings("default")  # of Dask, not ours
+def test_studies_are_timed_on_every_engine(monkeypatch: pytest.MonkeyPatch) -> None:
+    pytest.importorskip("distributed")
+    few = {"segments": [10, 20], "right_mass": np.array([0.5]), "left_rotational_stiffness": [1.0]}
+    monkeypatch.setattr(batch_speed, "BODIES", batch_speed.BODIES | few)
+    monkeypatch.setattr(batch_speed, "PLAIN", batch_speed.PLAIN | {"segments": range(1, 9)})
+    table = benchmarks.batches()
+    assert "20 frequencies with a body" in table and "4,000 of plain ends" in table
+    for name in ("one process", "2 processes", "Dask, 2 workers"):
+        assert f"| {name} |" in table

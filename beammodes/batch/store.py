@@ -14,6 +14,7 @@ import hashlib
 import json
 import re
 import sys
+import warnings
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -104,11 +105,19 @@ class Store:
 
     def load(self, path: Path) -> Evaluated | None:
         """Return a finished chunk, or None if its file is damaged."""
-        match = _CHUNK.fullmatch(path.name)
         data = path.read_bytes()
-        if match is None or _digest(data) != match[2]:
-            return None
-        return Evaluated.from_bytes(data)
+        return Evaluated.from_bytes(data) if path.name.endswith(f"-{_digest(data)}.nc") else None
+
+    def sound(self) -> set[int]:
+        """Return the numbers of the finished chunks; damaged files are removed, with a warning."""
+        found = set()
+        for number, path in self.finished().items():
+            if path.name.endswith(f"-{_digest(path.read_bytes())}.nc"):
+                found.add(number)
+            else:
+                warnings.warn(f"{path.name} is damaged, and computed again", stacklevel=4)
+                path.unlink()
+        return found
 
     def clean(self) -> None:
         """Remove what interrupted writing has left behind; only while no other run writes here."""

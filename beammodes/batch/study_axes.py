@@ -8,6 +8,7 @@ import math
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from functools import cached_property, partial
+from itertools import islice
 from typing import Any
 
 import numpy as np
@@ -35,6 +36,9 @@ SECTIONS: dict[str, Callable[..., Any]] = {
     "box": Box,
     "i_section": ISection,
 }
+
+#: Of one axis: they are all written into the study's definition. A sampled axis may have more.
+MAX_VALUES = 10**6
 
 _ANY_ENDS = Boundary.of("free-free")
 
@@ -224,7 +228,7 @@ def axis_values(name: str, value: Any) -> tuple[tuple[Any, ...], bool]:
     Raises
     ------
     TypeError, ValueError
-        If there is no such axis, no value, or one that it cannot have.
+        If there is no such axis, no value, one that it cannot have, or too many.
 
     Examples
     --------
@@ -245,6 +249,10 @@ def axis_values(name: str, value: Any) -> tuple[tuple[Any, ...], bool]:
 def _items(name: str, value: Any, kind: AxisKind) -> list[Any]:
     if isinstance(value, np.ndarray | np.generic):
         value = value.tolist()
+    if isinstance(value, Iterable) and not isinstance(value, kind.single):
+        value = list(islice(value, MAX_VALUES + 1))
+        if len(value) > MAX_VALUES:
+            raise ValueError(f"{name} must have at most {MAX_VALUES} values, got more")
     return listed(name, value, kind.single)
 
 

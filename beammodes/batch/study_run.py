@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Container, Iterator
 from contextlib import closing
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -40,9 +40,9 @@ def run_study(
         kept = Store.of(folder, study.definition, study.digest)
         if alone:
             kept.clean()
-        whole = {number for number, _ in _sound(kept, remove=True)}
+        whole = kept.sound()
         try:
-            _compute(study, dict.fromkeys(whole), engine, workers, report, kept.save)
+            _compute(study, whole, engine, workers, report, kept.save)
         except BaseException as error:
             count = f"{len(kept.finished())} of {study.chunks} chunks"
             error.add_note(f"{count} are stored in {folder}; the same call goes on from there")
@@ -95,7 +95,7 @@ def _folder(path: object) -> Path:
 
 def _compute(
     study: Study,
-    done: Any,
+    done: Container[int],
     engine: Any,
     workers: int | None,
     report: Report,
@@ -118,16 +118,14 @@ def _compute(
             report(count, study.chunks)
 
 
-def _sound(store: Store, *, remove: bool = False) -> Iterator[tuple[int, Evaluated]]:
+def _sound(store: Store) -> Iterator[tuple[int, Evaluated]]:
     """Yield the finished chunks of undamaged files."""
     for number, path in store.finished().items():
         try:
             chunk = store.load(path)
         except FileNotFoundError:
-            continue  # Another run has removed it as damaged.
-        if chunk is not None:
+            continue  # removed as damaged by a run that is at work
+        if chunk is None:
+            warnings.warn(f"{path.name} is damaged", stacklevel=4)
+        else:
             yield number, chunk
-            continue
-        warnings.warn(f"{path.name} is damaged{', and computed again' if remove else ''}", stacklevel=3)
-        if remove:
-            path.unlink(missing_ok=True)
