@@ -133,6 +133,7 @@ def test_words_of_integrators_and_loads_are_axes() -> None:
 def test_points_run_together() -> None:
     points = {"boundary": ["clamped-free", "free-pinned"], "segments": [4, 9], "rule": ["naive", "gregory"]}
     table = bm.Study.points(points, mode=[1, 2], compute="relative_error").run()
+    assert list(table.boundary.values) == ["clamped-free", "pinned-free"]  # the firmer end first
     assert dict(table.sizes) == {"point": 2, "mode": 2} and list(table.segments.values) == [4, 9]
     for i in range(2):
         ends, segments, rule = (points[name][i] for name in points)
@@ -161,6 +162,30 @@ def test_samples_do_not_depend_on_chunks_or_count() -> None:
     solved = bm.solve_modes(bm.linearize(bm.Chain(strip(height), f"clamped-free(mass={mass!r})", 4)), 2)
     found = whole.angular_frequency.isel(sample=7).sel(segments=4)
     np.testing.assert_allclose(found, solved.angular_frequency, rtol=1e-10)
+
+
+def test_ends_keep_their_sides_where_numbers_tell_them_apart() -> None:
+    for name in ("free-clamped", "free-clamped(mass=0.1)"):
+        turned = bm.Study.grid(
+            boundary=name, segments=4, mode=1, left_mass=[0.5], compute="relative_error"
+        ).run()
+        assert turned.boundary == name
+        expected = bm.frequency_error("clamped-free(mass=0.5)", segments=4, mode=1)
+        np.testing.assert_allclose(turned.relative_error, expected, atol=1e-13)
+
+
+def test_default_chunks_are_of_a_size() -> None:
+    # 25,000 numbers of the closed form, 500 solved ones, and never more than 5000 or 100 points.
+    for changes, expected in (
+        ({}, 5000),
+        ({"mode": range(1, 6)}, 5000),
+        ({"mode": range(1, 11)}, 2500),
+        ({"mode": range(1, 10**5)}, 1),
+        ({"right_mass": 0.5}, 100),
+        ({"right_mass": 0.5, "mode": range(1, 11)}, 50),
+        ({"compute": "stable_time_step"}, 100),
+    ):
+        assert bm.Study.grid(**{**GOOD, **changes}).chunk == expected
 
 
 @pytest.mark.parametrize("chunk", [1, 3, 10**6])

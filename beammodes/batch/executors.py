@@ -52,12 +52,19 @@ def executor_of(engine: Any, workers: int | None = None) -> Iterator[Executor | 
 def _processes(workers: int) -> Iterator[Executor]:
     import multiprocessing
     from concurrent.futures import ProcessPoolExecutor
+    from concurrent.futures.process import BrokenProcessPool
 
     # Fresh processes: forks of one that has threads may hang.
     context = multiprocessing.get_context("spawn")
     pool = ProcessPoolExecutor(workers, mp_context=context, initializer=_start_worker)
     try:
         yield pool
+    except BrokenProcessPool as error:
+        error.add_note(
+            "a worker ended: killed, or out of memory, or the script that started it calls run() without its "
+            'if __name__ == "__main__":'
+        )
+        raise
     finally:
         pool.shutdown(cancel_futures=True)
 

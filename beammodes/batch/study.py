@@ -16,7 +16,7 @@ from beammodes.batch.cases import Cases
 from beammodes.batch.distributions import Normal, Uniform
 from beammodes.batch.quantities import Quantity, quantities_of
 from beammodes.batch.study_axes import Axis, axis_values
-from beammodes.batch.study_inputs import all_plain, check_complete, grid_axes, random_axis
+from beammodes.batch.study_inputs import all_plain, canonical, check_complete, grid_axes, random_axis
 from beammodes.checks import shown, whole_number
 
 if TYPE_CHECKING:
@@ -24,8 +24,9 @@ if TYPE_CHECKING:
 
 __all__ = ["Study"]
 
-#: Cases of one chunk: enough for the closed form to run at its speed, or few where each takes milliseconds.
-CLOSED_FORM_CHUNK, SOLVED_CHUNK = 5000, 100
+#: Points of one chunk, and numbers: enough for the closed form to run at its speed, or few where each takes
+#: milliseconds.
+CLOSED_FORM_CHUNK, SOLVED_CHUNK = (5000, 25_000), (100, 500)
 
 #: More points are surely a mistake: at a microsecond each they would take a month.
 MAX_CASES = 10**12
@@ -41,7 +42,8 @@ class Study:
     "static_load"; "section" with its dimensions, "elastic_modulus", "density" and "length", or "length",
     "bending_stiffness" and "mass_per_length". All numbers are in the units of the beam, which without the
     last two sets is the one with L = EI = ρA = 1. One value of an axis is shared by all points; several make
-    a dimension.
+    a dimension. Ends are named with the firmer first, unless numbers of the left or right end, or loads, are
+    axes.
 
     Attributes
     ----------
@@ -81,7 +83,7 @@ class Study:
             returns one number, and stands in a module.
         chunk : int, optional
             Points, not counting modes, computed and kept together: 5000 where the closed form of plain ends
-            serves all, else 100. It belongs to the study's definition.
+            serves all, else 100, or fewer of many modes. It belongs to the study's definition.
         **axes : value, or iterable of values
             `segments`, `boundary` and, for most quantities, `mode` must be there.
 
@@ -281,11 +283,19 @@ def _made(axes: tuple[Axis, ...], compute: Any, chunk: int | None) -> Study:
             raise ValueError(f"each axis must be given once, got {name} twice")
     if "rule" not in names:
         axes += (Axis("rule", None, axis_values("rule", "mitiguy")[0]),)
+    axes = canonical(axes)
     named = {axis.name: axis for axis in axes}
     check_complete(named, quantities)
-    cheap = all_plain(named) and all(quantity.closed_form for quantity in quantities)
-    size = (CLOSED_FORM_CHUNK if cheap else SOLVED_CHUNK) if chunk is None else whole_number("chunk", chunk)
+    size = _default_chunk(named, quantities) if chunk is None else whole_number("chunk", chunk)
     study = Study(axes, quantities, size)
     if study.size > MAX_CASES:
         raise ValueError(f"axes must make at most {MAX_CASES:.0e} cases, got {study.size:.3g}")
     return study
+
+
+def _default_chunk(named: Mapping[str, Axis], quantities: tuple[Quantity, ...]) -> int:
+    cheap = all_plain(named) and all(quantity.closed_form for quantity in quantities)
+    points, numbers = CLOSED_FORM_CHUNK if cheap else SOLVED_CHUNK
+    mode = named.get("mode")
+    modes = mode.size if mode is not None and mode.dimension == "mode" else 1
+    return max(1, min(points, numbers // modes))

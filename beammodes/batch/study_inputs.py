@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any
 
 from beammodes.accuracy.end_numbers import NUMBERS
@@ -12,7 +13,7 @@ from beammodes.batch.quantities import Quantity
 from beammodes.batch.study_axes import AXES, SECTIONS, Axis, axis_values, dimensions_of
 from beammodes.checks import choice, shown
 
-__all__ = ["all_plain", "check_complete", "grid_axes", "random_axis"]
+__all__ = ["all_plain", "canonical", "check_complete", "grid_axes", "random_axis"]
 
 
 def grid_axes(axes: Mapping[str, Any]) -> tuple[Axis, ...]:
@@ -37,6 +38,18 @@ def random_axis(name: str, distribution: Normal | Uniform, seed: int, count: int
     for bound in distribution.bounds:
         AXES[name].read(bound)
     return Axis(name, "sample", (), distribution, seed, count)
+
+
+def canonical(axes: tuple[Axis, ...]) -> tuple[Axis, ...]:
+    """Return the axes with the firmer end first, where nothing else tells the left end from the right."""
+    if any(axis.name in (*NUMBERS, "plane") for axis in axes):
+        return axes
+    return tuple(
+        replace(axis, values=tuple(pair.canonical for pair in axis.values))
+        if axis.name == "boundary"
+        else axis
+        for axis in axes
+    )
 
 
 def all_plain(named: Mapping[str, Axis]) -> bool:
