@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -330,3 +331,12 @@ def test_whatever_comes_is_taken_or_refused_by_name(name: str, value: object) ->
         assert any(word in message for word in words), message
     else:
         assert study.size >= 1
+
+
+def test_results_are_written_and_read_back(tmp_path: Path) -> None:
+    import xarray
+
+    table = sampled(3, 100).run()
+    table.to_netcdf(tmp_path / "table.nc", engine="h5netcdf")
+    with xarray.open_dataset(tmp_path / "table.nc", engine="h5netcdf") as found:
+        assert found.identical(table)

@@ -42,6 +42,14 @@ class Case:
     ----------
     values : mapping
         The value of every axis but the modes, by name.
+
+    Examples
+    --------
+    >>> from beammodes.chains.rules import RULES
+    >>> held = {"boundary": Boundary.of("clamped-free"), "segments": 2, "rule": RULES["naive"]}
+    >>> case = Case(held | {"right_mass": 0.5})
+    >>> print(case.boundary, case.chain.joint_stiffness)
+    clamped-free(mass=0.5) [2. 2.]
     """
 
     values: Mapping[str, Any]

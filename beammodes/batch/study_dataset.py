@@ -7,6 +7,7 @@ from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from beammodes.batch.cases import MAX_REASONS
 from beammodes.batch.evaluated import Evaluated
@@ -40,26 +41,13 @@ def study_dataset(definition: Mapping[str, Any], chunks: Iterable[tuple[int, Eva
     axes = [Axis.from_definition(name, written) for name, written in definition["axes"].items()]
     sizes = {axis.dimension: axis.size for axis in axes if axis.dimension}
     modes = sizes.pop("mode", 0)
-    total, step = math.prod(sizes.values()), definition["chunk"]
-    compute = definition["compute"]
-    whole = {
-        name: np.full((total, modes or 1) if kind["per_mode"] else (total,), np.nan)
-        for name, kind in compute.items()
-    }
-    done, reasons = 0, []
-    for number, chunk in chunks:
-        part = slice(number * step, (number + 1) * step)
-        for name, array in whole.items():
-            array[part] = chunk.values[name]
-        done += min(step, total - number * step)
-        reasons += [reason for reason in chunk.refused if reason not in reasons]
-    dimensions = tuple(sizes)
+    arrays, done, reasons = _filled(definition, math.prod(sizes.values()), modes or 1, chunks)
     own = not any(axis.name == "length" for axis in axes)
     variables = {}
-    for name, array in whole.items():
-        spread = dimensions + (("mode",) if compute[name]["per_mode"] and modes else ())
-        shape = tuple(sizes.values()) + ((modes,) if len(spread) > len(dimensions) else ())
-        variables[name] = (spread, array.reshape(shape), _attributes(name, own))
+    for name, array in arrays.items():
+        spread = sizes | ({"mode": modes} if modes and array.ndim == 2 else {})
+        variables[name] = (tuple(spread), array.reshape(tuple(spread.values())), _attributes(name, own))
+    total = math.prod(sizes.values())
     return xarray.Dataset(
         variables,
         coords={axis.name: _coordinate(axis, own) for axis in axes},
@@ -72,6 +60,26 @@ def study_dataset(definition: Mapping[str, Any], chunks: Iterable[tuple[int, Eva
             "refused": "; ".join(reasons[:MAX_REASONS]),
         },
     )
+
+
+def _filled(
+    definition: Mapping[str, Any], total: int, modes: int, chunks: Iterable[tuple[int, Evaluated]]
+) -> tuple[dict[str, NDArray[np.float64]], int, list[str]]:
+    """Return an array of every quantity, shape (cases, modes) or (cases,), how many cases are there, and why
+    some are NaN.
+    """
+    step, compute = definition["chunk"], definition["compute"]
+    arrays = {
+        name: np.full((total, modes) if kind["per_mode"] else (total,), np.nan)
+        for name, kind in compute.items()
+    }
+    done, reasons = 0, []
+    for number, chunk in chunks:
+        for name, array in arrays.items():
+            array[number * step : (number + 1) * step] = chunk.values[name]
+        done += min(step, total - number * step)
+        reasons += [reason for reason in chunk.refused if reason not in reasons]
+    return arrays, done, reasons
 
 
 def _attributes(name: str, own: bool) -> dict[str, str]:
