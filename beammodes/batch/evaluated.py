@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import io
 from collections.abc import Iterable
-from contextlib import AbstractContextManager, nullcontext
+from contextlib import AbstractContextManager
 from dataclasses import dataclass
 
 import numpy as np
@@ -34,7 +34,7 @@ class Evaluated:
 
     def to_bytes(self) -> bytes:
         """Return a netCDF file, the same bytes whenever the numbers are the same."""
-        import h5netcdf  # type: ignore[import-untyped]
+        import h5netcdf
 
         whole = io.BytesIO()
         with h5netcdf.File(whole, "w") as file:
@@ -90,11 +90,9 @@ def evaluate_elsewhere(cases: Cases, quantities: Iterable[Quantity], version: st
 
 
 def one_thread() -> AbstractContextManager[object]:
-    """Hold BLAS to one thread, from this call to the end of the context, where threadpoolctl is there."""
-    try:
-        from threadpoolctl import threadpool_limits  # type: ignore[import-untyped,import-not-found,unused-ignore]
-    except ImportError:
-        return nullcontext()
+    """Hold BLAS to one thread, from this call to the end of the context."""
+    from threadpoolctl import threadpool_limits
+
     limits: AbstractContextManager[object] = threadpool_limits(1)
     return limits
 

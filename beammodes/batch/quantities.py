@@ -180,8 +180,9 @@ def quantities_of(compute: object) -> tuple[Quantity, ...]:
     >>> [quantity.name for quantity in quantities_of(["relative_error", "stable_time_step"])]
     ['relative_error', 'stable_time_step']
     """
-    single = isinstance(compute, str) or not isinstance(compute, Iterable)
-    found = [_quantity(item) for item in ([compute] if single else list(compute))]  # type: ignore[call-overload]
+    if isinstance(compute, str) or not isinstance(compute, Iterable):
+        return quantities_of([compute])
+    found = [_quantity(item) for item in compute]
     if not found:
         raise ValueError("compute must name at least one quantity, got none")
     names = [quantity.name for quantity in found]
