@@ -185,3 +185,10 @@ def test_modes_are_in_order() -> None:
     for boundary, rule in itertools.product(PAIRS, RULES):
         frequency = bm.chain_frequency(boundary, np.array([[40], [1000]]), np.arange(1, 38), rule)
         assert (np.diff(frequency, axis=1) > 0).all()
+
+
+def test_a_tuple_of_pairs_is_several_boundaries() -> None:
+    table = bm.error_dataset(boundary=BOUNDARIES, segments=5, modes=1)
+    assert table.boundary.values.tolist() == PAIRS
+    one = bm.error_dataset(boundary=("clamped", "free"), segments=5, modes=1)
+    xarray.testing.assert_identical(one, table.sel(boundary=["clamped-free"]))

@@ -14,7 +14,23 @@ from beammodes.problem.ends import Boundary
 if TYPE_CHECKING:
     from beammodes.chains.chain import Chain
 
-__all__ = ["ChainGrid", "listed"]
+__all__ = ["ChainGrid", "listed", "stands_alone"]
+
+
+def stands_alone(value: Any, single: tuple[type, ...]) -> bool:
+    """Whether `value` is one value and not several: no iterable, or an instance of `single`.
+
+    A tuple is one pair of ends where `single` names tuples, unless its items are pairs themselves.
+
+    Examples
+    --------
+    >>> from beammodes.problem.ends import BOUNDARIES
+    >>> [stands_alone(pair, (str, tuple)) for pair in (("clamped", "free"), BOUNDARIES)]
+    [True, False]
+    """
+    if isinstance(value, tuple) and value and all(isinstance(item, Boundary) for item in value):
+        return False
+    return isinstance(value, single) or not isinstance(value, Iterable)
 
 
 def listed(name: str, value: Any, single: tuple[type, ...]) -> list[Any]:
@@ -30,7 +46,7 @@ def listed(name: str, value: Any, single: tuple[type, ...]) -> list[Any]:
     >>> listed("rule", "naive", (str,)), listed("segments", range(3), (str,))
     (['naive'], [0, 1, 2])
     """
-    items = [value] if isinstance(value, single) or not isinstance(value, Iterable) else list(value)
+    items = [value] if stands_alone(value, single) else list(value)
     if not items:
         raise ValueError(f"{name} must name at least one value, got none")
     return items

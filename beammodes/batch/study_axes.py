@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from beammodes.accuracy.end_numbers import NUMBERS, with_numbers
-from beammodes.accuracy.grids import listed
+from beammodes.accuracy.grids import listed, stands_alone
 from beammodes.accuracy.loads import LOADS
 from beammodes.batch.distributions import Distribution, Normal, Uniform, uniform_samples
 from beammodes.chains.rules import RULES, Layout, layout_of
@@ -236,20 +236,18 @@ def axis_values(name: str, value: Any) -> tuple[tuple[Any, ...], bool]:
     (((1, 2, 3), True), (('lag',), False))
     """
     kind = AXES[choice("axis", name, AXES)]
-    if isinstance(value, tuple) and value and all(isinstance(item, Boundary) for item in value):
-        value = list(value)  # BOUNDARIES, say; other tuples are read as one pair of ends
     if isinstance(value, Normal | Uniform):
         raise TypeError(
             f"{name} must not be a distribution here: Study.sampled takes them, got {shown(value)}"
         )
-    several = isinstance(value, Iterable) and not isinstance(value, kind.single)
+    several = not stands_alone(value, kind.single)
     return tuple(kind.read(item) for item in _items(name, value, kind)), several
 
 
 def _items(name: str, value: Any, kind: AxisKind) -> list[Any]:
     if isinstance(value, np.ndarray | np.generic):
         value = value.tolist()
-    if isinstance(value, Iterable) and not isinstance(value, kind.single):
+    if not stands_alone(value, kind.single):
         value = list(islice(value, MAX_VALUES + 1))
         if len(value) > MAX_VALUES:
             raise ValueError(f"{name} must have at most {MAX_VALUES} values, got more")
