@@ -84,6 +84,7 @@ _HOME = {
     "Weight": "chains.rules",
     "animate": "views.animation",
     "audit_chain": "auditing.audit",
+    "audit_file": "auditing.audit_model",
     "axially_corrected": "chains.axial_rule",
     "beam_statics": "accuracy.statics",
     "buckling_dataset": "accuracy.buckling",
@@ -149,6 +150,7 @@ if TYPE_CHECKING:
     from beammodes.accuracy.statics import chain_statics as chain_statics
     from beammodes.auditing.audit import Audit as Audit
     from beammodes.auditing.audit import audit_chain as audit_chain
+    from beammodes.auditing.audit_model import audit_file as audit_file
     from beammodes.chains.axial_rule import axially_corrected as axially_corrected
     from beammodes.chains.chain import Chain as Chain
     from beammodes.chains.rules import RULES as RULES

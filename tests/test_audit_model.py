@@ -1,0 +1,59 @@
+"""Audits of files: every exported chain is known again, and hand-written models are those that MuJoCo sees."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from beammodes.accuracy.comparison import chain_errors
+from beammodes.auditing.audit_model import audit_file
+from beammodes.chains.chain import Chain
+from beammodes.exporters.export import export_chain
+from beammodes.problem.beam import Beam
+from beammodes.problem.ends import Boundary, BoundaryLike, End
+from test_engines import ALL, CLOSED, OPEN
+
+BEAM = Beam(1.2, 85.0, 0.62)
+RULES = ["mitiguy", "half_stub", "rigid_stub", "hencky", "gregory", "naive"]
+PLAIN = [name for name, ends in ALL.items() if isinstance(ends, str)]
+
+
+def known_again(chain: Chain, found: Any, turned_too: bool = True) -> None:
+    """Assert that an audit of its file tells a chain's errors, rule and N."""
+    due = chain_errors(chain, 3) if chain.elastic_modes >= 3 else chain_errors(chain, chain.elastic_modes)
+    np.testing.assert_allclose(found.errors[: len(due)], due, rtol=1e-7, atol=2e-8)
+    assert found.segments == chain.segments
+    assert chain.rule is not None
+    assert chain.rule.name in found.remark
+    assert found.length_mismatch == pytest.approx(0, abs=1e-9)
+
+
+@pytest.mark.parametrize("rule", RULES)
+@pytest.mark.parametrize("case", ALL)
+def test_exported_mjcf_is_known_again(case: str, rule: str, tmp_path: Path) -> None:
+    chain = Chain(BEAM, ALL[case], segments=6, rule=rule)
+    (path,) = export_chain(chain, tmp_path / "chain.xml")
+    known_again(chain, audit_file(path, BEAM, chain.boundary))
+
+
+@pytest.mark.parametrize("rule", RULES)
+@pytest.mark.parametrize("case", PLAIN)
+def test_plain_ends_are_read_from_the_file(case: str, rule: str, tmp_path: Path) -> None:
+    chain = Chain(BEAM, ALL[case], segments=6, rule=rule)
+    (path,) = export_chain(chain, tmp_path / "chain.xml")
+    found = audit_file(path, BEAM)
+    known_again(chain, found)
+    assert found.boundary in (chain.boundary, chain.boundary.turned)
+
+
+@pytest.mark.parametrize("suffix", [".urdf", ".sdf", ".csv"])
+@pytest.mark.parametrize("rule", RULES)
+@pytest.mark.parametrize("case", OPEN)
+def test_other_formats_are_known_again(case: str, rule: str, suffix: str, tmp_path: Path) -> None:
+    chain = Chain(BEAM, OPEN[case], segments=6, rule=rule)
+    path = export_chain(chain, tmp_path / f"chain{suffix}")[0]
+    known_again(chain, audit_file(path, BEAM, chain.boundary))
