@@ -2,27 +2,25 @@
 
 from __future__ import annotations
 
-import math
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from test_engines import ALL, OPEN
 
 from beammodes.accuracy.comparison import chain_errors
 from beammodes.auditing.audit_model import audit_file
 from beammodes.chains.chain import Chain
 from beammodes.exporters.export import export_chain
 from beammodes.problem.beam import Beam
-from beammodes.problem.ends import Boundary, BoundaryLike, End
-from test_engines import ALL, CLOSED, OPEN
 
 BEAM = Beam(1.2, 85.0, 0.62)
 RULES = ["mitiguy", "half_stub", "rigid_stub", "hencky", "gregory", "naive"]
 PLAIN = [name for name, ends in ALL.items() if isinstance(ends, str)]
 
 
-def known_again(chain: Chain, found: Any, turned_too: bool = True) -> None:
+def known_again(chain: Chain, found: Any) -> None:
     """Assert that an audit of its file tells a chain's errors, rule and N."""
     due = chain_errors(chain, 3) if chain.elastic_modes >= 3 else chain_errors(chain, chain.elastic_modes)
     np.testing.assert_allclose(found.errors[: len(due)], due, rtol=1e-7, atol=2e-8)

@@ -14,21 +14,14 @@ from numpy.typing import NDArray
 from beammodes.auditing.audit import Audit, audit_chain
 from beammodes.auditing.body_tree import Model
 from beammodes.auditing.bounded_xml import BadModel, bounded_bytes, read_xml
-from beammodes.auditing.far_ties import FarEnd, far_end
+from beammodes.auditing.far_ties import far_end
+from beammodes.auditing.hinge_line import Frame, frame_of, moves_alone, root_support
 from beammodes.auditing.model_ends import judged_chain
-from beammodes.auditing.planar_chain import (
-    Frame,
-    Piece,
-    PlanarChain,
-    frame_of,
-    moves_alone,
-    planar_chain,
-    root_support,
-    with_wall_hinges,
-)
+from beammodes.auditing.planar_chain import planar_chain
 from beammodes.auditing.read_mjcf import read_mjcf
 from beammodes.auditing.read_sdf import read_sdf
 from beammodes.auditing.read_urdf import read_springs, read_urdf
+from beammodes.auditing.rigid_pieces import Piece, PlanarChain, with_wall_hinges
 from beammodes.auditing.serial_chains import HingePath, chosen_path, hinge_paths
 from beammodes.checks import choice, positive_real, shown
 from beammodes.exporters.chain_csv import read_chain_csv

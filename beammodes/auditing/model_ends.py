@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 
-from beammodes.auditing.planar_chain import NOTABLE, SAME, Piece, PlanarChain, rod_like, without_body
+from beammodes.auditing.rigid_pieces import NOTABLE, SAME, Piece, PlanarChain, rod_like, without_body
 from beammodes.problem.ends import Boundary
 from beammodes.problem.supports import End
 

@@ -144,7 +144,7 @@ def _matter(settings: Settings, element: XmlElement, class_name: str) -> tuple[I
     for child in element.all("geom"):
         own = settings.with_defaults(child, "geom", class_name)
         kind = "mesh" if "mesh" in own.attributes else own.attributes.get("type", "sphere")
-        if kind in _MASSLESS or own.attributes.get("mass") == "0" and kind not in _SIZES:
+        if kind in _MASSLESS or (own.attributes.get("mass") == "0" and kind not in _SIZES):
             continue
         if kind not in _SIZES or own.attributes.get("shellinertia") == "true":
             why = f"{own.where} must be a {', '.join(_SIZES)}, filled, or have its body's mass in <inertial>"

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -100,7 +100,7 @@ def from_quaternion(w: float, x: float, y: float, z: float) -> Array:
     return np.eye(3) if not size else about(np.array([x, y, z]) / size, 2 * math.atan2(size, w))
 
 
-def from_euler(angles: Sequence[float], sequence: str) -> Array:
+def from_euler(angles: Sequence[float] | Array, sequence: str) -> Array:
     """Return the rotation by three angles about the axes of `sequence`, lower case about turned axes."""
     turned = np.eye(3)
     for angle, letter in zip(angles, sequence, strict=True):
@@ -188,7 +188,7 @@ def _capsule(r: float, half: float) -> tuple[float, list[float]]:
     return volume, [shares[0] * a + shares[1] * b for a, b in both]
 
 
-_SOLIDS = {
+_SOLIDS: dict[str, Callable[..., tuple[float, list[float]]]] = {
     "sphere": _sphere,
     "ellipsoid": _ellipsoid,
     "box": _box,
