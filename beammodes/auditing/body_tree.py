@@ -156,6 +156,9 @@ def _passed_on(group: Group) -> bool:
     if len(group.children) != 1 or group.parent is None:
         return False
     (child,) = group.children
+    places = [joint.position for joint in (*group.joints, *child.joints)]
+    if any(body.refusal for body in group.bodies) or not np.allclose(places, places[0], rtol=0, atol=1e-12):
+        return False
     # The child may be such a link itself.
     carried = [child.inertial, *(after.inertial for after in child.children)]
     for size in (_mass, _turning):

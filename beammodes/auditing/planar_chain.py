@@ -80,18 +80,23 @@ def _nearest(starts: Sequence[float], ends: Sequence[float], rest: float) -> tup
 
 def _check(path: HingePath, frame: Frame) -> None:
     for group, after in itertools.zip_longest(path.groups, path.groups[1:]):
+        _check_refusals(group)
         for other in group.children:
             if other is not after:
+                _check_refusals(other)
                 raise BadModel(
-                    f"joint {other.joints[0].name} on body {group.name} must be a hinge with a spring, parallel "
+                    f"{other.joints[0].name} on body {group.name} must be a hinge with a spring, parallel "
                     f"to {frame.hinges[0].name}: nothing else may move on the chain"
                 )
-        refusals = [body.refusal for body in group.bodies] + [joint.refusal for joint in group.joints]
-        for why in filter(None, refusals):
-            raise BadModel(why)
     root = [path.root] if moves_alone(path.root) else []
     for group in (*root, *path.groups):
         _check_matter(group, path, frame)
+
+
+def _check_refusals(group: Group) -> None:
+    refusals = [body.refusal for body in group.bodies] + [joint.refusal for joint in group.joints]
+    for why in filter(None, refusals):
+        raise BadModel(why)
 
 
 def _check_matter(group: Group, path: HingePath, frame: Frame) -> None:
