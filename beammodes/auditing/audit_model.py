@@ -1,4 +1,4 @@
-"""Audits of model files: the chain in an MJCF, URDF, SDFormat or CSV file, beside the beam that it stands for."""
+"""Audits of model files: the chain in an MJCF, URDF, SDFormat or CSV file, beside its beam."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ def audit_file(
 
     A chain is a row of bodies on one straight line, each on a hinge with a spring, all hinges parallel (or
     pairs of hinges about two axes). Files are read without any simulator; what cannot be honoured is refused
-    by name. A refusal takes at most a few seconds and 300 MB, however hostile the file: see `read_xml`.
+    by name. Hostile files are refused within 1.6 s and 120 MB, as measured in the tests.
 
     Parameters
     ----------

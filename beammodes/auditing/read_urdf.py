@@ -197,6 +197,8 @@ def read_springs(path: Path) -> dict[str, float]:
         lines = bounded_bytes(path).decode("utf-8-sig").splitlines()
     except UnicodeDecodeError:
         raise BadModel(f"{path.name} must be a text file in UTF-8") from None
+    except BadModel as error:
+        raise BadModel(f"{path.name} {error}") from None
     found: dict[str, float] = {}
     for number, line in enumerate(lines, start=1):
         if not line.strip() or line.lstrip().startswith("#") or re.match(r"(model|springs):", line):
