@@ -1,4 +1,4 @@
-"""Audits of files: every exported chain is known again, and hand-written models are those that MuJoCo sees."""
+"""Audits of files: every exported chain is known again, in every format."""
 
 from __future__ import annotations
 

@@ -73,6 +73,16 @@ class Audit:
         return bool((np.abs(self.errors) <= self.tolerance).all())
 
     @property
+    def mismatches(self) -> tuple[str, ...]:
+        """What is said of a length or a mass that is not the beam's."""
+        off = {"length": self.length_mismatch, "mass": self.mass_mismatch}
+        return tuple(
+            f"{name} is {100 * part:+.3g} % off the beam's: more segments do not remove that error"
+            for name, part in off.items()
+            if abs(part) > _SAME
+        )
+
+    @property
     def text(self) -> str:
         """A short report."""
         verdict = "meets" if self.meets else "does not meet"
@@ -80,12 +90,7 @@ class Audit:
             f"{self.boundary.name} chain {verdict} {100 * self.tolerance:.3g} %: {listed_errors(self.errors)}"
         ]
         lines.append(self.remark)
-        off = {"length": self.length_mismatch, "mass": self.mass_mismatch}
-        for name, part in off.items():
-            if abs(part) > _SAME:
-                lines.append(
-                    f"{name} is {100 * part:+.3g} % off the beam's: more segments do not remove that error"
-                )
+        lines += self.mismatches
         lines += self.notes
         return "\n".join(lines + [f"  {suggestion}" for suggestion in self.suggestions])
 
@@ -135,7 +140,8 @@ def audit_chain(
     first segment is rigid with its parent: rigid_stub, +11 % at N = 10, falls only as 1/N
       rigid_stub_corrected: springs 5.2174, 17.143, 10, 10, ...: errors +0.29 %, +3.42 %
       first_spring_tuned: springs 6.0949, 10, 10, 10, ...: errors +0 %, +5.23 %
-      gregory: hinges moved to 0, 0.1, ...: springs 26.667, 8.5714, 10.435, 10, ...: errors +0.0005 %, -0.0098 %
+      gregory: hinges moved to 0, 0.1, ...:
+        springs 26.667, 8.5714, 10.435, 10, ...: errors +0.0005 %, -0.0098 %
     """
     given = {"length": length, "mass": mass, "rotary_inertia": rotary_inertia}
     given |= {} if centre is None else {"centre": centre}

@@ -8,10 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from beammodes.accuracy.comparison import chain_errors
 from beammodes.auditing.judged_pieces import Found, JudgedPieces, percent
 from beammodes.chains.chain import Chain
 from beammodes.chains.rules import RULES
+from beammodes.vibration.linear import linearize
+from beammodes.vibration.modes import solve_modes
 
 __all__ = ["MOVED", "TUNED", "Suggestion", "listed_errors", "suggestions_for"]
 
@@ -119,6 +120,6 @@ def _moved(judged: JudgedPieces, layouts: list[Found]) -> Iterator[Suggestion]:
         # Too few rods for the rule's springs to be positive.
         return
     errors = np.full(len(judged.exact), np.nan)
-    found = chain_errors(chain, min(len(errors), chain.elastic_modes))
-    errors[: len(found)] = found
+    found = solve_modes(linearize(chain), len(errors)).angular_frequency
+    errors[: len(found)] = found / judged.exact[: len(found)] - 1
     yield Suggestion(MOVED, True, chain.hinge_position, chain.joint_stiffness, errors)

@@ -1,4 +1,4 @@
-"""XML of strangers as a plain tree, read within fixed bounds of size, depth and time; no entities, no includes."""
+"""XML of strangers as a plain tree, read within bounds of size, depth and time; no entities."""
 
 from __future__ import annotations
 

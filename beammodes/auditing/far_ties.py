@@ -16,7 +16,7 @@ _SAME = 1e-6
 
 @dataclass(frozen=True)
 class FarEnd:
-    """Stiffnesses under the tip, where it is if a tie says so, and the name of the tie that resists turning."""
+    """Stiffnesses under the tip, its place if a tie says it, and the name of the tie that resists turning."""
 
     across: float = 0.0
     turning: float = 0.0

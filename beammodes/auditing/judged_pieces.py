@@ -106,7 +106,7 @@ class JudgedPieces:
         return left, right
 
     def errors(self, springs: Array, modes: int | None = None) -> Array:
-        """Return the relative errors of the frequencies with these springs, NaN for modes that are not there."""
+        """Return the relative errors of the frequencies with these springs, NaN for missing modes."""
         chain = Chain.from_pieces(**self.pieces, joint_stiffness=springs, boundary=self.boundary)
         found = solve_modes(linearize(chain), modes or len(self.exact)).angular_frequency
         errors = np.full(len(self.exact), np.nan)

@@ -1,4 +1,4 @@
-"""The two ends of a chain from a file: what supports them, and which part of the outer pieces is a body there."""
+"""The ends of a chain from a file: what supports them, and which part of the outer pieces is a body there."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ __all__ = ["JudgedChain", "judged_chain"]
 
 @dataclass(frozen=True)
 class JudgedChain:
-    """A chain's pieces without the bodies at its ends, which are part of `boundary`; `springs` with names."""
+    """A chain's pieces without the bodies at its ends, which `boundary` has; `springs` with names."""
 
     boundary: Boundary
     pieces: tuple[Piece, ...]
@@ -25,8 +25,8 @@ class JudgedChain:
 def judged_chain(chain: PlanarChain, given: Boundary | None) -> JudgedChain:
     """Return a chain with its ends.
 
-    Without `given`, a spring between ground and beam is the rule's wall spring on an end that the ground holds,
-    and what an outer piece has beyond a rod like its neighbour's is a body at that end. With it, the
+    Without `given`, a spring between ground and beam is the rule's wall spring at an end that the ground
+    holds, and what an outer piece has beyond a rod like its neighbour's is a body at that end. With it, the
     bodies and springs of `given` are taken out of the outer pieces, in the order that fits.
 
     Raises
@@ -123,7 +123,7 @@ def _mirrored(piece: Piece) -> Piece:
 
 
 def _body(piece: Piece, neighbour: Piece | None, supports: tuple[float, float]) -> tuple[float, float, float]:
-    """Return mass, inertia and offset beyond the far tip of what a piece has more than a rod like its neighbour."""
+    """Return mass, inertia and offset of what a piece has at its far tip beyond a rod like its neighbour."""
     none = (0.0, 0.0, 0.0)
     if supports == (math.inf, math.inf):
         return none

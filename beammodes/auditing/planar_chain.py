@@ -1,4 +1,4 @@
-"""A serial chain of a model in one plane: pieces on a straight line, springs between them, what holds the ends.
+"""A serial chain of a model in one plane: pieces on a line, springs between them, what holds the ends.
 
 ::
 
@@ -6,9 +6,9 @@
              s runs along the beam, from the chain's root to its tip
 
 Where the ground itself carries the first hinge, piece 0 is what is rigid with the ground: of no length, or a
-welded segment. A file does not say where a beam begins and ends, only where its hinges are; geometry, centres of
-mass and neighbours suggest lengths of the outer pieces, and of these the ones are taken that come nearest to the
-beam's length in sum. They do not touch the frequencies of a chain with a free or clamped end.
+welded segment. A file does not say where a beam begins and ends, only where its hinges are; geometry, centres
+of mass and neighbours suggest lengths of the outer pieces, and of these the ones are taken that come nearest
+to the beam's length in sum. They do not touch the frequencies of a chain with a free or clamped end.
 """
 
 from __future__ import annotations
@@ -71,7 +71,7 @@ def planar_chain(path: HingePath, frame: Frame, far: FarEnd, length: float) -> P
 
 
 def _nearest(starts: Sequence[float], ends: Sequence[float], rest: float) -> tuple[float, float]:
-    """Return the pair whose sum is nearest; of several, the one whose numbers stand first, the end's above all."""
+    """Return the pair whose sum is nearest; of several, the one whose numbers stand first, the end's most."""
     pairs = itertools.product(enumerate(ends), enumerate(starts))
     off = [(round(abs(start + end - rest) / (abs(rest) or 1.0), 5), j, i) for (j, end), (i, start) in pairs]
     _, j, i = min(off)

@@ -29,7 +29,7 @@ _TRACE = 1e-9
 
 @dataclass(frozen=True)
 class Piece:
-    """A rigid piece: length [m], mass [kg], centre of mass from its near tip [m], inertia about that [kg m²]."""
+    """Length [m], mass [kg], centre of mass from the near tip [m] and inertia about that [kg m²]."""
 
     length: float
     mass: float
@@ -63,7 +63,7 @@ def held_piece(length: float, others: Sequence[Piece]) -> Piece:
 
 
 def with_wall_hinges(chain: PlanarChain, near: str, far: str, length: float) -> PlanarChain:
-    """Return a chain whose springs to the ground are hinges to pieces of their own, as a rule's wall spring is.
+    """Return a chain whose springs to the ground are hinges to pieces of their own, as wall springs are.
 
     A body of no length at an end keeps the spring as its support: the rule's own spring follows it.
 
@@ -134,7 +134,7 @@ def without_body(piece: Piece, end: End) -> Piece:
 
 
 def rod_like(rod: Piece, length: float) -> Piece:
-    """Return a rod of another length, of the same kind: slender, of some section, or with its mass at its ends."""
+    """Return a rod of another length and the same kind: slender, of some section, or mass at its ends."""
     mass = rod.mass * length / rod.length
     ratio = rod.inertia / (rod.mass * rod.length**2)
     kind = 1 / 4 if abs(ratio - 1 / 4) < NOTABLE else min(ratio, 1 / 12)

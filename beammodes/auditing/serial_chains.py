@@ -87,7 +87,7 @@ def _index(paths: Sequence[HingePath], name: str) -> int:
     names = [path.name for path in paths]
     if len(names) > _LISTED:
         raise ValueError(
-            f"chain must name a body of one of {len(names)} chains, such as {shown(names[0])}, got {shown(name)}"
+            f"chain must name a body of one of {len(names)} chains, such as {names[0]}, got {shown(name)}"
         )
     return names.index(choice("chain", name, names))
 
