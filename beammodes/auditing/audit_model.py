@@ -20,9 +20,10 @@ from beammodes.auditing.model_ends import judged_chain
 from beammodes.auditing.planar_chain import planar_chain
 from beammodes.auditing.read_mjcf import read_mjcf
 from beammodes.auditing.read_sdf import read_sdf
-from beammodes.auditing.read_urdf import read_springs, read_urdf
+from beammodes.auditing.read_urdf import read_urdf
 from beammodes.auditing.rigid_pieces import Piece, PlanarChain, with_wall_hinges
 from beammodes.auditing.serial_chains import HingePath, chosen_path, hinge_paths
+from beammodes.auditing.urdf_springs import read_springs
 from beammodes.checks import choice, positive_real, shown
 from beammodes.exporters.chain_csv import read_chain_csv
 from beammodes.problem.beam import Beam

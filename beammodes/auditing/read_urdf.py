@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
-import re
 from collections import defaultdict
 from collections.abc import Iterator, Mapping
-from pathlib import Path
 
 import numpy as np
 
 from beammodes.auditing.body_tree import Model, ModelBody, ModelJoint
-from beammodes.auditing.bounded_xml import BadModel, XmlElement, bounded_bytes, finite_number
+from beammodes.auditing.bounded_xml import BadModel, XmlElement
 from beammodes.auditing.spatial import Inertial, Pose, ends_of, from_rpy
 from beammodes.checks import shown
 
-__all__ = ["inertial_of", "read_springs", "read_urdf", "shape_ends", "tree_order"]
+__all__ = ["inertial_of", "read_urdf", "shape_ends", "tree_order"]
 
 _KINDS = {
     "revolute": "hinge",
@@ -23,7 +21,6 @@ _KINDS = {
     "floating": "free",
     "fixed": "fixed",
 }
-_ROW = re.compile(r"\s*-\s*\{([^{}]*)\}\s*(?:#.*)?")
 _NONE = np.zeros(3)
 
 
@@ -179,39 +176,4 @@ def _gazebo_springs(root: XmlElement) -> dict[str, float]:
         spring = element.first("springStiffness")
         if spring is not None and "reference" in element.attributes:
             found[element.attributes["reference"]] = spring.read("springStiffness", spring.text, 1)[0]
-    return found
-
-
-def read_springs(path: Path) -> dict[str, float]:
-    """Return the springs of a file as `export_chain` writes it beside a URDF file, by joint.
-
-    Read is a small part of YAML: rows `- {joint: NAME, type: hinge, stiffness: NUMBER, rest: 0.0}` below
-    `springs:`; the type may be left out, and a rest position must be 0.
-
-    Raises
-    ------
-    BadModel
-        If a row is none of these; the message names the line.
-    """
-    try:
-        lines = bounded_bytes(path).decode("utf-8-sig").splitlines()
-    except UnicodeDecodeError:
-        raise BadModel(f"{path.name} must be a text file in UTF-8") from None
-    except BadModel as error:
-        raise BadModel(f"{path.name} {error}") from None
-    found: dict[str, float] = {}
-    for number, line in enumerate(lines, start=1):
-        if not line.strip() or line.lstrip().startswith("#") or re.match(r"(model|springs):", line):
-            continue
-        where = f"{path.name}, line {number}"
-        match = _ROW.fullmatch(line[:1000])
-        pairs = dict(part.split(":", 1) for part in match[1].split(",") if ":" in part) if match else {}
-        row = {key.strip(): value.strip() for key, value in pairs.items()}
-        if "joint" not in row or "stiffness" not in row:
-            raise BadModel(f"{where}: must be - {{joint: NAME, stiffness: NUMBER}}, got {shown(line)}")
-        if row["joint"] in found:
-            raise BadModel(f"{where}: must not give joint {shown(row['joint'])} a second spring")
-        if finite_number(f"{where}: rest", row.get("rest", "0")):
-            raise BadModel(f"{where}: must have rest 0: the chain must be straight at rest")
-        found[row["joint"]] = finite_number(f"{where}: stiffness", row["stiffness"])
     return found

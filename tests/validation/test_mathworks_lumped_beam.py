@@ -1,10 +1,11 @@
 """MathWorks' flexible beam from lumped parameters: 20 flexible elements of half body, joint, half body.
 
-Source: MathWorks, flexible body library for Simscape Multibody (GitHub, mathworks/Simscape-Multibody-Flex-Beam,
-release R2025b), Examples/Simple: `sm_flex_lumped_param_beam` for the parameters and the frequencies that the
-page expects by theory, `..._calculate_modes.m` for the 20 elements and bending in one plane, and the page's
-figure of mode shapes, sm_flex_lumped_param_beam_05.png, for the frequencies of Simscape's own linearization. The joint stiffness E I / element length and the half bodies are
-those of Libraries/sm_flex_body_lib_lpar_compute_flexprop.m and of the element's diagram.
+Source: MathWorks, flexible body library for Simscape Multibody (GitHub, release R2025b:
+mathworks/Simscape-Multibody-Flex-Beam), Examples/Simple: `sm_flex_lumped_param_beam` for the parameters and
+the frequencies that the page expects by theory, `..._calculate_modes.m` for the 20 elements and bending in
+one plane, and the page's figure of mode shapes, sm_flex_lumped_param_beam_05.png, for the frequencies of
+Simscape's own linearization. The joint stiffness E I / element length is that of Libraries/
+sm_flex_body_lib_lpar_compute_flexprop.m, the half bodies those of the element's diagram.
 """
 
 from __future__ import annotations
@@ -63,7 +64,7 @@ def test_the_audit_knows_the_layout() -> None:
     # Against the beam with the same rotary inertia.
     exact = euler_bernoulli(beam(True), "clamped-free", 4).frequency
     np.testing.assert_allclose(found.errors, frequencies("half_stub") / exact - 1, rtol=1e-9)
-    # The law of the layout, of a section that does not turn; README has its +0.23 % at N = 10, a quarter here.
+    # README has +0.23 % of a slender beam at N = 10, so a quarter of that here.
     assert found.errors[0] == pytest.approx(0.0023 / 4, rel=0.01)
 
 
@@ -83,8 +84,8 @@ def test_simscapes_frequencies_agree_with_the_half_stub_chain() -> None:
     rotary inertia about the bending axis is the section's ρI beside the rod's; without it mode 4 is off by
     0.18 %, with it by 0.006 %. What is left, -0.056, -0.024, -0.010 and -0.006 %, falls with the mode: no
     error of the layout or of a mass does that (they grow with the mode, or stay). The page does not say how
-    the model is loaded while it is linearized, nor by which perturbation; 0.06 % covers that, and is an eighth
-    of the 0.45 % by which the layout itself shifts mode 4.
+    the model is loaded while it is linearized, nor by which perturbation; 0.06 % covers that, and is an
+    eighth of the 0.45 % by which the layout itself shifts mode 4.
     """
     off = BY_SIMSCAPE / frequencies("half_stub") - 1
     assert np.abs(off).max() < 6e-4
