@@ -26,9 +26,7 @@ def link(name: str, turn: str = "0 0 0", along: float = ELL / 2) -> str:
       <inertia ixx="1e-9" iyy="{ROD}" izz="{ROD}" ixy="0" ixz="0" iyz="0"/></inertial></link>"""
 
 
-def joint(
-    name: str, parent: str, child: str, *, kind: str = "revolute", x: float = ELL, turn: str = "0 0 0"
-) -> str:
+def joint(name: str, parent: str, child: str, turn: str = "0 0 0") -> str:
     limit = '<limit lower="-1" upper="1" effort="1" velocity="1"/>'
     return f"""<joint name="{name}" type="revolute"><parent link="{parent}"/><child link="{child}"/>
       <origin xyz="{ELL} 0 0" rpy="{turn}"/><axis xyz="0 1 0"/>{limit}</joint>"""
