@@ -10,6 +10,8 @@ import pytest
 from beammodes.accuracy.comparison import chain_errors
 from beammodes.accuracy.errors import frequency_error
 from beammodes.auditing.audit import UNKNOWN, Audit, audit_chain
+from beammodes.auditing.better_springs import _by_all_modes, _by_search
+from beammodes.auditing.judged_pieces import JudgedPieces
 from beammodes.chains.chain import Chain
 from beammodes.chains.rules import RULES
 from beammodes.problem.beam import Beam
@@ -115,7 +117,10 @@ def test_mismatches_and_foreign_rods_are_reported() -> None:
     found = audit_chain(BEAM, "clamped-free", **heavy)
     assert found.mass_mismatch == pytest.approx(0.03)
     assert "mass is +3 % off the beam's" in found.text and "length is" not in found.text
-    assert "which these pieces are not" in found.remark
+    assert found.remark.endswith("falls only as 1/N")
+    tip = cable()
+    tip["mass"][-1] *= 2
+    assert audit_chain(BEAM, "clamped-free", **tip).remark.endswith("with uniform pieces, which these are not")
     middle = [length / 2 for length in cable()["length"]]
     assert audit_chain(BEAM, "clamped-free", **cable(), centre=middle).remark.endswith("only as 1/N")
     short = audit_chain(Beam(1.25, 85.0, 0.62), "clamped-free", **cable())
@@ -175,3 +180,33 @@ def test_moving_the_hinges_is_offered_with_its_places_springs_and_errors(rule: s
 def test_hinges_that_are_in_place_are_not_moved(rule: str) -> None:
     found = audit_chain(BEAM, "clamped-free", **arrays(Chain(BEAM, "clamped-free", 8, rule)))
     assert not any(item.moves_hinges for item in found.suggestions)
+
+
+def test_another_rotary_inertia_limits_the_order_to_two() -> None:
+    # 2 % more than a rod's, as round caps add; the error then falls as 1/N², measured by doubling N.
+    errors = []
+    for segments in (40, 80):
+        given = arrays(Chain(BEAM, "clamped-free", segments, "gregory"))
+        given["rotary_inertia"] = 1.02 * given["rotary_inertia"]
+        found = audit_chain(BEAM, "clamped-free", **given, modes=1)
+        assert (found.layout, found.order) == ("gregory", 2)
+        errors.append(found.errors[0])
+    assert errors[0] / errors[1] == pytest.approx(4, rel=0.05)
+
+
+@pytest.mark.parametrize("boundary", ["clamped-free", "free-clamped", "clamped-clamped", "guided-pinned"])
+@pytest.mark.parametrize("rule", ["naive", "rigid_stub", "mitiguy"])
+def test_the_tuned_spring_is_found_by_two_routes(rule: str, boundary: str) -> None:
+    chain = Chain(BEAM, boundary, 7, rule)
+    given = {key: value for key, value in arrays(chain).items() if key != "joint_stiffness"}
+    judged = JudgedPieces.of(BEAM, chain.boundary, given, chain.joint_stiffness, 1)
+    at = -1 if judged.bends == (False, True) else 0
+    by_modes, by_search = _by_all_modes(judged, at), _by_search(judged, at)
+    assert by_search == pytest.approx(max(by_modes, 0.0), rel=1e-9)
+
+
+def test_a_spring_that_cannot_make_mode_1_exact_is_not_suggested() -> None:
+    # Even a stiff first hinge leaves a chain of soft ones too low.
+    soft = cable() | {"joint_stiffness": [10.0] * 9}
+    found = audit_chain(BEAM, "clamped-free", **soft)
+    assert [item.name for item in found.suggestions] == ["rigid_stub_corrected", "gregory"]

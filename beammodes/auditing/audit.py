@@ -39,7 +39,7 @@ class Audit:
     layout : str
         Name of the rule with these hinges and springs, or "no known layout".
     order : int or None
-        Of that rule, as declared for these ends: e ~ 1/N**order with the rule's own rods.
+        Of that rule for these ends and this rotary inertia: e ~ 1/N**order if the pieces are uniform.
     remark : str
         The layout in one sentence.
     suggestions : tuple of Suggestion
@@ -141,7 +141,7 @@ def audit_chain(
       rigid_stub_corrected: springs 5.2174, 17.143, 10, 10, ...: errors +0.29 %, +3.42 %
       first_spring_tuned: springs 6.0949, 10, 10, 10, ...: errors +0 %, +5.23 %
       gregory: hinges moved to 0, 0.1, ...:
-        springs 26.667, 8.5714, 10.435, 10, ...: errors +0.0005 %, -0.0098 %
+        springs 26.667, 8.5714, 10.435, 10, ...: errors +0.000515 %, -0.00976 %
     """
     given = {"length": length, "mass": mass, "rotary_inertia": rotary_inertia}
     given |= {} if centre is None else {"centre": centre}

@@ -12,7 +12,7 @@ from beammodes.auditing.judged_pieces import Found, JudgedPieces, percent
 from beammodes.chains.chain import Chain
 from beammodes.chains.rules import RULES
 from beammodes.vibration.linear import linearize
-from beammodes.vibration.modes import solve_modes
+from beammodes.vibration.modes import MAX_DENSE, solve_modes
 
 __all__ = ["MOVED", "TUNED", "Suggestion", "listed_errors", "suggestions_for"]
 
@@ -87,25 +87,51 @@ def _corrected(judged: JudgedPieces, layouts: list[Found]) -> Iterator[Suggestio
 
 def _tuned(judged: JudgedPieces) -> Iterator[Suggestion]:
     """Yield the springs with the first one from the held end changed, if mode 1 can so be exact."""
+    if not len(judged.springs) or abs(judged.errors(judged.springs, 1)[0]) <= 1e-9:
+        return
+    at = -1 if judged.bends == (False, True) else 0
+    few = len(judged.springs) <= MAX_DENSE
+    stiffness = _by_all_modes(judged, at) if few else _by_search(judged, at)
+    if stiffness > 0:
+        springs = judged.springs.copy()
+        springs[at] = stiffness
+        errors = judged.errors(springs)
+        if abs(errors[0]) < 1e-9:
+            yield Suggestion(TUNED, False, judged.hinge_position, springs, errors)
+
+
+def _by_all_modes(judged: JudgedPieces, at: int) -> float:
+    """Return the stiffness of one hinge that makes mode 1 exact, by the hinge's receptance.
+
+    A moment M across the hinge turns it by  H(ω) M,  H = Σ φ_n²/(ω_n² - ω²)  over all modes of unit mass; with
+    k + Δ instead of k the chain rings at ω where  1 + Δ H(ω) = 0.
+    """
+    chain = judged.chain(judged.springs)
+    if chain.pieces - 1 != len(judged.springs):
+        # A spring in series with a support is no hinge of its own.
+        return _by_search(judged, at)
+    modes = solve_modes(linearize(chain))
+    turns = np.diff(modes.rotation, axis=1)[:, at]
+    target = judged.exact[0]
+    below = modes.angular_frequency - target
+    receptance = float(np.sum(turns**2 / (below * (modes.angular_frequency + target))))
+    return float(judged.springs[at]) - 1 / receptance if receptance else 0.0
+
+
+def _by_search(judged: JudgedPieces, at: int) -> float:
+    """Return the same for long chains, whose lowest mode alone is cheap; 0 if there is none."""
     from scipy.optimize import brentq
 
-    at = -1 if judged.bends == (False, True) else 0
-
-    def changed(log: float) -> Array:
+    def error(log: float) -> float:
         springs = judged.springs.copy()
         springs[at] *= np.exp(log)
-        return springs
+        return float(judged.errors(springs, 1)[0])
 
-    def error(log: float) -> float:
-        return float(judged.errors(changed(log), 1)[0])
-
-    start = error(0.0) if len(judged.springs) else 0.0
+    start = error(0.0)
     # A stiffer spring raises every frequency.
     ends = (-np.sign(start) * step for step in (0.25, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0))
-    end = next((log for log in ends if start * error(log) < 0), None) if abs(start) > 1e-9 else None
-    if end is not None:
-        springs = changed(brentq(error, 0.0, end, xtol=1e-14))
-        yield Suggestion(TUNED, False, judged.hinge_position, springs, judged.errors(springs))
+    end = next((log for log in ends if start * error(log) < 0), None)
+    return 0.0 if end is None else float(judged.springs[at] * np.exp(brentq(error, 0.0, end, xtol=1e-14)))
 
 
 def _moved(judged: JudgedPieces, layouts: list[Found]) -> Iterator[Suggestion]:

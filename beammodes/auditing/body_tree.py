@@ -117,13 +117,6 @@ class Group:
         """The ends of the geometry of all its bodies."""
         return [point for body in self.bodies for point in body.extent]
 
-    def path(self) -> list[Group]:
-        """Return the groups from the ground's to this one."""
-        found: list[Group] = [self]
-        while found[-1].parent is not None:
-            found.append(found[-1].parent)
-        return found[::-1]
-
 
 def rigid_groups(bodies: Sequence[ModelBody]) -> list[Group]:
     """Return the groups of a tree, parents first, the ground's own at the head.

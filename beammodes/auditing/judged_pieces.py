@@ -48,8 +48,8 @@ def percent(error: float, digits: int = 3) -> str:
     >>> percent(0.1114, 2), percent(-1e-12)
     ('+11 %', '+0 %')
     """
-    # Adding 0.0 takes the sign off a zero.
-    return f"{round(100 * error, 4) + 0.0:+.{digits}g} %"
+    # What is smaller is rounding.
+    return f"{100 * error if abs(error) > 1e-10 else 0.0:+.{digits}g} %"
 
 
 @dataclass(frozen=True, eq=False)
@@ -105,10 +105,13 @@ class JudgedPieces:
         )
         return left, right
 
+    def chain(self, springs: Array) -> Chain:
+        """Return the chain with these springs."""
+        return Chain.from_pieces(**self.pieces, joint_stiffness=springs, boundary=self.boundary)
+
     def errors(self, springs: Array, modes: int | None = None) -> Array:
         """Return the relative errors of the frequencies with these springs, NaN for missing modes."""
-        chain = Chain.from_pieces(**self.pieces, joint_stiffness=springs, boundary=self.boundary)
-        found = solve_modes(linearize(chain), modes or len(self.exact)).angular_frequency
+        found = solve_modes(linearize(self.chain(springs)), modes or len(self.exact)).angular_frequency
         errors = np.full(len(self.exact), np.nan)
         errors[: len(found)] = found / self.exact[: len(found)] - 1
         return errors
@@ -142,21 +145,33 @@ class JudgedPieces:
 
     def _has_rods_of(self, rule: Rule) -> bool:
         """Whether pieces that move are uniform, with the rotary inertia that the rule gives them."""
-        share = self.mass.sum() * self.length / self.length.sum()
-        turning = float(rule.rotary_inertia) * share * self.length**2
+        turning = float(rule.rotary_inertia) * self._share * self.length**2
         turning += mean_over(self.beam.rotary_inertia_per_length, self.beam.length) * self.length
-        inertia = np.array(self.pieces["rotary_inertia"], dtype=np.float64)
-        centre = np.array(self.pieces.get("centre", self.length / 2), dtype=np.float64)
-        inside = slice(self.boundary.left.holds_rotation, len(share) - self.boundary.right.holds_rotation)
-        pairs = ((self.mass, share), (inertia, turning), (centre, self.length / 2))
-        return all(
-            np.allclose(own[inside], due[inside], rtol=0, atol=_SAME_ROD * due.max()) for own, due in pairs
-        )
+        return self._is_uniform and self._agree(self.pieces["rotary_inertia"], turning)
+
+    @property
+    def _share(self) -> Array:
+        return np.asarray(self.mass.sum() * self.length / self.length.sum())
+
+    @property
+    def _is_uniform(self) -> bool:
+        """Whether the mass is that of a uniform beam, each piece's centre of mass at its middle."""
+        middle = self.length / 2
+        return self._agree(self.mass, self._share) and self._agree(self.pieces.get("centre", middle), middle)
+
+    def _agree(self, own: Any, due: Array) -> bool:
+        inside = slice(self.boundary.left.holds_rotation, len(due) - self.boundary.right.holds_rotation)
+        given = np.array(own, dtype=np.float64)
+        return np.allclose(given[inside], due[inside], rtol=0, atol=_SAME_ROD * due.max())
 
     def order(self, rule: Rule) -> int:
-        """Return the order of a rule's error for this beam and its ends."""
+        """Return the order of a rule's error for this beam, its ends and these pieces' rotary inertia.
+
+        Another rotary inertia than the rule's is an error of order 2 in the kinetic energy.
+        """
         declared = rule.declared_order(self.boundary)
-        return min(declared, 2) if self.beam.has_rotary_inertia else declared
+        kept = self._has_rods_of(rule) and not self.beam.has_rotary_inertia
+        return declared if kept else min(declared, 2)
 
     def remark(self, layouts: list[Found], rules: list[Found], error: float) -> str:
         """Return the layout in one sentence."""
@@ -173,5 +188,5 @@ class JudgedPieces:
         falls = "falls only as 1/N" if order == 1 else f"falls as 1/N{'⁰¹²³⁴⁵⁶⁷⁸⁹'[order]}"
         same = ", ".join(other.name for other, _ in rules[1:])
         text = f"{where}: {rule.name}{f' (here the same as {same})' if same else ''}"
-        rods = "" if self._has_rods_of(rule) else " with the rule's rods, which these pieces are not"
+        rods = "" if self._is_uniform else " with uniform pieces, which these are not"
         return f"{text}, {percent(error, 2)} at N = {count}, {falls}{rods}"

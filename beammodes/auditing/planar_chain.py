@@ -89,8 +89,9 @@ def _check(path: HingePath, frame: Frame) -> None:
                     f"to {frame.hinges[0].name}: nothing else may move on the chain"
                 )
     root = [path.root] if moves_alone(path.root) else []
+    both = len(path.planes()) > 1
     for group in (*root, *path.groups):
-        _check_matter(group, path, frame)
+        _check_matter(group, frame, both)
 
 
 def _check_refusals(group: Group) -> None:
@@ -99,17 +100,16 @@ def _check_refusals(group: Group) -> None:
         raise BadModel(why)
 
 
-def _check_matter(group: Group, path: HingePath, frame: Frame) -> None:
+def _check_matter(group: Group, frame: Frame, both: bool) -> None:
     inertial, spacing = group.inertial, frame.spacing or abs(frame.place(group.inertial.centre))
     if not inertial.mass:
         raise BadModel(f"body {group.name} must have a mass greater than 0")
-    two = len(path.planes()) > 1
     off = inertial.centre - frame.origin - frame.place(inertial.centre) * frame.along
-    distance = float(np.linalg.norm(off)) if two else frame.off_line(inertial.centre)
+    distance = float(np.linalg.norm(off)) if both else frame.off_line(inertial.centre)
     if distance > max(OFF_LINE * spacing, 1e-12):
         raise BadModel(f"body {group.name} must have its centre of mass on the line of the hinges")
     product = abs(float(frame.axis @ inertial.inertia @ frame.across))
-    if two and product > OFF_LINE * float(np.trace(inertial.inertia)):
+    if both and product > OFF_LINE * float(np.trace(inertial.inertia)):
         raise BadModel(f"body {group.name} must have its principal axes along the hinges'")
 
 
