@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 from test_engines import ALL, OPEN
 
 from beammodes.accuracy.comparison import chain_errors
@@ -14,6 +17,7 @@ from beammodes.auditing.audit_model import audit_file
 from beammodes.chains.chain import Chain
 from beammodes.exporters.export import export_chain
 from beammodes.problem.beam import Beam
+from beammodes.problem.ends import End
 
 BEAM = Beam(1.2, 85.0, 0.62)
 RULES = ["mitiguy", "half_stub", "rigid_stub", "hencky", "gregory", "naive"]
@@ -55,3 +59,29 @@ def test_other_formats_are_known_again(case: str, rule: str, suffix: str, tmp_pa
     chain = Chain(BEAM, OPEN[case], segments=6, rule=rule)
     path = export_chain(chain, tmp_path / f"chain{suffix}")[0]
     known_again(chain, audit_file(path, BEAM, chain.boundary))
+
+
+STIFFNESS = st.sampled_from([0.0, math.inf]) | st.floats(1.0, 1e4)
+ENDS = st.builds(
+    End,
+    STIFFNESS,
+    STIFFNESS,
+    st.just(0.0) | st.floats(0.05, 1.0),
+    st.just(0.0) | st.floats(0.001, 0.1),
+    st.sampled_from([-0.1, 0.0, 0.05]),
+)
+
+
+@given(ENDS, ENDS, st.integers(4, 6), st.sampled_from(RULES))
+@settings(max_examples=60)
+def test_any_exported_ends_are_known_again(
+    tmp_path_factory: pytest.TempPathFactory, left: End, right: End, segments: int, rule: str
+) -> None:
+    try:
+        chain = Chain(BEAM, (left, right), segments, rule)
+    except ValueError:  # a rule without positive springs for so short a chain
+        return
+    (path,) = export_chain(chain, tmp_path_factory.mktemp("any") / "chain.xml")
+    found = audit_file(path, BEAM, chain.boundary)
+    due = chain_errors(chain, min(3, chain.elastic_modes))
+    np.testing.assert_allclose(found.errors[: len(due)], due, rtol=1e-6, atol=1e-7)

@@ -68,11 +68,9 @@ def far_end(
 
 def _with(end: FarEnd, tie: ModelTie, turns: list[tuple[float, float]], shift: list[float]) -> FarEnd:
     (first, lead), (last, rest) = turns[0], turns[-1]
-    if (
-        not any(shift)
-        and all(abs(value - lead) <= _SAME * abs(lead) for _, value in turns)
-        and len(turns) > 1
-    ):
+    alike = not any(shift) and all(abs(value - lead) <= _SAME * abs(lead) for _, value in turns)
+    # Of one hinge alone a number cannot tell; 1 is its rotation, anything else a distance.
+    if alike and (len(turns) > 1 or shift or (abs(lead) == 1 and tie.stiffness < math.inf)):
         return FarEnd(end.across, end.turning + _times(tie.stiffness, lead), end.place, tie.name)
     scale = shift[0] if any(shift) else 1.0 if last == first else (lead - rest) / (last - first)
     place = first + lead / scale if scale else math.nan

@@ -75,7 +75,8 @@ def frame_of(path: HingePath, axis: Array) -> Frame:
     for i, hinge in enumerate(hinges):
         if frame.off_line(hinge.position) > OFF_LINE * spacing:
             raise BadModel(f"hinge {hinge.name} must be on one straight line with the others at rest")
-        if i and places[i] <= places[i - 1]:
+        # The first two may be at one place: a support's spring, a body of no length, the beam's own.
+        if i and (places[i] < places[i - 1] or (i > 1 and places[i] == places[i - 1])):
             raise BadModel(f"hinge {hinge.name} must be further along the chain than {hinges[i - 1].name}")
     return frame
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 
-from beammodes.auditing.rigid_pieces import NOTABLE, SAME, Piece, PlanarChain, rod_like, without_body
+from beammodes.auditing.rigid_pieces import NOTABLE, SAME, Piece, PlanarChain, held_piece, rod_like, without_body
 from beammodes.problem.ends import Boundary
 from beammodes.problem.supports import End
 
@@ -36,11 +36,17 @@ def judged_chain(chain: PlanarChain, given: Boundary | None) -> JudgedChain:
     """
     if given is None:
         return _inferred(chain)
-    for pair in (given, given.turned):
-        if _fits(chain.near, pair.left) and _fits(chain.far, pair.right):
+    orders = (given, given.turned)
+    fitting = [pair for pair in orders if _fits(chain.near, pair.left) and _fits(chain.far, pair.right)]
+    for i, pair in enumerate(fitting):
+        try:
             return _stated(chain, pair)
+        except ValueError:
+            # Ends that are alike but for a number may fit in the other order only.
+            if i == len(fitting) - 1:
+                raise
     # URDF cannot support the far end, and other constraints are not read: there the user's word counts.
-    for pair in (given, given.turned):
+    for pair in orders:
         if _fits(chain.near, pair.left) and chain.far == (0.0, 0.0):
             held = replace(chain, far=_supports(pair.right))
             return replace(_stated(held, pair), assumed=f"the far end is {pair.right} because you say so")
@@ -95,12 +101,16 @@ def _stated(chain: PlanarChain, given: Boundary) -> JudgedChain:
                 f"boundary must have a rotational_stiffness above {spring:.6g}, the spring of {name}, "
                 f"got {support:.6g}"
             )
-    if chain.far[0] < chain.far[1] == math.inf and len(pieces) == len(chain.pieces):
+    if chain.far[0] < chain.far[1] == math.inf and pieces[-1] == chain.pieces[-1]:
         _pass_point_on(pieces)
     for at, end, _ in sides:
-        own = _mirrored(pieces[0]) if at == 0 else pieces[-1]
+        mass, inertia, offset = end.moving_body
+        if pieces[at] == held_piece(0.0, ()) and mass and not inertia and not offset and len(pieces) > 1:
+            # A point on a hinge moves with the piece beyond it.
+            at = 1 if at == 0 else -2
+        own = _mirrored(pieces[at]) if at >= 0 else pieces[at]
         rest = without_body(own, end)
-        pieces[at] = _mirrored(rest) if at == 0 else rest
+        pieces[at] = _mirrored(rest) if at >= 0 else rest
     return JudgedChain(given, tuple(pieces), tuple(springs))
 
 
@@ -109,9 +119,12 @@ def _pass_point_on(pieces: list[Piece]) -> None:
 
     What slides with a beam's tip without turning moves as such a point, and files have it so.
     """
-    if len(pieces) < 4 or not pieces[-3].length:
+    rods = [piece for piece in pieces[:-2] if piece.length]
+    if not rods:
+        # Nothing tells how heavy the piece is; the point stays where it is, so the piece has no mass.
+        pieces[-1] = held_piece(0.0, ())
         return
-    before, rod = pieces[-2], rod_like(pieces[-3], pieces[-2].length)
+    before, rod = pieces[-2], rod_like(rods[-1], pieces[-2].length)
     point = before.mass - rod.mass
     if point > NOTABLE * rod.mass:
         pieces[-2] = without_body(before, End(mass=point))

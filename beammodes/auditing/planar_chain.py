@@ -57,8 +57,8 @@ def planar_chain(path: HingePath, frame: Frame, far: FarEnd, length: float) -> P
     else:
         ends = _lengths(path.groups[-1], frame, frame.places[-1], 1.0)
         # Before a hinge to something held the body ends there, wherever the beam does.
-        if far.turning:
-            ends, starts = [next(filter(None, ends), 0.0)], starts[:1] if moves else starts
+        if far.turning and path.groups[-1].extent:
+            ends, starts = ends[:1], starts[:1] if moves else starts
     start, end = _nearest(starts, ends, length - span)
     cuts = [frame.places[0] - start, *frame.places, frame.places[-1] + end]
     groups = [path.root if moves else None, *path.groups]

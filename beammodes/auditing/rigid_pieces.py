@@ -77,7 +77,10 @@ def with_wall_hinges(chain: PlanarChain, near: str, far: str, length: float) -> 
     """
     pieces = [_without_traces(piece, chain.pieces) for piece in chain.pieces]
     springs, ends = list(chain.springs), [chain.near, chain.far]
-    if 0 < chain.near[1] < math.inf and pieces[0].length:
+    if ends[0][1] == math.inf and len(pieces) > 2 and pieces[0].length == pieces[1].length == 0:
+        ends[0] = (ends[0][0], springs[0][1])
+        del pieces[0], springs[0]
+    if 0 < ends[0][1] < math.inf and pieces[0].length:
         pieces.insert(0, held_piece(0.0, ()))
         springs.insert(0, (near, chain.near[1]))
         ends[0] = (chain.near[0], math.inf)
