@@ -54,23 +54,30 @@ def answer_audit(options: argparse.Namespace) -> Answer:
         springs=options.springs,
     )
     rows = _modes(found)
-    answer: dict[str, Any] = {
-        "file": str(options.file),
-        "meets": found.meets,
-        "tolerance": found.tolerance,
-        "boundary": found.boundary.name,
-        "layout": found.layout,
-        "segments": found.segments,
-        "order": found.order,
-        "remark": found.remark,
-        "length_mismatch": found.length_mismatch,
-        "mass_mismatch": found.mass_mismatch,
-        "modes": rows,
+    answer = {"file": str(options.file), **_facts(found), "modes": rows, **_lists(found)}
+    return answer, "\n".join([*_verdict(found), frequency_table(rows), *_changes(found)])
+
+
+def _facts(found: Audit) -> dict[str, Any]:
+    names = (
+        "meets",
+        "tolerance",
+        "layout",
+        "segments",
+        "order",
+        "remark",
+        "length_mismatch",
+        "mass_mismatch",
+    )
+    return {"boundary": found.boundary.name} | {name: getattr(found, name) for name in names}
+
+
+def _lists(found: Audit) -> dict[str, Any]:
+    return {
         "hinges": _hinges(found.hinge_names, found.joint_stiffness.tolist()),
         "suggestions": [_suggestion(found, item) for item in found.suggestions],
         "notes": list(found.notes),
     }
-    return answer, "\n".join([*_verdict(found), frequency_table(rows), *_changes(found)])
 
 
 def _modes(found: Audit) -> list[dict[str, Any]]:

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from test_engines import ALL, OPEN
 
@@ -73,6 +73,10 @@ ENDS = st.builds(
 
 
 @given(ENDS, ENDS, st.integers(4, 6), st.sampled_from(RULES))
+@example(End(math.inf, 0.0, 1.0, 0.0, -0.1), End(1.0, math.inf), 4, "half_stub")
+@example(End(0.0, math.inf), End(math.inf, 1.0), 4, "half_stub")
+@example(End(0.0, math.inf), End(0.0, 1.0, 1.0, 0.0, -0.1), 4, "mitiguy")
+@example(End(), End(math.inf, 1.0, 0.0, 0.0625, -0.1), 4, "mitiguy")
 @settings(max_examples=60)
 def test_any_exported_ends_are_known_again(
     tmp_path_factory: pytest.TempPathFactory, left: End, right: End, segments: int, rule: str

@@ -103,8 +103,8 @@ def _tuned(judged: JudgedPieces) -> Iterator[Suggestion]:
 def _by_all_modes(judged: JudgedPieces, at: int) -> float:
     """Return the stiffness of one hinge that makes mode 1 exact, by the hinge's receptance.
 
-    A moment M across the hinge turns it by  H(ω) M,  H = Σ φ_n²/(ω_n² - ω²)  over all modes of unit mass; with
-    k + Δ instead of k the chain rings at ω where  1 + Δ H(ω) = 0.
+    A moment M across the hinge turns it by  H(ω) M,  H = Σ φ_n²/(ω_n² - ω²)  over all modes of unit mass;
+    with k + Δ instead of k the chain rings at ω where  1 + Δ H(ω) = 0.
     """
     chain = judged.chain(judged.springs)
     if chain.pieces - 1 != len(judged.springs):

@@ -5,7 +5,15 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 
-from beammodes.auditing.rigid_pieces import NOTABLE, SAME, Piece, PlanarChain, held_piece, rod_like, without_body
+from beammodes.auditing.rigid_pieces import (
+    NOTABLE,
+    SAME,
+    Piece,
+    PlanarChain,
+    held_piece,
+    rod_like,
+    without_body,
+)
 from beammodes.problem.ends import Boundary
 from beammodes.problem.supports import End
 
@@ -87,20 +95,8 @@ def _stated(chain: PlanarChain, given: Boundary) -> JudgedChain:
     pieces, springs = list(chain.pieces), list(chain.springs)
     sides = ((0, given.left, chain.near), (-1, given.right, chain.far))
     for at, end, (_, turning) in sides:
-        support = float(end.rotational_stiffness)
-        if not (springs and 0 < support < turning == math.inf):
-            continue
-        name, spring = springs[at]
-        if abs(spring / support - 1) <= SAME:
-            # Nothing but the support: the rule puts no hinge there.
-            del pieces[at], springs[at]
-        elif spring < support:
-            springs[at] = (name, 1 / (1 / spring - 1 / support))
-        else:
-            raise ValueError(
-                f"boundary must have a rotational_stiffness above {spring:.6g}, the spring of {name}, "
-                f"got {support:.6g}"
-            )
+        if springs and 0 < end.rotational_stiffness < turning == math.inf:
+            _take_support_out(pieces, springs, at, float(end.rotational_stiffness))
     if chain.far[0] < chain.far[1] == math.inf and pieces[-1] == chain.pieces[-1]:
         _pass_point_on(pieces)
     for at, end, _ in sides:
@@ -112,6 +108,21 @@ def _stated(chain: PlanarChain, given: Boundary) -> JudgedChain:
         rest = without_body(own, end)
         pieces[at] = _mirrored(rest) if at >= 0 else rest
     return JudgedChain(given, tuple(pieces), tuple(springs))
+
+
+def _take_support_out(pieces: list[Piece], springs: list[tuple[str, float]], at: int, support: float) -> None:
+    """Leave of an outer spring what is not the end's own: the rule's wall spring, in series with it."""
+    name, spring = springs[at]
+    if abs(spring / support - 1) <= SAME:
+        # Nothing but the support: the rule puts no hinge there.
+        del pieces[at], springs[at]
+    elif spring < support:
+        springs[at] = (name, 1 / (1 / spring - 1 / support))
+    else:
+        raise ValueError(
+            f"boundary must have a rotational_stiffness above {spring:.6g}, the spring of {name}, "
+            f"got {support:.6g}"
+        )
 
 
 def _pass_point_on(pieces: list[Piece]) -> None:

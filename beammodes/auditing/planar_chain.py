@@ -52,13 +52,14 @@ def planar_chain(path: HingePath, frame: Frame, far: FarEnd, length: float) -> P
     moves = root is not None
     span = frame.places[-1] - frame.places[0]
     starts = _starts(path.root, frame) if moves else _stubs(path.root, frame)
+    ends = _lengths(path.groups[-1], frame, frame.places[-1], 1.0)
     if far.place is not None:
         ends = [far.place - frame.places[-1]]
-    else:
-        ends = _lengths(path.groups[-1], frame, frame.places[-1], 1.0)
-        # Before a hinge to something held the body ends there, wherever the beam does.
-        if far.turning and path.groups[-1].extent:
-            ends, starts = ends[:1], starts[:1] if moves else starts
+    elif far.turning and path.groups[-1].extent:
+        ends = ends[:1]
+    if far.turning and moves:
+        # Beyond the far hinge the beam may go on, so its length does not tell where it begins.
+        starts = starts[:1]
     start, end = _nearest(starts, ends, length - span)
     cuts = [frame.places[0] - start, *frame.places, frame.places[-1] + end]
     groups = [path.root if moves else None, *path.groups]
