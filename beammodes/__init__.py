@@ -67,7 +67,7 @@ _HOME = {
     "End": "problem.supports",
     "Equilibrium": "equilibrium.equilibria",
     "EquilibriumNotFound": "equilibrium.equilibria",
-    "GivenSection": "problem.sections",
+    "GivenSection": "problem.given_section",
     "ISection": "problem.sections",
     "LinearModel": "vibration.linear",
     "Load": "problem.loading",
@@ -80,6 +80,7 @@ _HOME = {
     "SpectralBeamModes": "exact.spectral_shapes",
     "SupportedBeamModes": "exact.supported_beam",
     "Table": "problem.profiles",
+    "Tolerance": "accuracy.tolerances",
     "Tube": "problem.sections",
     "Weight": "chains.rules",
     "animate": "views.animation",
@@ -94,7 +95,8 @@ _HOME = {
     "chain_statics": "accuracy.statics",
     "compile_equations": "equations.numeric",
     "damped_modes": "dynamics.damping_ratio",
-    "damped_time_step": "dynamics.damping_ratio",
+    "damped_time_step": "dynamics.damped_step",
+    "draw_chain": "views.schematic",
     "elastic_modulus": "problem.materials",
     "equations_of_motion": "equations.symbolic",
     "error_dataset": "accuracy.error_table",
@@ -103,7 +105,8 @@ _HOME = {
     "export_chain": "exporters.export",
     "find_equilibrium": "equilibrium.equilibria",
     "frequency_error": "accuracy.errors",
-    "from_sectionproperties": "problem.sections",
+    "frequency_spread": "accuracy.uncertainty",
+    "from_sectionproperties": "problem.given_section",
     "harmonic": "dynamics.base_motion",
     "joint_dampers": "dynamics.damping_ratio",
     "linearize": "vibration.linear",
@@ -111,12 +114,13 @@ _HOME = {
     "matched": "springs.inverse",
     "modal_assurance": "accuracy.shapes",
     "modal_response": "dynamics.superposition",
-    "mode_start": "dynamics.simulation",
+    "mode_start": "dynamics.initial_state",
     "mode_tuned": "springs.tuning",
     "published_time_step": "vibration.stability",
     "read_chain_csv": "exporters.chain_csv",
     "recommend": "accuracy.advice",
     "segments_needed": "accuracy.errors",
+    "segments_within_spread": "accuracy.enough_segments",
     "shape_dataset": "accuracy.shapes",
     "simulate": "dynamics.simulation",
     "solve_modes": "vibration.modes",
@@ -139,6 +143,7 @@ if TYPE_CHECKING:
     from beammodes.accuracy.comparison import SlendernessWarning as SlendernessWarning
     from beammodes.accuracy.comparison import chain_errors as chain_errors
     from beammodes.accuracy.comparison import theory_errors as theory_errors
+    from beammodes.accuracy.enough_segments import segments_within_spread as segments_within_spread
     from beammodes.accuracy.error_table import error_dataset as error_dataset
     from beammodes.accuracy.errors import frequency_error as frequency_error
     from beammodes.accuracy.errors import segments_needed as segments_needed
@@ -148,6 +153,8 @@ if TYPE_CHECKING:
     from beammodes.accuracy.static_errors import static_dataset as static_dataset
     from beammodes.accuracy.statics import beam_statics as beam_statics
     from beammodes.accuracy.statics import chain_statics as chain_statics
+    from beammodes.accuracy.tolerances import Tolerance as Tolerance
+    from beammodes.accuracy.uncertainty import frequency_spread as frequency_spread
     from beammodes.auditing.audit import Audit as Audit
     from beammodes.auditing.audit import audit_chain as audit_chain
     from beammodes.auditing.audit_model import audit_file as audit_file
@@ -160,12 +167,12 @@ if TYPE_CHECKING:
     from beammodes.dynamics.base_motion import BaseMotion as BaseMotion
     from beammodes.dynamics.base_motion import harmonic as harmonic
     from beammodes.dynamics.base_motion import spin_up as spin_up
+    from beammodes.dynamics.damped_step import damped_time_step as damped_time_step
     from beammodes.dynamics.damping import Damping as Damping
     from beammodes.dynamics.damping_ratio import damped_modes as damped_modes
-    from beammodes.dynamics.damping_ratio import damped_time_step as damped_time_step
     from beammodes.dynamics.damping_ratio import joint_dampers as joint_dampers
+    from beammodes.dynamics.initial_state import mode_start as mode_start
     from beammodes.dynamics.simulation import DivergedWarning as DivergedWarning
-    from beammodes.dynamics.simulation import mode_start as mode_start
     from beammodes.dynamics.simulation import simulate as simulate
     from beammodes.dynamics.superposition import modal_response as modal_response
     from beammodes.equations.numeric import compile_equations as compile_equations
@@ -187,17 +194,17 @@ if TYPE_CHECKING:
     from beammodes.problem.beam import Beam as Beam
     from beammodes.problem.ends import BOUNDARIES as BOUNDARIES
     from beammodes.problem.ends import Boundary as Boundary
+    from beammodes.problem.given_section import GivenSection as GivenSection
+    from beammodes.problem.given_section import from_sectionproperties as from_sectionproperties
     from beammodes.problem.loading import Load as Load
     from beammodes.problem.materials import MODULI as MODULI
     from beammodes.problem.materials import elastic_modulus as elastic_modulus
     from beammodes.problem.profiles import Table as Table
     from beammodes.problem.sections import Box as Box
     from beammodes.problem.sections import Circle as Circle
-    from beammodes.problem.sections import GivenSection as GivenSection
     from beammodes.problem.sections import ISection as ISection
     from beammodes.problem.sections import Rectangle as Rectangle
     from beammodes.problem.sections import Tube as Tube
-    from beammodes.problem.sections import from_sectionproperties as from_sectionproperties
     from beammodes.problem.supports import ENDS as ENDS
     from beammodes.problem.supports import End as End
     from beammodes.springs.inverse import match_springs as match_springs
@@ -210,6 +217,7 @@ if TYPE_CHECKING:
     from beammodes.vibration.stability import published_time_step as published_time_step
     from beammodes.vibration.stability import stable_time_step as stable_time_step
     from beammodes.views.animation import animate as animate
+    from beammodes.views.schematic import draw_chain as draw_chain
 
 
 def __getattr__(name: str) -> Any:

@@ -30,13 +30,14 @@ from beammodes.chains.rules import RULES
 from beammodes.files import write_atomically
 from beammodes.views.tables import markdown_table
 from studies.accuracy import beam_frequency, chain_frequency
-from studies.rivals import KANE_UNITS, MEMORY, METHODS, kane_equations, nodal_matrices, timed
+from studies.motion_rivals import moving
+from studies.rivals import KANE_UNITS, MEMORY, METHODS, duration, kane_equations, nodal_matrices, timed
 
 __all__ = ["cell", "deriving", "environment", "lookups", "main", "replaced", "same_equations", "solving"]
 
 ROOT = Path(__file__).resolve().parent.parent
 BEGIN, END = "<!-- benchmarks: begin -->", "<!-- benchmarks: end -->"
-PACKAGES = ("numpy", "scipy", "sympy", "scikit-fem", "mujoco", "pin")
+PACKAGES = ("numpy", "scipy", "sympy", "casadi", "scikit-fem", "mujoco", "pin")
 SEGMENTS = (16, 128, 1024, 8192, 1_000_000)
 PATIENCE = 60.0
 MODES = 3
@@ -83,10 +84,10 @@ def deriving(ours: Sequence[int] = (12, 32), theirs: Sequence[int] = (12,)) -> s
         _say(f"deriving, N = {segments}")
         # SymPy remembers what it has computed: a repeated call would be flattered.
         mine = timed(partial(_derive, segments), budget=3.0, before=clear_cache)[0]
-        row = [f"{segments}", _duration(mine), "not timed", "–"]
+        row = [f"{segments}", duration(mine), "not timed", "–"]
         if segments in theirs:
             kane = timed(partial(_derive_by_kane, segments), budget=0.0, before=clear_cache)[0]
-            row[2:] = [_duration(kane), f"{kane / mine:.0f}"]
+            row[2:] = [duration(kane), f"{kane / mine:.0f}"]
         rows.append(row)
     columns = ["N", "this project", "`KanesMethod` and its `linearize`", "ratio"]
     return (
@@ -135,7 +136,7 @@ def _refused(name: str, segments: int, last: tuple[int, float] | None) -> dict[s
     if last is not None:
         estimate = last[1] * (segments / last[0]) ** method.power
         if estimate > PATIENCE:
-            return {"refused": f"not feasible: {_duration(estimate)} by N{'⁰¹²³'[int(method.power)]}"}
+            return {"refused": f"not feasible: {duration(estimate)} by N{'⁰¹²³'[int(method.power)]}"}
     return None
 
 
@@ -163,7 +164,7 @@ def cell(name: str, segments: int, result: dict[str, Any]) -> str:
     reference = beam_frequency if METHODS[name].of_beam else lambda mode: chain_frequency(segments, mode)
     true = [float(reference(mode)) for mode in range(1, MODES + 1)]
     errors = [float(abs(reference(k + 1) - w) / true[k]) for k, w in enumerate(result["frequencies"])]
-    time = _duration(result["seconds"])
+    time = duration(result["seconds"])
     worst = int(np.argmax(errors))
     if not errors[worst] < 0.1:
         returned, symbol = result["frequencies"][worst], f"ω{'₁₂₃'[worst]}"
@@ -188,7 +189,7 @@ def lookups(count: int = 1_000_000) -> str:
     rows = []
     for label, (call, size) in ways.items():
         first, repeated = timed(call, budget=0.0)[0], timed(call, budget=3.0)[0]
-        rows.append([label, _duration(first / size), _duration(repeated / size)])
+        rows.append([label, duration(first / size), duration(repeated / size)])
     return (
         "**Lookups** of `frequency_error`; in the mixed ones boundary, rule and mode up to 5 are random. "
         "The first call imports, and fills what later ones find ready.\n\n"
@@ -211,14 +212,6 @@ def _one_by_matrices() -> float:
     square = scipy.linalg.eigh(stiffness, mass, eigvals_only=True, subset_by_index=[0, 0])[0]
     exact = bm.euler_bernoulli(bm.Beam.unit(), "clamped-free", modes=1).angular_frequency[0]
     return float(np.sqrt(square) * segments**2 / exact - 1)
-
-
-def _duration(seconds: float) -> str:
-    for unit, size in (("h", 3600.0), ("min", 60.0), ("s", 1.0), ("ms", 1e-3), ("µs", 1e-6)):
-        if seconds >= size * (2 if unit in ("h", "min") else 1):
-            break
-    value = seconds / size
-    return f"{value:.2g} {unit}" if value < 100 else f"{value:.0f} {unit}"
 
 
 def replaced(text: str, tables: str) -> str:
@@ -246,7 +239,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     replaced(readme.read_text("utf-8"), "")
     tables = ""
     with threadpool_limits(1):
-        for part in (environment, deriving, solving, lookups):
+        for part in (environment, deriving, solving, moving, lookups):
             text = part().strip() + "\n"
             print(text, flush=True)
             tables += text + "\n"

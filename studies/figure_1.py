@@ -15,14 +15,17 @@ import beammodes as bm
 from beammodes.dynamics.base_motion import BaseMotion, harmonic, spin_up
 from beammodes.dynamics.superposition import modal_response
 from beammodes.views.plots import COLOURS, STYLE, label_line
+from beammodes.views.symbols import BLOCK, EDGE, draw_block
 from beammodes.views.tables import csv_table, tidy_rows
 from studies import Progress
-from studies.drawing import bold_title, draw_box, draw_chain, picture
+from studies.drawing import bold_title, picture
 from studies.motions import moved, repeatable
 
 #: J. C. Simo and L. Vu-Quoc, J. Appl. Mech. 53 (1986) 855: EI, ρA, L, run-up to 6 rad/s in 15 s.
 BEAM = bm.Beam(length=10.0, bending_stiffness=14000.0, mass_per_length=1.2)
 BOUNDARY, SEGMENTS, MODES = "clamped-free", 10, 5
+#: Rods in the sketches, and the coefficient of x² by which these are bent [1/m].
+DRAWN, BENT = 5, 0.009
 #: 0.1 m to and fro at 2 rad/s, about half of the beam's first frequency; and the run-up.
 MOTIONS = {
     "linear": (BaseMotion(y=harmonic(0.1, 2.0)), 12.0, 0.04),
@@ -125,22 +128,25 @@ def _at(ax: Axes) -> dict[str, Any]:
 
 
 def _slider(ax: Axes) -> None:
-    picture(ax, (-1.0, 5.0), (-0.8, 0.9))
-    x = np.linspace(0.0, 4.0, 6)
-    draw_box(ax, (0.0, 0.0), 0.0, (-0.6, -0.45, 0.6, 0.9))
-    draw_chain(ax, x, 0.022 * x**2, slice(0, -1))
-    ax.add_patch(_arrow((-0.82, -0.6), (-0.82, 0.6), "<|-|>"))
+    draw_block(ax, (0.0, 0.0), 0.0, (-1.5, -1.1, 1.5, 2.2))
+    _draw_beam(ax, BENT)
+    ax.add_patch(_arrow((-2.1, -1.5), (-2.1, 1.5), "<|-|>"))
     ax.set_title("1a  linear motion: 0.1 m to and fro at 2 rad/s", fontsize=11, loc="left")
 
 
 def _rotor(ax: Axes) -> None:
-    picture(ax, (-1.0, 5.0), (-0.8, 0.9))
-    x = np.linspace(0.0, 4.0, 6)
-    ax.add_patch(Circle((-0.4, 0.0), 0.45, facecolor="#C9D8E6", edgecolor="#44515C", zorder=2))
-    ax.plot(-0.4, 0.0, "o", color="#44515C", markersize=3, zorder=3)
-    draw_chain(ax, x, -0.022 * x**2, slice(0, -1))
-    ax.add_patch(_arrow((0.2, -0.65), (0.2, 0.75), "-|>", "arc3,rad=0.5"))
+    ax.add_patch(Circle((-1.0, 0.0), 1.1, facecolor=BLOCK, edgecolor=EDGE, zorder=2))
+    ax.plot(-1.0, 0.0, "o", color=EDGE, markersize=3, zorder=3)
+    _draw_beam(ax, -BENT)
+    ax.add_patch(_arrow((0.5, -1.6), (0.5, 1.9), "-|>", "arc3,rad=0.5"))
     ax.set_title("1b  rotational motion: from 0 to 6 rad/s in 15 s", fontsize=11, loc="left")
+
+
+def _draw_beam(ax: Axes, bend: float) -> None:
+    chain = bm.Chain(BEAM, BOUNDARY, DRAWN)
+    up = bend * chain.node_position**2
+    bm.draw_chain(chain, ax, shape=(up, np.diff(up) * DRAWN / BEAM.length), labels=None, ends=False)
+    picture(ax, (-2.5, 12.5), (-2.0, 2.25))
 
 
 def _arrow(

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from fractions import Fraction
 from typing import Literal
 
 import matplotlib
@@ -14,9 +13,10 @@ from matplotlib.layout_engine import ConstrainedLayoutEngine
 
 import beammodes as bm
 from beammodes.views.plots import GREY, STYLE, label_along, method_style
+from beammodes.views.symbols import ROD, SPRING
 from beammodes.views.tables import csv_table, tidy_rows
 from studies import Progress, figure_6
-from studies.drawing import CHAIN, SPRING, bold_title, draw_box, draw_chain, draw_spiral, mode_shapes, picture
+from studies.drawing import bold_title, mode_shapes, picture
 
 #: The report gives its body no numbers; these are chosen: a square block as heavy as the beam, the beam
 #: clamped to the middle of one side. In units of the beam's mass and length.
@@ -53,23 +53,27 @@ def data(
             progress(i + 1, 2)
     errors = xarray.concat(tables, "held_by").assign_coords(held_by=["free body", "fixed wall"])
     chain = bm.Chain(bm.Beam.unit(), boundary, DRAWN)
-    shapes = mode_shapes(chain, MODES).assign(spring=("hinge", chain.joint_stiffness / DRAWN))
-    return errors.merge(shapes)
+    return errors.merge(mode_shapes(chain, MODES))
 
 
 def draw(
-    table: xarray.Dataset, title: str = TITLE, bodies: str = BODIES, places: tuple[Places, ...] = PLACES
+    table: xarray.Dataset,
+    boundary: bm.Boundary = BOUNDARY,
+    title: str = TITLE,
+    bodies: str = BODIES,
+    places: tuple[Places, ...] = PLACES,
 ) -> Figure:
     """The chain, its first modes over the beam's, and their errors against N."""
     with matplotlib.rc_context(STYLE):
         figure = Figure(figsize=(9.0, 6.6), layout=ConstrainedLayoutEngine(wspace=0.06))
         bold_title(figure, title)
+        chain = bm.Chain(bm.Beam.unit(), boundary, DRAWN)
         grid = figure.add_gridspec(3, MODES, height_ratios=[0.75, 1.25, 2.5])
-        _draw_system(figure.add_subplot(grid[0, :]), table, bodies)
+        _draw_system(figure.add_subplot(grid[0, :]), chain, bodies)
         panels: list[Axes] = []
         for column, mode in enumerate(table.mode.values):
             one = table.sel(mode=mode)
-            _draw_mode(figure.add_subplot(grid[1, column]), one)
+            _draw_mode(figure.add_subplot(grid[1, column]), chain, one)
             first = panels[0] if panels else None
             panels.append(figure.add_subplot(grid[2, column], sharex=first, sharey=first))
             panels[-1].tick_params(labelleft=first is None)
@@ -79,7 +83,7 @@ def draw(
         panels[0].text(20.5, -50, "chain too soft", color=GREY, ha="right", va="bottom", fontsize=10)
         note = "vertical axis: signed errors, linear within ±0.1 %, logarithmic beyond"
         figure.supxlabel(note, fontsize=10, color=GREY, x=0.99, ha="right")
-        names = ("mitiguy (report)", "gregory", "mitiguy, fixed wall" + "s" * (len(_bodies(table)) - 1))
+        names = ("mitiguy (report)", "gregory", "mitiguy, fixed wall" + "s" * (boundary.right == BODY))
         for ax, where in zip(panels, places, strict=True):
             _, still, *rules = ax.get_lines()
             lines = zip((*rules, still), names, where, strict=True)
@@ -87,42 +91,26 @@ def draw(
     return figure
 
 
-def _bodies(table: xarray.Dataset) -> list[tuple[int, float]]:
-    """Which end pieces carry a block, and where its left side is from the beam's end."""
-    both = table.sizes["hinge"] > DRAWN
-    return [(0, -SIDE), (-1, 0.0)] if both else [(0, -SIDE)]
-
-
-def _draw_system(ax: Axes, table: xarray.Dataset, bodies: str) -> None:
-    position = table.position.values
-    draw_chain(ax, position, np.zeros_like(position), slice(1, -1))
-    for x, spring in zip(position[1:-1], table.spring.values, strict=True):
-        draw_spiral(ax, x, 0.0, 0.04)
-        text = str(Fraction(spring).limit_denominator(99))
-        ax.text(x, 0.12, text, ha="center", va="bottom", color=SPRING)
-    for piece, left in _bodies(table):
-        draw_box(ax, (position[piece], 0.0), 0.0, (left, -SIDE / 2, SIDE, SIDE))
+def _draw_system(ax: Axes, chain: bm.Chain, bodies: str) -> None:
+    bm.draw_chain(chain, ax, size=11)
     ax.text(1.4, 0.12, "report's springs (rule mitiguy) in EI/ℓ, ℓ = L/4", va="bottom", color=SPRING)
     text = f"Numbers chosen here: {bodies}.\nFrequencies ω are in √(EI/ρAL⁴)."
     ax.text(1.4, 0.09, text, va="top", fontsize=10, linespacing=1.35)
     picture(ax, (-0.24, 3.15), (-0.13, 0.22))
 
 
-def _draw_mode(ax: Axes, one: xarray.Dataset) -> None:
-    up, position = AMPLITUDE * one.deflection.values, one.position.values
+def _draw_mode(ax: Axes, chain: bm.Chain, one: xarray.Dataset) -> None:
     ax.plot([0, 1], [0, 0], color=GREY, linewidth=0.7, zorder=0)
-    ax.plot(one.x, AMPLITUDE * one.curve, color="black", linewidth=1.3, zorder=4)
-    draw_chain(ax, position, up, slice(1, -1))
-    for piece, left in _bodies(one):
-        angle = float(np.arctan(AMPLITUDE * one.rotation.values[piece]))
-        draw_box(ax, (position[piece], up[piece]), angle, (left, -SIDE / 2, SIDE, SIDE))
-    picture(ax, (-0.24, 1.24), (-0.36, 0.27))
+    ax.plot(one.x, AMPLITUDE * one.curve, color="black", linewidth=1.3, zorder=3.5)
+    shape = (AMPLITUDE * one.deflection.values, AMPLITUDE * one.rotation.values)
+    bm.draw_chain(chain, ax, shape=shape, labels=None)
+    picture(ax, (-0.24, 1.24), (-0.39, 0.27))
     unit = bm.Beam.unit().frequency_unit / (2 * np.pi)
     error = 100 * float(one.frequency / one.exact_frequency - 1)
     ax.set_title(f"mode {int(one.mode)}", fontsize=11, fontweight="bold", loc="left")
-    ax.set_title(f"chain of {DRAWN}: {error:+.1f} %".replace("-", "−"), fontsize=11, loc="right", color=CHAIN)
+    ax.set_title(f"chain of {DRAWN}: {error:+.1f} %".replace("-", "−"), fontsize=11, loc="right", color=ROD)
     text = f"exact beam (black): ω = {float(one.exact_frequency) / unit:.4g}"
-    ax.text(0.5, -0.34, text, ha="center", fontsize=10).set_in_layout(False)
+    ax.text(0.5, -0.375, text, ha="center", fontsize=10).set_in_layout(False)
 
 
 def _draw_errors(ax: Axes, one: xarray.Dataset) -> None:

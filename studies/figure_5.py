@@ -29,4 +29,4 @@ def data(progress: Progress | None = None) -> xarray.Dataset:
 
 def draw(table: xarray.Dataset) -> Figure:
     """The chain, its first modes over the beam's, and their errors against N."""
-    return figure_3.draw(table, TITLE, BODIES, PLACES)
+    return figure_3.draw(table, BOUNDARY, TITLE, BODIES, PLACES)

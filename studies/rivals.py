@@ -31,6 +31,7 @@ __all__ = [
     "MEMORY",
     "METHODS",
     "Method",
+    "duration",
     "joint_stiffness",
     "kane_equations",
     "measure",
@@ -237,6 +238,15 @@ METHODS: dict[str, Method] = {
     "Pinocchio's M, `eigh(K, M)`": _cubic(lambda n: _stiffness_first(_pinocchio_mass(n)), "pinocchio"),
     "Pinocchio's M, `eigh(M, K)`": _cubic(lambda n: _mass_first(_pinocchio_mass(n)), "pinocchio"),
 }
+
+
+def duration(seconds: float) -> str:
+    """Return a time in words, such as "1.5 ms"."""
+    for unit, size in (("h", 3600.0), ("min", 60.0), ("s", 1.0), ("ms", 1e-3), ("µs", 1e-6)):
+        if seconds >= size * (2 if unit in ("h", "min") else 1):
+            break
+    value = seconds / size
+    return f"{value:.2g} {unit}" if value < 100 else f"{value:.0f} {unit}"
 
 
 def timed(

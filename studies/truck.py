@@ -8,12 +8,14 @@ import xarray
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
+from matplotlib.patches import Circle
 
 import beammodes as bm
 from beammodes.views.plots import COLOURS, GREY, STYLE
+from beammodes.views.symbols import ROD, draw_block, draw_coil
 from beammodes.views.tables import csv_table, tidy_rows
 from studies import Progress
-from studies.drawing import CHAIN, bold_title, draw_box, draw_chain, draw_coil, mode_shapes, picture
+from studies.drawing import bold_title, mode_shapes, picture
 
 # A light truck; the report's picture has no numbers, so these are chosen. SI units.
 BED = bm.Beam(
@@ -37,6 +39,7 @@ REAR = bm.End(
     offset=-0.6,
 )
 SEGMENTS, STIFFER = 4, 1e4
+CHAIN = bm.Chain(BED, (FRONT, REAR), SEGMENTS)
 MODES = ("heave", "pitch", "bending 1", "bending 2")
 COLUMNS = ("bed", "mode", "motion", "frequency", "exact_frequency", "relative_error")
 SHAPE_COLUMNS = ("bed", "mode", "node", "position", "deflection", "exact_deflection")
@@ -82,7 +85,7 @@ def draw(table: xarray.Dataset) -> Figure:
             ax.set_title(title, fontsize=11, fontweight="bold", loc="left")
             if bed == "flexible":
                 error = f"chain {100 * float(one.relative_error):+.2g} %".replace("-", "−")
-                ax.set_title(error, fontsize=11, loc="right", color=CHAIN)
+                ax.set_title(error, fontsize=11, loc="right", color=ROD)
     return figure
 
 
@@ -94,17 +97,19 @@ def _draw_truck(ax: Axes, one: xarray.Dataset, amplitude: float, *, faint: bool 
     for piece, end, (length, height), side in ((0, FRONT, CAB_SIZE, -1), (-1, REAR, LOAD_SIZE, 1)):
         place = (float(position[piece]), float(up[piece]))
         box = (side * float(end.offset) - length / 2, GAP, length, height)
-        draw_box(ax, place, float(angle[piece]), box, **look)
+        draw_block(ax, place, float(angle[piece]), box, **look)
         if not faint:
-            draw_box(ax, place, float(angle[piece]), (-0.12, 0.0, 0.24, GAP))
-            draw_coil(ax, position[piece], WHEEL, up[piece])
-    picture(ax, (-1.2, 5.0), (-0.03, 2.78))
+            draw_block(ax, place, float(angle[piece]), (-0.12, 0.0, 0.24, GAP))
+            axle = (place[0], WHEEL)
+            draw_coil(ax, axle, place, width=0.24)
+            ax.add_patch(Circle(axle, WHEEL, facecolor="#EEEEEE", edgecolor=GREY, linewidth=3, zorder=1))
     if faint:
         ax.plot(position, up, color="#BBBBBB", linewidth=1, zorder=0.5)
         return
     ax.axhline(0, color=GREY, linewidth=1)
-    draw_chain(ax, position, up, slice(1, -1), width=3.5)
-    ax.plot(one.x, HEIGHT + amplitude * one.curve, color="black", linewidth=1.2, zorder=4)
+    ax.plot(one.x, HEIGHT + amplitude * one.curve, color="black", linewidth=0.9, zorder=3.5)
+    bm.draw_chain(CHAIN, ax, shape=(up, amplitude * one.rotation), labels=None, ends=False)
+    picture(ax, (-1.2, 5.0), (-0.03, 2.78))
 
 
 def _draw_numbers(ax: Axes, beside: Axes, table: xarray.Dataset) -> None:
@@ -116,7 +121,7 @@ def _draw_numbers(ax: Axes, beside: Axes, table: xarray.Dataset) -> None:
     for end, x in ((FRONT, 0.45), (REAR, BED.length - 0.45)):
         text = f"{end.translational_stiffness / kilonewton:.0f} kN/m"
         ax.text(x, 0.28, text, color=COLOURS[1], ha="left" if x < 1 else "right", va="center", fontsize=10)
-    ax.text(2.0, HEIGHT - 0.08, f"bed {BED.length:g} m", ha="center", va="top", color=CHAIN)
+    ax.text(2.0, HEIGHT - 0.2, f"bed {BED.length:g} m", ha="center", va="top", color=ROD)
     beside.axis("off")
     stiff = float(table.exact_frequency.sel(bed="rigid").isel(mode=2))
     stiffness, mass = BED.mean_bending_stiffness / 1e6, BED.mean_mass_per_length

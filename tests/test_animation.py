@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import subprocess
 from pathlib import Path
 from typing import Any
 
@@ -14,9 +15,11 @@ from PIL import Image
 
 from beammodes.chains.chain import Chain
 from beammodes.dynamics.base_motion import BaseMotion, spin_up
-from beammodes.dynamics.simulation import mode_start, simulate
+from beammodes.dynamics.initial_state import mode_start
+from beammodes.dynamics.simulation import simulate
 from beammodes.problem.beam import Beam
-from beammodes.views.animation import animate, plot_motion, seen_from
+from beammodes.views.animation import animate
+from beammodes.views.motion_picture import plot_motion, seen_from
 
 BASE = BaseMotion(angle=spin_up(2.0, 1.0), hub_radius=0.3)
 
@@ -72,14 +75,60 @@ def test_seen_from_the_base_the_wall_stands_still(turning: xarray.Dataset) -> No
     np.testing.assert_array_equal(still[1], turning.x)
 
 
-def test_mp4(motion: xarray.Dataset, tmp_path: Path) -> None:
-    if FFMpegWriter.isAvailable():
-        assert animate(motion, tmp_path / "film.mp4", fps=5).stat().st_size > 500
-    else:
-        with pytest.raises(
-            RuntimeError, match=r"^path must end in \.gif where the program ffmpeg is missing"
-        ):
-            animate(motion, tmp_path / "film.mp4")
+needs_ffmpeg = pytest.mark.skipif(not FFMpegWriter.isAvailable(), reason="needs ffmpeg")
+
+
+@needs_ffmpeg
+@pytest.mark.parametrize("fps", [5, 12.5])
+def test_mp4(motion: xarray.Dataset, tmp_path: Path, fps: float) -> None:
+    # 237 dots wide, where H.264 in its common form takes even numbers only.
+    path = animate(motion, tmp_path / "film.mp4", fps=fps, width=2.37)
+    assert path == tmp_path / "film.mp4"
+    frames = decoded(path)
+    assert len(frames) == round(2.0 * fps)
+    height, width, _ = frames[0].shape
+    assert (height % 2, width) == (0, 236)
+    # The last frame shows the last moment, as the picture drawn by itself does.
+    picture = animate(motion, tmp_path / "film.gif", fps=fps, width=2.37)
+    with Image.open(picture) as image:
+        image.seek(image.n_frames - 1)
+        last = np.asarray(image.convert("RGB"), dtype=float)
+    # The GIF may have a row or a column more.
+    away = [np.abs(frame - last[:height, :width]).mean() for frame in frames]
+    assert int(np.argmin(away)) == len(frames) - 1
+    again = animate(motion, str(tmp_path / "again.MP4"), fps=fps, width=2.37)
+    assert again.read_bytes() == path.read_bytes()
+    assert sorted(file.name for file in tmp_path.iterdir()) == ["again.MP4", "film.gif", "film.mp4"]
+
+
+def decoded(path: Path) -> list[np.ndarray]:
+    """Return the frames of a film as ffmpeg reads them."""
+    read = subprocess.run(
+        ["ffmpeg", "-v", "error", "-i", str(path), "-f", "image2pipe", "-vcodec", "ppm", "-"],
+        capture_output=True,
+        check=True,
+        timeout=60,
+    ).stdout
+    frames = []
+    while read:
+        # P6, width and height, 255, and the dots.
+        kind, size, most, rest = read.split(b"\n", 3)
+        width, height = map(int, size.split())
+        assert (kind, most) == (b"P6", b"255")
+        frames.append(
+            np.frombuffer(rest[: 3 * width * height], np.uint8).reshape(height, width, 3).astype(float)
+        )
+        read = rest[3 * width * height :]
+    return frames
+
+
+def test_mp4_is_refused_where_ffmpeg_is_missing(
+    motion: xarray.Dataset, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(FFMpegWriter, "isAvailable", lambda: False)
+    with pytest.raises(RuntimeError, match=r"^path must end in \.gif where the program ffmpeg is missing"):
+        animate(motion, tmp_path / "film.mp4")
+    assert not list(tmp_path.iterdir())
 
 
 @pytest.mark.parametrize(

@@ -51,6 +51,7 @@ MAY_IMPORT = {
     "numeric": {"casadi"},
     "forward_dynamics": {"casadi"},
     "integrators": {"casadi"},
+    "sweep": {"casadi"},
     "midpoint": {"casadi"},
     "derivation": {"sympy", "casadi", "scipy"},
 }

@@ -9,9 +9,10 @@ from pathlib import Path
 import mpmath
 import numpy as np
 import pytest
+import sympy
 
 import beammodes as bm
-from studies import accuracy, benchmarks, rivals
+from studies import accuracy, benchmarks, motion_rivals, rivals
 
 FIRST = (1, 2, 3)
 
@@ -115,6 +116,41 @@ def test_lookups_and_derivation_print_tables(monkeypatch: pytest.MonkeyPatch) ->
     assert "one BLAS thread" in benchmarks.environment()
 
 
+@pytest.mark.parametrize("name", motion_rivals.METHODS)
+def test_every_right_hand_side_is_that_of_the_same_chain(name: str) -> None:
+    build, package, _ = motion_rivals.METHODS[name]
+    if find_spec(package) is None:
+        pytest.skip(f"{package} is not installed")
+    q, u = motion_rivals.state_of(3)
+    # Lagrange's equations in exact symbols, at this state.
+    ours = bm.equations_of_motion(bm.Chain(bm.Beam.unit(), "clamped-free", 3))
+    values = dict(zip((*ours.coordinates, *ours.speeds), (*q, *u), strict=True))
+    values |= dict(zip(sympy.symbols("m ell EI", positive=True), (1 / 3, 1 / 3, 1.0), strict=True))
+    mass, forces = (
+        np.array(term.subs(values).evalf().tolist(), float)
+        for term in (ours.mass_matrix, ours.velocity_terms + ours.static_forces)
+    )
+    expected = -np.linalg.solve(mass, forces[:, 0])
+    # MuJoCo's chain has a trace of inertia more, 1e-10 in its springs' and masses' own units.
+    rtol = 1e-7 if package == "mujoco" else 1e-11
+    np.testing.assert_allclose(build(3)(q, u), expected, rtol=rtol, atol=rtol * np.abs(expected).max())
+
+
+def test_right_hand_sides_are_timed_and_put_beside_each_other(monkeypatch: pytest.MonkeyPatch) -> None:
+    real = motion_rivals.timed
+    monkeypatch.setattr(motion_rivals, "timed", lambda call, **_: real(call, budget=0.0))
+    lines = motion_rivals.moving([3, 12]).splitlines()
+    assert lines[2] == "| method | N = 3 | N = 12 |"
+    assert len(lines) == 5 + len(motion_rivals.METHODS) and lines[-1].endswith("| not tried |")
+    monkeypatch.setitem(
+        motion_rivals.METHODS,
+        "wrong",
+        (lambda n: lambda q, u: 1.01 * motion_rivals._dense(n)(q, u), "casadi", 9),
+    )
+    with pytest.raises(ArithmeticError, match=r"accelerations by different methods differ by"):
+        motion_rivals.moving([3])
+
+
 def test_one_lookup_by_matrices_is_the_same_error() -> None:
     expected = bm.frequency_error("clamped-free", segments=100, mode=1)
     assert benchmarks._one_by_matrices() == pytest.approx(expected, rel=1e-2)
@@ -125,14 +161,14 @@ def test_readme_takes_the_tables(tmp_path: Path, monkeypatch: pytest.MonkeyPatch
     readme = tmp_path / "README.md"
     readme.write_text(f"above\n{benchmarks.BEGIN}\nold\n{benchmarks.END}\nbelow · ω\n", "utf-8")
     monkeypatch.setattr(benchmarks, "ROOT", tmp_path)
-    for part in ("environment", "deriving", "solving", "lookups"):
+    for part in ("environment", "deriving", "solving", "moving", "lookups"):
         monkeypatch.setattr(benchmarks, part, lambda part=part: f"the {part}\n")
     assert benchmarks.main([]) == 0
     assert "old" in readme.read_text("utf-8")
     for _ in range(2):
         assert benchmarks.main(["--write"]) == 0
     text = readme.read_text("utf-8")
-    parts = "the environment\n\nthe deriving\n\nthe solving\n\nthe lookups"
+    parts = "the environment\n\nthe deriving\n\nthe solving\n\nthe moving\n\nthe lookups"
     assert text == f"above\n{benchmarks.BEGIN}\n{parts}\n{benchmarks.END}\nbelow · ω\n"
     with pytest.raises(ValueError, match="once"):
         benchmarks.replaced("no marks", parts)

@@ -13,9 +13,11 @@ from hypothesis import strategies as st
 
 from beammodes.chains.chain import Chain
 from beammodes.checks import shown
+from beammodes.dynamics.damped_step import damped_time_step, runge_kutta_limit
 from beammodes.dynamics.damping import Damping
-from beammodes.dynamics.damping_ratio import damped_modes, damped_time_step, joint_dampers, runge_kutta_limit
-from beammodes.dynamics.simulation import DivergedWarning, mode_start, simulate
+from beammodes.dynamics.damping_ratio import damped_modes, joint_dampers
+from beammodes.dynamics.initial_state import mode_start
+from beammodes.dynamics.simulation import DivergedWarning, simulate
 from beammodes.problem.beam import Beam
 from beammodes.vibration.linear import linearize
 from beammodes.vibration.modes import solve_modes

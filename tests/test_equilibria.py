@@ -297,6 +297,8 @@ def test_a_guess_is_an_equilibrium_or_numbers() -> None:
     for guess in (np.zeros(5), np.full(6, np.nan), [[0.0] * 6]):
         with pytest.raises(ValueError, match="guess must hold 6 finite coordinates"):
             find_equilibrium(chain, load, guess=guess)
+    with pytest.raises(TypeError, match="guess must hold 6 finite coordinates, got 'bent'"):
+        find_equilibrium(chain, load, guess="bent")
 
 
 def test_what_is_refused() -> None:

@@ -24,16 +24,9 @@ from beammodes.chains.chain import Chain
 from beammodes.checks import shown
 from beammodes.exact.beam_theory import euler_bernoulli
 from beammodes.problem.beam import Beam
+from beammodes.problem.given_section import GivenSection, from_sectionproperties
 from beammodes.problem.materials import MODULI, elastic_modulus
-from beammodes.problem.sections import (
-    Box,
-    Circle,
-    GivenSection,
-    ISection,
-    Rectangle,
-    Tube,
-    from_sectionproperties,
-)
+from beammodes.problem.sections import Box, Circle, ISection, Rectangle, Tube
 from beammodes.vibration.linear import linearize
 from beammodes.vibration.modes import solve_modes
 

@@ -15,25 +15,23 @@ from beammodes.chains.chain import Chain
 from beammodes.dynamics.base_motion import BaseMotion
 from beammodes.dynamics.damping import Damping
 from beammodes.dynamics.forward_dynamics import forward_dynamics
+from beammodes.dynamics.initial_state import mode_start
 from beammodes.dynamics.integrators import runge_kutta
-from beammodes.dynamics.simulation import mode_start
-from beammodes.dynamics.step_study import (
+from beammodes.dynamics.step_limits import (
     ANALYSED,
     SAFE_CONSTANT,
     accuracy_limit,
     amplification,
-    equal_start,
-    largest_angles,
-    modal_motion,
     stability_limit,
     step_constants,
-    variable_step_cost,
 )
+from beammodes.dynamics.step_trials import equal_start, largest_angles, modal_motion, variable_step_cost
 from beammodes.problem.beam import Beam
 from beammodes.vibration.linear import linearize
 from beammodes.vibration.modes import solve_modes
 from beammodes.vibration.stability import highest_angular_frequency, published_time_step, stable_time_step
 from studies import step_size
+from studies.step_size_data import BOUNDARIES
 
 FIGURES = Path(__file__).parent.parent / "figures"
 RK4 = 2 * math.sqrt(2)
@@ -196,7 +194,7 @@ def read(ending: str) -> list[dict[str, str]]:
 def test_committed_growth() -> None:
     rows = read("_growth.csv")
     assert {(r["boundary"], int(r["segments"])) for r in rows} == {
-        (boundary, n) for boundary in step_size.BOUNDARIES for n in range(1, 13)
+        (boundary, n) for boundary in BOUNDARIES for n in range(1, 13)
     } - {("clamped-clamped", 1)}
     for row in rows:
         name, start, linear = row["fixed_step"], float(row["start"]), row["segments"] == "1"

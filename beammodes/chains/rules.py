@@ -144,7 +144,7 @@ RULES: dict[str, Rule] = {
             name="rigid_stub",
             summary="The whole first segment rigid with the wall, no spring there, EI/ell at the other "
             "hinges.",
-            used_by='MuJoCo cables (initial="none"); Adams links attached "rigid" fix their first segment so',
+            used_by='MuJoCo 3 cables (initial="none"); Adams links attached "rigid" come near it',
             source="N segments, N - 1 hinges",
             clamped=(),
             guided=(),

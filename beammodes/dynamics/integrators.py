@@ -16,8 +16,10 @@ from numpy.typing import NDArray
 
 from beammodes.chains.chain import Chain
 from beammodes.dynamics.base_motion import BaseMotion
+from beammodes.dynamics.chain_state import ChainState
 from beammodes.dynamics.damping import Damping
-from beammodes.dynamics.forward_dynamics import ChainState, ForwardDynamics, forward_dynamics
+from beammodes.dynamics.forward_dynamics import forward_dynamics
+from beammodes.equations.coordinates import coordinate_names
 from beammodes.problem.loading import Load
 
 __all__ = ["Stepper", "closure", "projection", "runge_kutta"]
@@ -41,12 +43,23 @@ class Stepper:
     times: tuple[float, ...]
 
     def steps(self, state: Array, step: float, start: float, count: int, base: BaseMotion) -> Array:
-        """Return the states after each of `count` steps from time `start`, shape (count, size)."""
+        """Return the states after each of `count` steps from time `start`, shape (count, size).
+
+        Raises
+        ------
+        KeyboardInterrupt
+            Also where CasADi, interrupted in its own code, raises a RuntimeError that says so.
+        """
         at = start + step * (np.arange(count)[None, :] + np.array(self.times)[:, None])
         course = base.at(at)  # (3, 3, stages, count)
         columns = np.moveaxis(course, 2, 0).reshape(-1, count)
         mapped = self.function.mapaccum(count)
-        return np.asarray(mapped(state, np.full((1, count), step), columns).full().T)
+        try:
+            return np.asarray(mapped(state, np.full((1, count), step), columns).full().T)
+        except RuntimeError as error:
+            if str(error).rstrip().endswith("KeyboardInterrupt"):
+                raise KeyboardInterrupt from error
+            raise
 
 
 def runge_kutta(
@@ -82,7 +95,7 @@ def runge_kutta(
     fourth = rate(state + step * third, late)
     new = state + step / 6 * (first + 2 * second + 2 * third + fourth)
     if chain.boundary.right.holds_deflection:
-        new = projection(dynamics)(new, late)
+        new = projection(chain)(new, late)
     return Stepper(casadi.Function("runge_kutta", [state, step, course], [new]), (0.0, 0.5, 1.0))
 
 
@@ -97,17 +110,17 @@ def closure(chain: Chain, q: Any, base: Any) -> Any:
     )
 
 
-def projection(dynamics: ForwardDynamics) -> casadi.Function:
+def projection(chain: Chain) -> casadi.Function:
     """Return the function (state, base) -> nearest state with the right tip's deflection the base's.
 
     Two Newton steps: a Runge-Kutta step leaves the closure by little.
     """
-    size = len(dynamics.coordinates)
+    size = len(coordinate_names(chain))
     q, u, base = (casadi.SX.sym(n, k) for n, k in (("q", size), ("u", size), ("base", 9)))
-    gap = closure(dynamics.chain, q, base)
+    gap = closure(chain, q, base)
     slope = casadi.jacobian(gap, q)
     # Bases under a held right end only shift, so the tip's velocity is the base's where the left tip's is.
-    rate = slope @ u - (0 if dynamics.chain.boundary.left.holds_deflection else base[4])
+    rate = slope @ u - (0 if chain.boundary.left.holds_deflection else base[4])
     onto = casadi.Function("onto", [q, base], [q - slope.T * gap / casadi.sumsqr(slope)])
     along = casadi.Function("along", [q, u, base], [u - slope.T * rate / casadi.sumsqr(slope)])
     state = casadi.SX.sym("x", 2 * size)

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import math
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,13 +11,14 @@ from numpy.typing import NDArray
 
 from beammodes.chains.chain import Chain
 from beammodes.dynamics.base_motion import BaseMotion
+from beammodes.dynamics.chain_state import base_vector
 from beammodes.dynamics.damping import Damping
-from beammodes.dynamics.forward_dynamics import base_vector, forward_dynamics
+from beammodes.dynamics.forward_dynamics import forward_dynamics
 from beammodes.dynamics.integrators import Stepper, projection, runge_kutta
 from beammodes.dynamics.midpoint import implicit_midpoint, momentum_map
 from beammodes.problem.loading import Load
 
-__all__ = ["RUNS", "Run", "Runner"]
+__all__ = ["RUNS", "Rate", "Run", "Runner"]
 
 Array = NDArray[np.float64]
 Progress = Callable[[int, int], None] | None
@@ -25,8 +27,9 @@ Progress = Callable[[int, int], None] | None
 Found = tuple[Array, Array, Array, str]
 Runner = Callable[["Run", tuple[Array, Array], Progress], Found]
 
-# Steps that one call of compiled code takes at most: short enough to be interrupted.
-_CHUNK = 2000
+# Steps, and steps times numbers of a state, that one call of compiled code takes at most: short enough to be
+# watched and interrupted.
+_CHUNK, _NUMBERS = 2000, 50_000
 
 
 @dataclass(frozen=True)
@@ -35,8 +38,8 @@ class Run:
 
     Attributes
     ----------
-    step, every, steps
-        Step [s], steps between outputs, steps in all.
+    duration, step, every, steps
+        Time in all and step [s], steps between outputs, steps in all.
     tolerance : float
         Relative, of variable-step methods.
     """
@@ -45,6 +48,7 @@ class Run:
     load: Load
     base: BaseMotion
     damping: Damping
+    duration: float
     step: float
     every: int
     steps: int
@@ -73,16 +77,21 @@ def _midpoint_run(run: Run, start: tuple[Array, Array], progress: Progress) -> F
     u_found = np.array(speed.map(len(time))(q_found.T, p_found.T, base_vector(run.base, time)).full().T)
     if run.chain.boundary.right.holds_deflection:
         # The rule keeps the closure, not its rate, which is left an error of second order.
-        onto = projection(forward_dynamics(run.chain, load=run.load, damping=run.damping, base=run.base))
+        onto = projection(run.chain)
         both = onto.map(len(time))(np.hstack([q_found, u_found]).T, base_vector(run.base, time)).full().T
         u_found = np.array(both[:, len(q) :])
+    lost = np.flatnonzero(~np.isfinite(u_found).all(axis=1))
+    if len(lost):
+        # A momentum may be a finite number where the speed that it stands for is none.
+        why = f"non-finite state at t = {time[lost[0]]:.6g} s"
+        time, q_found, u_found = (values[: lost[0]] for values in (time, q_found, u_found))
     return time, q_found, u_found, why
 
 
 def _fixed(run: Run, stepper: Stepper, state: Array, progress: Progress) -> tuple[Array, Array, str]:
     """Return output times and states of fixed steps, and why they stopped early, or nothing."""
     kept, times, done, why = [state[None]], [0.0], 0, ""
-    chunk = _CHUNK
+    chunk = min(_CHUNK, 1 + _NUMBERS // max(1, len(state)))
     try:
         while done < run.steps and not why:
             count = min(chunk, run.steps - done)
@@ -104,67 +113,89 @@ def _fixed(run: Run, stepper: Stepper, state: Array, progress: Progress) -> tupl
     return np.array(times), np.concatenate(kept), why
 
 
+class Rate:
+    """The function (t, state) -> state', twenty times as fast as a call that copies and converts."""
+
+    def __init__(self, run: Run, size: int) -> None:
+        self.run, self.moves = run, run.base != BaseMotion()
+        dynamics = forward_dynamics(run.chain, load=run.load, damping=run.damping, base=run.base)
+        self.q, self.u, self.found, self.base = (np.zeros(n) for n in (size, size, size, 9))
+        # Compiled code reads and writes these arrays; it lives no longer than the buffer does.
+        self.buffer, self.evaluate = dynamics.acceleration.buffer()
+        for k, argument in enumerate((self.q, self.u, self.base)):
+            self.buffer.set_arg(k, argument.data)
+        self.buffer.set_res(0, self.found.data)
+        self.base[:] = base_vector(run.base, 0.0)
+
+    def __call__(self, time: float, x: Array) -> Array:
+        """Return q' and q'' at a time and a state (q, q')."""
+        size = len(self.q)
+        self.q[:], self.u[:] = x[:size], x[size:]
+        if self.moves:
+            self.base[:] = base_vector(self.run.base, time)
+        self.evaluate()
+        return np.concatenate([self.u, self.found])
+
+
 def _variable_run(solver_name: str) -> Runner:
     def runner(run: Run, start: tuple[Array, Array], progress: Progress) -> Found:
-        import scipy.integrate
-
-        solver_class = getattr(scipy.integrate, solver_name)
-        dynamics = forward_dynamics(run.chain, load=run.load, damping=run.damping, base=run.base)
-        held = run.chain.boundary.right.holds_deflection
-        onto = projection(dynamics) if held else None
-        size = len(start[0])
-        # Buffers of its own: twenty times as fast as a call that copies and converts.
-        q, u, found, base = (np.zeros(n) for n in (size, size, size, 9))
-        buffer, evaluate = dynamics.acceleration.buffer()
-        for k, argument in enumerate((q, u, base)):
-            buffer.set_arg(k, argument.data)
-        buffer.set_res(0, found.data)
-        moves = run.base != BaseMotion()
-        base[:] = base_vector(run.base, 0.0)
-
-        def rate(time: float, x: Array) -> Array:
-            q[:], u[:] = x[:size], x[size:]
-            if moves:
-                base[:] = base_vector(run.base, time)
-            evaluate()
-            return np.concatenate([u, found])
-
-        counts = [*range(run.every, run.steps, run.every), run.steps]
-        outputs = len(counts)
-        state, kept, times, why = np.concatenate(start), [np.concatenate(start)], [0.0], ""
-        first = None
+        size, why = len(start[0]), ""
+        kept, times = [np.concatenate(start)], [0.0]
+        pieces = _variable_pieces(run, solver_name, kept[0])
+        outputs = math.ceil(run.steps / run.every)
         try:
-            for k, number in enumerate(counts, start=1):
-                bound = number * run.step
-                first = None if first is None else min(first, run.step, bound - times[-1])
-                solver = solver_class(
-                    rate,
-                    times[-1],
-                    state,
-                    bound,
-                    max_step=run.step,
-                    rtol=run.tolerance,
-                    atol=run.tolerance / 1000,
-                    first_step=first,
-                )
-                while solver.status == "running":
-                    message = solver.step()
-                if solver.status == "failed" or not np.isfinite(solver.y).all():
-                    why = f"non-finite state before t = {bound:.6g} s ({message})"
-                    break
-                state, first = solver.y, solver.h_abs
-                if onto is not None:
-                    state = np.array(onto(state, base_vector(run.base, solver.t)))[:, 0]
-                kept.append(state)
-                times.append(bound)
-                if progress is not None:
-                    progress(k, outputs)
+            # A motion that diverges passes through numbers whose squares are too large.
+            with np.errstate(over="ignore", invalid="ignore"):
+                for k, (time, state, why) in enumerate(pieces, start=1):
+                    if why:
+                        break
+                    kept.append(state)
+                    times.append(time)
+                    if progress is not None:
+                        progress(k, outputs)
         except KeyboardInterrupt:
             why = f"interrupted after t = {times[-1]:.6g} s"
         states = np.array(kept)
         return np.array(times), states[:, :size], states[:, size:], why
 
     return runner
+
+
+def _variable_pieces(run: Run, solver_name: str, state: Array) -> Iterator[tuple[float, Array, str]]:
+    """Yield each output time, the state there, and why the motion cannot go on, or nothing."""
+    import scipy.integrate
+
+    solver_class = getattr(scipy.integrate, solver_name)
+    rate, onto = Rate(run, len(state) // 2), None
+    if run.chain.boundary.right.holds_deflection:
+        onto = projection(run.chain)
+    time, first, message = 0.0, None, ""
+    if not np.isfinite(rate(0.0, state)).all():
+        # SciPy would look for a first step for ever.
+        yield 0.0, state, "non-finite rate at t = 0 s"
+        return
+    for number in (*range(run.every, run.steps, run.every), run.steps):
+        bound = min(number * run.step, run.duration)
+        first = None if first is None else min(first, run.step, bound - time)
+        solver = solver_class(
+            rate,
+            time,
+            state,
+            bound,
+            max_step=run.step,
+            rtol=run.tolerance,
+            atol=run.tolerance / 1000,
+            first_step=first,
+        )
+        while solver.status == "running":
+            message = solver.step()
+        if solver.status == "failed" or not np.isfinite(solver.y).all():
+            yield bound, state, f"non-finite state before t = {bound:.6g} s ({message})"
+            return
+        time, state, first = bound, solver.y, solver.h_abs
+        if onto is not None:
+            state = np.array(onto(state, base_vector(run.base, time)))[:, 0]
+        yield time, state, ""
 
 
 #: The runs by the name of their method.

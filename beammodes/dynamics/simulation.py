@@ -3,36 +3,30 @@
 from __future__ import annotations
 
 import math
+import sys
 import warnings
 from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from beammodes.chains.chain import Chain
-from beammodes.checks import choice, positive_real, real, shown, whole_number
+from beammodes.checks import choice, positive_real, shown
 from beammodes.dynamics.base_motion import BaseMotion
+from beammodes.dynamics.chain_state import checked_system
+from beammodes.dynamics.damped_step import damped_time_step
 from beammodes.dynamics.damping import Damping
-from beammodes.dynamics.damping_ratio import damped_time_step
-from beammodes.dynamics.forward_dynamics import base_vector, checked_system, forward_dynamics
-from beammodes.dynamics.integrators import projection
+from beammodes.dynamics.initial_state import initial_state
 from beammodes.dynamics.motion_dataset import motion_dataset
 from beammodes.dynamics.runs import RUNS, Run
-from beammodes.equations.coordinates import coordinate_names, tip_names
 from beammodes.problem.loading import Load, checked_load
-from beammodes.vibration.linear import linearize
-from beammodes.vibration.modes import solve_modes
 from beammodes.vibration.stability import stable_time_step
 
 if TYPE_CHECKING:
     import xarray
 
-__all__ = ["METHODS", "DivergedWarning", "mode_start", "simulate"]
-
-Array = NDArray[np.float64]
-State = tuple[Array, Array]
+__all__ = ["METHODS", "DivergedWarning", "simulate"]
 
 #: Classical fixed-step Runge-Kutta, the implicit midpoint rule, and variable-step Runge-Kutta pairs of order
 #: 5(4) and 8(5,3), for which the step is the largest one and the one of output: the report's recipe.
@@ -58,7 +52,7 @@ def simulate(
     base: BaseMotion | None = None,
     damping: Damping | None = None,
     tolerance: float = 1e-9,
-    progress: Callable[[int, int], None] | None = None,
+    progress: Callable[[int, int], None] | bool = False,
     path: str | Path | None = None,
 ) -> xarray.Dataset:
     """Return the motion of a chain, large rotations included.
@@ -70,11 +64,13 @@ def simulate(
     chain : Chain
         Its left end tied to the base, or neither end held.
     duration : float [s]
+        A fixed step ends the motion with the first step that reaches it.
     method : str
         "rk4", "midpoint", or with a variable step "rk45" or "dop853".
     step : float [s], optional
-        Of a fixed-step method, by default half the longest stable one of Runge-Kutta, with the damping; the
-        largest one of a variable-step method, by default that of output.
+        At most `duration`. Of a fixed-step method, by default half the longest stable one of Runge-Kutta,
+        with the damping and with the pull of loads and base; the largest one of a variable-step method, by
+        default that of output.
     output_step : float [s], optional
         Between output times, rounded to whole steps; a thousandth of the duration by default.
     initial : pair of arrays, or Equilibrium, optional
@@ -86,8 +82,9 @@ def simulate(
     damping : Damping, optional
     tolerance : float
         Relative, of the variable-step methods; absolute is a thousandth of it.
-    progress : callable, optional
-        Called with (steps or output times done, all of them).
+    progress : bool or callable
+        True writes to standard error how far a run is; a function is called with (steps or output times
+        done, all of them).
     path : str or Path, optional
         netCDF file for the result, also for what an interrupted run has.
 
@@ -96,7 +93,8 @@ def simulate(
     xarray.Dataset
         Over time: angle and angular_velocity of each segment, x and y of each node, tip_deflection, energies
         and momenta, q and u. Attribute `complete` is 0 if the run was interrupted from the keyboard or left
-        the finite numbers; `stopped` then says why. What came before is kept.
+        the finite numbers; `stopped` then says why. What came before is kept. Without damping, on a base at
+        rest, `energy` changes by the error of the steps only: it tells whether they were short enough.
 
     Warns
     -----
@@ -110,6 +108,7 @@ def simulate(
 
     Examples
     --------
+    >>> from beammodes.dynamics.initial_state import mode_start
     >>> from beammodes.problem.beam import Beam
     >>> chain = Chain(Beam.unit(), "clamped-free", segments=4)
     >>> motion = simulate(chain, duration=1.0, initial=mode_start(chain, 1, 0.01))
@@ -121,130 +120,75 @@ def simulate(
     span = positive_real("duration", duration)
     kind = choice("method", method, RUNS)
     shown_step = span / OUTPUTS if output_step is None else positive_real("output_step", output_step)
-    if progress is not None and not callable(progress):
-        raise TypeError(f"progress must be a function, got {shown(progress)}")
-    if path is not None and not isinstance(path, str | Path):
-        raise TypeError(f"path must be a str or a Path, got {shown(path)}")
-    if path is not None and not Path(path).parent.is_dir():
-        raise ValueError(f"path must be in a folder that exists, got {shown(str(path))}")
+    if not isinstance(progress, bool) and not callable(progress):
+        raise TypeError(f"progress must be a bool or a function, got {shown(progress)}")
+    told = _say if progress is True else progress or None
+    target = None if path is None else _target(path)
     if positive_real("tolerance", tolerance) < 1e-13:
         raise ValueError(f"tolerance must be at least 1e-13, got {shown(tolerance)}")
-    longest = _step(chain, kind, step, min(shown_step, span), span, damping, given)
+    if step is not None and positive_real("step", step) > span:
+        raise ValueError(f"step must not be longer than duration, {span}, got {shown(step)}")
+    longest = step or min(shown_step, span)
+    if step is None and kind in ("rk4", "midpoint"):
+        pull = _largest_pull(chain, given, ground, span)
+        limit = _safe_step(chain, span, Load(axial_force=pull), damping if kind == "rk4" else None)
+        longest /= max(1, math.ceil(longest / limit))
     if span / longest > 1e9:
         raise ValueError(
             f"duration must be shorter, or step longer: {span / longest:.2g} steps of {longest:.3g} s"
         )
     every = max(1, round(min(shown_step, span) / longest))
-    start = _initial(chain, initial, ground)
-    run = Run(
-        chain,
-        given,
-        ground,
-        damping or Damping(),
-        longest,
-        every,
-        math.ceil(span / longest - 1e-9),
-        positive_real("tolerance", tolerance),
-    )
-    time, q, u, why = RUNS[kind](run, start, progress)
+    start = initial_state(chain, initial, ground)
+    steps = math.ceil(span / longest - 1e-9)
+    run = Run(chain, given, ground, damping or Damping(), span, longest, every, steps, float(tolerance))
+    time, q, u, why = RUNS[kind](run, start, told)
     if why.startswith("non-finite"):
         warnings.warn(f"{why}: the step is too long or the motion unstable", DivergedWarning, stacklevel=2)
     attributes = {"method": kind, "step": longest, "complete": int(not why), "stopped": why}
     result = motion_dataset(chain, time, q, u, load=given, base=ground, attributes=attributes)
-    if path is not None:
-        _save(result, Path(path))
+    if target is not None:
+        _save(result, target)
     return result
 
 
-def mode_start(chain: Chain, mode: int, amplitude: float, *, load: Load | None = None) -> State:
-    """Return coordinates and speeds of a chain at rest in the shape of a mode.
-
-    Parameters
-    ----------
-    chain : Chain
-    mode : int
-        1-based index of an elastic mode.
-    amplitude : float [rad]
-        Largest angle of a segment.
-    load : Load, optional
-        Under which the modes are taken.
-
-    Raises
-    ------
-    TypeError, ValueError
-        If an argument is not of its kind, or the chain has no such mode.
-
-    Examples
-    --------
-    >>> from beammodes.problem.beam import Beam
-    >>> mode_start(Chain(Beam.unit(), "clamped-free", segments=2), 1, 0.1)[0].round(4)
-    array([0.0558, 0.1   ])
-    """
-    model = linearize(chain, load=load)
-    whole_number("mode", mode, most=model.elastic_modes)
-    real("amplitude", amplitude)
-    modes = solve_modes(model, mode)
-    rotation, deflection = modes.rotation[mode - 1], modes.deflection[mode - 1]
-    scale = amplitude / np.abs(rotation).max()
-    tips = {"x_0": 0.0, "y_0": deflection[0]}
-    q = [*(tips[name] for name in tip_names(chain)), *rotation[~np.array(chain.held_angles)]]
-    start = scale * np.array(q), np.zeros(len(q))
-    return _onto(chain, start, BaseMotion()) if chain.boundary.right.holds_deflection else start
-
-
-def _step(
-    chain: Chain,
-    method: str,
-    step: float | None,
-    shown_step: float,
-    span: float,
-    damping: Damping | None,
-    load: Load,
-) -> float:
-    """Return the step: as given, or for a fixed one the longest safe one that divides the output's."""
-    if step is not None:
-        return positive_real("step", step)
-    if method not in ("rk4", "midpoint"):
-        return shown_step
-    # What pulls stiffens. Gravity and a turning base move a chain however slowly it vibrates by itself.
-    pull = Load(axial_force=max(0.0, float(load.axial_force) + float(load.tip[0])))
+def _safe_step(chain: Chain, span: float, pull: Load, damping: Damping | None) -> float:
+    """Return a fixed step at which every mode is stable, and short beside the whole motion."""
     limit = min(span / OUTPUTS, stable_time_step(chain, load=pull) / 2)
-    if damping is not None and method == "rk4":
+    if damping is not None:
         # Dampers may stop the highest modes: their limit is then far below the undamped one.
         limit = min(limit, damped_time_step(chain, damping) / 2)
-    return shown_step / max(1, math.ceil(shown_step / limit))
+    return limit
 
 
-def _initial(chain: Chain, initial: Any, base: BaseMotion) -> State:
-    """Return the first state, on the closure of a chain whose right end is held."""
-    course, names = base.at(0.0), coordinate_names(chain)
-    rest = [{"x_0": course[0, k], "y_0": course[1, k]} for k in (0, 1)]
-    q, u = (np.array([rest[k].get(n, course[2, k]) for n in names]) for k in (0, 1))
-    if initial is not None and hasattr(initial, "coordinates"):
-        q = np.asarray(initial.coordinates, dtype=np.float64)
-    elif initial is not None:
-        try:
-            q, u = (np.array(part, dtype=np.float64) for part in initial)
-        except (TypeError, ValueError):
-            raise TypeError(f"initial must be coordinates and speeds, got {shown(initial)}") from None
-    for part in (q, u):
-        if part.shape != (len(names),) or not np.isfinite(part).all():
-            raise ValueError(f"initial must be finite numbers for {', '.join(names)}, got {shown(part)}")
-    if not chain.boundary.right.holds_deflection:
-        return q, u
-    state = _onto(chain, (q, u), base)
-    if np.abs(state[0] - q).max() > 1e-3:
-        raise ValueError("initial must leave the right end where its support holds it")
-    return state
+def _largest_pull(chain: Chain, load: Load, base: BaseMotion, span: float) -> float:
+    """Return how hard a motion may pull on a piece [N]: what pulls makes its vibration faster.
+
+    What pushes a chain from the side pulls on it once it has turned, and pulls thrice as hard on a pendulum
+    that has fallen from level, as its weight does.
+    """
+    push = math.hypot(*map(float, load.tip)) + float(chain.mass.sum()) * math.hypot(*map(float, load.weight))
+    if base != BaseMotion():
+        (_, _, ax), (_, _, ay), (_, spin, gain) = base.at(np.linspace(0.0, span, OUTPUTS + 1))
+        carried = np.hypot(ax, ay) + chain.length.sum() * np.hypot(spin**2, gain)
+        push += float(chain.mass.sum() * carried.max())
+    return max(0.0, float(load.axial_force)) + 3 * push
 
 
-def _onto(chain: Chain, start: State, base: BaseMotion) -> State:
-    """Return the nearest state on the closure."""
-    onto = projection(forward_dynamics(chain))
-    state = np.concatenate(start)
-    for _ in range(4):
-        state = np.array(onto(state, base_vector(base, 0.0)))[:, 0]
-    return state[: len(start[0])], state[len(start[0]) :]
+def _target(path: str | Path) -> Path:
+    """Return a file to write; what cannot be one is found out before the motion, not after it."""
+    if not isinstance(path, str | Path):
+        raise TypeError(f"path must be a str or a Path, got {shown(path)}")
+    target = Path(path)
+    if not target.parent.is_dir():
+        raise ValueError(f"path must be in a folder that exists, got {shown(str(path))}")
+    if target.is_dir():
+        raise ValueError(f"path must be a file, got the folder {shown(str(path))}")
+    return target
+
+
+def _say(done: int, whole: int) -> None:
+    sys.stderr.write(f"\r{done} of {whole}" + ("\n" if done == whole else ""))
+    sys.stderr.flush()
 
 
 def _save(result: xarray.Dataset, path: Path) -> None:

@@ -1,14 +1,8 @@
-"""Where a loaded chain comes to rest, however far that is from straight.
-
-The load is applied little by little, so that the chain is followed from its straight shape and never jumps to
-another. Where it buckles, a push along the shape that has lost its stiffness leads it onto the branch that
-bends upwards; the push is taken away again under the whole load.
-"""
+"""Where a loaded chain comes to rest, however far that is from straight."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -19,7 +13,9 @@ from beammodes.checks import real, shown
 from beammodes.equations.axial_pull import hub_load
 from beammodes.equations.coordinates import coordinate_names, tip_names, unpack
 from beammodes.equations.mechanics import Algebra, energies
-from beammodes.equilibrium.static_newton import State, Statics, compile_statics
+from beammodes.equilibrium.load_path import LONGEST_TURN, shape_under
+from beammodes.equilibrium.static_newton import compile_statics
+from beammodes.equilibrium.static_state import State
 from beammodes.problem.loading import Load, checked_load
 
 __all__ = ["MAX_BENT_PIECES", "Equilibrium", "EquilibriumNotFound", "find_equilibrium"]
@@ -28,15 +24,6 @@ Array = NDArray[np.float64]
 
 #: The tangent of a longer chain, a full matrix, would fill memory.
 MAX_BENT_PIECES = 2000
-
-#: Largest turn of a piece from one share of the load to the next [rad].
-_TURN = 0.4
-
-#: Smallest step of the share: to find where the chain buckles, and to follow it from there.
-_COARSE, _FINE = 1e-4, 1e-7
-
-#: Largest rotation that the push which decides a buckling chain causes without load [rad].
-_PUSHED = 0.01
 
 
 class EquilibriumNotFound(ValueError):
@@ -155,9 +142,9 @@ def find_equilibrium(
     statics = compile_statics(chain, given)
     if guess is not None:
         start = _started(chain, guess), np.zeros(statics.closures.size1_out(0))
-        state = statics.solve(start, share=1.0, tolerance=tolerance, steps=100, longest=_TURN)
+        state = statics.solve(start, share=1.0, tolerance=tolerance, steps=100, longest=LONGEST_TURN)
     else:
-        state = _followed(chain, statics, given, tolerance)
+        state = shape_under(chain, statics, given, tolerance)
     if state is None:
         raise _lost(chain, given)
     return _in_physical_units(chain, given, state)
@@ -165,68 +152,14 @@ def find_equilibrium(
 
 def _started(chain: Chain, guess: Equilibrium | ArrayLike) -> Array:
     """Return the coordinates to start from, in the chain's own units."""
-    values = guess.coordinates if isinstance(guess, Equilibrium) else np.asarray(guess, dtype=np.float64)
     size = len(coordinate_names(chain))
+    try:
+        values = guess.coordinates if isinstance(guess, Equilibrium) else np.asarray(guess, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise TypeError(f"guess must hold {size} finite coordinates, got {shown(guess)}") from None
     if values.shape != (size,) or not np.isfinite(values).all():
         raise ValueError(f"guess must hold {size} finite coordinates, got {shown(guess)}")
     return np.asarray(values / _unit(chain))
-
-
-def _followed(chain: Chain, statics: Statics, load: Load, tolerance: float) -> State | None:
-    """Return the state that the chain is in when the whole load has been applied."""
-    closures = statics.closures.size1_out(0)
-    rest = statics.state(np.zeros(len(statics.scale)), np.zeros(closures), 0.0)
-
-    def loaded(state: State, share: float) -> State | None:
-        return statics.solve((state.coordinates, state.multipliers), share=share, tolerance=tolerance)
-
-    reached, last = _along(statics, rest, loaded, _COARSE)
-    if reached or not last.reduced.size:
-        return last
-    if not rest.is_stable:
-        # A chain that nothing holds stays as it is, unless the load moves it.
-        straight = None if load.bends else loaded(rest, 1.0)
-        return straight if straight is not None and straight.is_indifferent else None
-    push = rest.tangent @ _softest(chain, last)
-
-    def pushed(state: State, share: float, amount: float = 1.0) -> State | None:
-        start = state.coordinates, state.multipliers
-        return statics.solve(start, share=share, push=amount * push, tolerance=tolerance)
-
-    ready = pushed(rest, 0.0)
-    reached, last = _along(statics, ready, pushed, _FINE) if ready else (False, rest)
-    if reached:
-        reached, last = _along(statics, last, lambda state, done: pushed(state, 1.0, 1.0 - done), _FINE)
-    return last if reached else None
-
-
-def _along(
-    statics: Statics, state: State, solve: Callable[[State, float], State | None], least: float
-) -> tuple[bool, State]:
-    """Follow stable states from 0 to 1: whether 1 is reached, and the last of them."""
-    done, step = 0.0, 0.125
-    while done < 1.0 and step > least:
-        following = solve(state, min(1.0, done + step))
-        if following is None or _turned(statics, state, following) > _TURN or not following.is_stable:
-            step /= 2
-            continue
-        done, state, step = min(1.0, done + step), following, 2 * step
-    return done == 1.0, state
-
-
-def _turned(statics: Statics, state: State, following: State) -> float:
-    moved = (following.coordinates - state.coordinates) / statics.scale
-    return float(np.abs(moved).max(initial=0.0))
-
-
-def _softest(chain: Chain, state: State) -> Array:
-    """Return the motion that stores least: its largest rotation is small, its largest deflection upwards."""
-    motion = state.basis @ np.linalg.eigh(state.reduced)[1][:, 0]
-    (_, angles), (tip, turns) = (unpack(chain, q.tolist()) for q in (state.coordinates, motion))
-    lengths = chain.length / chain.units.length
-    lift = np.cumsum([tip[1], *(lengths * np.cos(np.array(angles, dtype=np.float64)) * turns)])
-    upwards = np.sign(lift[np.abs(lift).argmax()]) or 1.0
-    return np.asarray(motion * (upwards * _PUSHED / np.abs(turns).max()))
 
 
 def _unit(chain: Chain) -> Array:

@@ -151,7 +151,8 @@ def _growing(beam: Beam, points: int) -> Iterator[Grid]:
 def _disagreement(reached: float) -> ArithmeticError:
     return ArithmeticError(
         f"results agree to {reached:.1g} between polynomials of growing degree, not to {_AGREEMENT:.0g}: "
-        "is a property not smooth between the beam's breaks? A Table has steps and kinks"
+        "is a property not smooth between the beam's breaks (a Table has steps and kinks), or a load so "
+        "large that the beam bends next to its ends only?"
     )
 
 

@@ -12,7 +12,7 @@ from beammodes.problem.profiles import Profile, mean_over, profile_breaks
 from beammodes.problem.tabulated import SAME_PLACE
 
 if TYPE_CHECKING:
-    from beammodes.problem.sections import Section
+    from beammodes.problem.section_shape import Section
 
 __all__ = ["Beam"]
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from fractions import Fraction
 
 from beammodes.checks import choice, real, shown
@@ -52,6 +52,8 @@ class Load:
     --------
     >>> Load(gravity=9.81).gravity
     (0.0, -9.81)
+    >>> print(Load(spin_rate=6.0, plane="lag"))
+    Load(spin_rate=6.0, plane='lag')
     """
 
     axial_force: Number = 0.0
@@ -71,6 +73,11 @@ class Load:
         choice("plane", self.plane, PLANES)
         object.__setattr__(self, "gravity", _vector("gravity", self.gravity, -1))
         object.__setattr__(self, "tip_force", _vector("tip_force", self.tip_force, 1))
+
+    def __str__(self) -> str:
+        """Return what a user would type: all that is not left at its default."""
+        given = [(field.name, getattr(self, field.name), field.default) for field in fields(self)]
+        return f"Load({', '.join(f'{name}={value!r}' for name, value, usual in given if value != usual)})"
 
     @property
     def weight(self) -> Vector:

@@ -10,80 +10,16 @@ scan of the report prints no dimensions in Figure 4, so `ISection` is its formul
 
 from __future__ import annotations
 
-import math
-from abc import ABC, abstractmethod
 from dataclasses import dataclass
-from typing import Any, Protocol
 
 from beammodes.checks import positive_real, shown
+from beammodes.problem.section_shape import Shape, below, flanged, rectangle, ring
 
-__all__ = [
-    "Box",
-    "Circle",
-    "GivenSection",
-    "ISection",
-    "Rectangle",
-    "Section",
-    "Tube",
-    "from_sectionproperties",
-]
-
-
-class Section(Protocol):
-    """What `Beam.from_section` asks of a cross-section, from here or from elsewhere."""
-
-    @property
-    def area(self) -> float:
-        """A [m²]."""
-
-    @property
-    def second_moment(self) -> float:
-        """I = ∫ d² dA about the level line through the centroid [m⁴]."""
-
-
-class _Shape(ABC):
-    """What sections of given dimensions have in common."""
-
-    __slots__ = ()
-
-    @abstractmethod
-    def _numbers(self) -> tuple[float, float, float]:
-        """Return A, I and the I of the section on its side."""
-
-    @property
-    def area(self) -> float:
-        """A [m²]."""
-        return self._numbers()[0]
-
-    @property
-    def second_moment(self) -> float:
-        """I = ∫ d² dA, for bending in the plane of the height [m⁴]."""
-        return self._numbers()[1]
-
-    @property
-    def weak_second_moment(self) -> float:
-        """I of the section on its side, for bending in the plane of the width [m⁴]."""
-        return self._numbers()[2]
-
-    @property
-    def radius_of_gyration(self) -> float:
-        """r = √(I/A), for bending in the plane of the height [m]."""
-        area, second_moment, _ = self._numbers()
-        return math.sqrt(second_moment / area)
-
-    def _keep(self, *names: str) -> None:
-        """Keep fields as floats above zero; refuse sizes whose moments floats cannot hold."""
-        for name in names:
-            object.__setattr__(self, name, positive_real(name, getattr(self, name)))
-        if not all(0.0 < value < math.inf for value in self._numbers()):
-            raise ValueError(
-                f"{', '.join(names)} must be of another order: area and second moments of {self} leave the "
-                "range of floating-point numbers"
-            )
+__all__ = ["Box", "Circle", "ISection", "Rectangle", "Tube"]
 
 
 @dataclass(frozen=True, slots=True)
-class Rectangle(_Shape):
+class Rectangle(Shape):
     """A solid rectangle,  A = b h,  I = b h³/12.
 
     Parameters
@@ -110,11 +46,11 @@ class Rectangle(_Shape):
 
     def _numbers(self) -> tuple[float, float, float]:
         b, h = self.width, self.height
-        return b * h, _rectangle(b, h), _rectangle(h, b)
+        return b * h, rectangle(b, h), rectangle(h, b)
 
 
 @dataclass(frozen=True, slots=True)
-class Circle(_Shape):
+class Circle(Shape):
     """A solid round bar of a `diameter` d [m],  A = π d²/4,  I = π d⁴/64; raises as `Rectangle` does.
 
     Examples
@@ -129,11 +65,11 @@ class Circle(_Shape):
         self._keep("diameter")
 
     def _numbers(self) -> tuple[float, float, float]:
-        return _ring(self.diameter, 0.0, self.diameter / 2)
+        return ring(self.diameter, 0.0, self.diameter / 2)
 
 
 @dataclass(frozen=True, slots=True, init=False)
-class Tube(_Shape):
+class Tube(Shape):
     """A round tube,  A = π (D² - d²)/4,  I = π (D⁴ - d⁴)/64.
 
     Parameters
@@ -163,10 +99,10 @@ class Tube(_Shape):
     def __init__(self, outer: float, *, inner: float | None = None, wall: float | None = None) -> None:
         whole = positive_real("outer", outer)
         if inner is not None and wall is None:
-            hole = _below("inner", inner, whole, "the outer diameter")
+            hole = below("inner", inner, whole, "the outer diameter")
             thickness = (whole - hole) / 2
         elif wall is not None and inner is None:
-            thickness = _below("wall", wall, whole / 2, "half the outer diameter")
+            thickness = below("wall", wall, whole / 2, "half the outer diameter")
             hole = whole - 2 * thickness
         else:
             raise ValueError(f"one of inner and wall must be given, got {shown(inner)} and {shown(wall)}")
@@ -175,11 +111,11 @@ class Tube(_Shape):
         self._keep("outer", "inner", "wall")
 
     def _numbers(self) -> tuple[float, float, float]:
-        return _ring(self.outer, self.inner, self.wall)
+        return ring(self.outer, self.inner, self.wall)
 
 
 @dataclass(frozen=True, slots=True)
-class Box(_Shape):
+class Box(Shape):
     """A rectangular tube,  A = b h - (b - 2t)(h - 2t),  I = (b h³ - (b - 2t)(h - 2t)³)/12.
 
     Parameters
@@ -206,17 +142,17 @@ class Box(_Shape):
 
     def __post_init__(self) -> None:
         for name in ("width", "height"):
-            _below("wall", self.wall, positive_real(name, getattr(self, name)) / 2, f"half the {name}")
+            below("wall", self.wall, positive_real(name, getattr(self, name)) / 2, f"half the {name}")
         self._keep("width", "height", "wall")
 
     def _numbers(self) -> tuple[float, float, float]:
         b, h, t = self.width, self.height, self.wall
-        area, second_moment = _flanged(b, h, t, 2 * t)
-        return area, second_moment, _flanged(h, b, t, 2 * t)[1]
+        area, second_moment = flanged(b, h, t, 2 * t)
+        return area, second_moment, flanged(h, b, t, 2 * t)[1]
 
 
 @dataclass(frozen=True, slots=True)
-class ISection(_Shape):
+class ISection(Shape):
     """The report's Figure 4, an I-beam without fillets,  I = (b h³ - (b - s)(h - 2f)³)/12.
 
     Parameters
@@ -244,126 +180,10 @@ class ISection(_Shape):
     web: float
 
     def __post_init__(self) -> None:
-        _below("flange", self.flange, positive_real("height", self.height) / 2, "half the height")
-        _below("web", self.web, positive_real("width", self.width), "the width")
+        below("flange", self.flange, positive_real("height", self.height) / 2, "half the height")
+        below("web", self.web, positive_real("width", self.width), "the width")
         self._keep("width", "height", "flange", "web")
 
     def _numbers(self) -> tuple[float, float, float]:
         b, h, f, s = self.width, self.height, self.flange, self.web
-        return *_flanged(b, h, f, s), 2 * _rectangle(f, b) + _rectangle(h - 2 * f, s)
-
-
-@dataclass(frozen=True, slots=True)
-class GivenSection:
-    """A section known by its numbers: from a handbook, or of any shape by another program.
-
-    Parameters
-    ----------
-    area : float [m²]
-    second_moment, weak_second_moment : float [m⁴]
-        For bending in the plane of the height, and in that of the width.
-
-    Raises
-    ------
-    TypeError, ValueError
-        If one is not a finite real number greater than 0.
-
-    Examples
-    --------
-    >>> round(GivenSection(28.5e-4, 1943e-8, 142e-8).radius_of_gyration, 4)            # IPE 200
-    0.0826
-    """
-
-    area: float
-    second_moment: float
-    weak_second_moment: float
-
-    def __post_init__(self) -> None:
-        for name in ("area", "second_moment", "weak_second_moment"):
-            object.__setattr__(self, name, positive_real(name, getattr(self, name)))
-
-    @property
-    def radius_of_gyration(self) -> float:
-        """r = √(I/A), for bending in the plane of the height [m]."""
-        return math.sqrt(self.second_moment / self.area)
-
-
-def from_sectionproperties(section: Any, *, length_unit: float = 1.0) -> GivenSection:
-    """Return the numbers of a section that the package `sectionproperties` has analysed.
-
-        A = get_area(),   (I_xx, I_yy, I_xy) = get_ic()  about the centroid; bending in the plane of its y
-
-    That package is not needed here: only these two methods of what is given are called.
-
-    Parameters
-    ----------
-    section : sectionproperties.analysis.Section
-        Of one material, after `calculate_geometric_properties()`.
-    length_unit : float [m]
-        What one stands for in its geometry: 1e-3 for millimetres, in which its library sections are.
-
-    Raises
-    ------
-    TypeError
-        If it has no such methods, or they do not return numbers.
-    ValueError
-        If it is not analysed yet or is of several materials, or its principal axes are turned from x and y:
-        such a beam leaves the plane in which it is bent.
-
-    Examples
-    --------
-    >>> from types import SimpleNamespace
-    >>> flat = SimpleNamespace(get_area=lambda: 75.0, get_ic=lambda: (156.25, 1406.25, 0.0))
-    >>> round(from_sectionproperties(flat, length_unit=1e-3).radius_of_gyration, 9)    # 5 mm/√12
-    0.001443376
-    """
-    unit = positive_real("length_unit", length_unit)
-    for name in ("get_area", "get_ic"):
-        if not callable(getattr(section, name, None)):
-            raise TypeError(
-                f"section must be a sectionproperties Section, with a method {name}(), got {shown(section)}"
-            )
-    try:
-        area, (level, upright, mixed) = section.get_area(), section.get_ic()
-    except (AssertionError, RuntimeError, AttributeError) as error:
-        raise ValueError(
-            "section must be of one material and analysed by calculate_geometric_properties() first, "
-            f"got the error {shown(str(error))}"
-        ) from error
-    except (TypeError, ValueError):
-        raise TypeError(f"section must give three second moments by get_ic(), got {shown(section)}") from None
-    # A mesh leaves rounding; a turned section leaves a sizeable part of the second moments.
-    if not abs(mixed) <= 1e-6 * max(abs(level), abs(upright)):
-        raise ValueError(
-            f"section must have its principal axes along x and y, got a product of inertia {shown(mixed)} "
-            f"beside {shown(level)} and {shown(upright)}: turn it until that vanishes"
-        )
-    return GivenSection(float(area) * unit**2, float(level) * unit**4, float(upright) * unit**4)
-
-
-def _ring(outer: float, inner: float, wall: float) -> tuple[float, float, float]:
-    area = math.pi * wall * (outer - wall)
-    second_moment = area * (outer * outer + inner * inner) / 16.0
-    return area, second_moment, second_moment
-
-
-def _flanged(width: float, height: float, flange: float, web: float) -> tuple[float, float]:
-    """Return A and I of two level flanges and what stands between them.
-
-    Their own second moments and Steiner's terms are all positive: a thin wall loses no digits, where the
-    difference of two solid rectangles would.
-    """
-    arm, inside = (height - flange) / 2, height - 2 * flange
-    plates = 2 * (_rectangle(width, flange) + width * flange * arm * arm)
-    return 2 * width * flange + web * inside, plates + _rectangle(web, inside)
-
-
-def _rectangle(width: float, height: float) -> float:
-    return width * height * height * height / 12.0
-
-
-def _below(name: str, value: object, limit: float, what: str) -> float:
-    number = positive_real(name, value)
-    if number >= limit:
-        raise ValueError(f"{name} must be less than {what}, {limit}, got {shown(value)}")
-    return number
+        return *flanged(b, h, f, s), 2 * rectangle(f, b) + rectangle(h - 2 * f, s)

@@ -32,7 +32,8 @@ class End:
     rotational_stiffness : float [N m/rad]
         K_r likewise, of the rotation.
     mass : float [kg]
-        m of a rigid body fixed to the end.
+        m of a rigid body fixed to the end. Where the end holds the beam across and the body has no offset,
+        its mass is left out, along the beam too: spin and weight do not pull on it, nor does a motion.
     rotary_inertia : float [kg m²]
         J of that body about its centre of mass.
     offset : float [m]

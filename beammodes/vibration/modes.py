@@ -36,7 +36,7 @@ class Modes:
     position : ndarray, shape (nodes,) [m]
         Of the nodes on the straight chain: left tip, hinges, right tip.
     deflection : ndarray, shape (modes, nodes) [kg^-½]
-        Mode shapes; the largest entry of each is positive.
+        Mode shapes; the largest entry of each is positive, and of several as large the leftmost.
     rotation : ndarray, shape (modes, pieces) [kg^-½/m]
         Angle of each piece in each mode.
     """
@@ -177,7 +177,9 @@ def _lanczos(form: FlexibilityForm, count: int) -> tuple[Array, Array]:
 
 def _in_physical_units(model: LinearModel, omega: Array, shape: Array, slope: Array) -> Modes:
     units = model.chain.units
-    largest = np.abs(shape).argmax(axis=0)
+    size = np.abs(shape)
+    # In an antisymmetric mode two entries are the largest, which of them rounding decides: take the left one.
+    largest = (size >= (1 - 1e-6) * size.max(axis=0, initial=0.0)).argmax(axis=0)
     # A mode in which only a hinged end turns has no deflection to take a sign from.
     sign = np.where(shape[largest, np.arange(shape.shape[1])] < 0, -1.0, 1.0) / np.sqrt(units.mass)
     return Modes(

@@ -1,0 +1,183 @@
+"""Symbols of a schematic drawing in data coordinates: rods, hinges, springs, ground, supports, blocks."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from beammodes.views.plots import COLOURS
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+__all__ = [
+    "BLOCK",
+    "EDGE",
+    "GROUND_SPRING",
+    "ROD",
+    "SPRING",
+    "Point",
+    "draw_block",
+    "draw_coil",
+    "draw_disc",
+    "draw_ground",
+    "draw_hinge",
+    "draw_pin",
+    "draw_rods",
+    "draw_slide",
+    "draw_spiral",
+    "placed",
+]
+
+Array = NDArray[np.float64]
+Point = tuple[float, float]
+
+#: Rods and hinges, springs between rods, springs to the ground, what is rigid, and its edges.
+ROD, SPRING, GROUND_SPRING, BLOCK, EDGE = COLOURS[0], COLOURS[1], COLOURS[2], "#C9D8E6", "#44515C"
+
+
+def placed(points: ArrayLike, at: Point, angle: float = 0.0) -> Array:
+    """Return points, shape (n, 2), turned counter-clockwise by an angle [rad] and then shifted.
+
+    Examples
+    --------
+    >>> placed([[1.0, 0.0]], (2.0, 3.0), np.pi / 2).round(12)
+    array([[2., 4.]])
+    """
+    cosine, sine = np.cos(angle), np.sin(angle)
+    return np.asarray(np.asarray(points, dtype=np.float64) @ [[cosine, sine], [-sine, cosine]] + at)
+
+
+def draw_rods(ax: Axes, x: ArrayLike, y: ArrayLike, *, welded: bool = False, width: float = 2.6) -> None:
+    """Draw rods through nodes as straight lines; dark and thicker what is `welded` to the ground."""
+    colour, thickness = (EDGE, 1.6 * width) if welded else (ROD, width)
+    (line,) = ax.plot(np.asarray(x), np.asarray(y), color=colour, linewidth=thickness, zorder=3)
+    line.set_solid_capstyle("butt" if welded else "round")
+
+
+def draw_hinge(ax: Axes, at: Point, radius: float) -> None:
+    """Draw a hinge as a circle; its gid is "hinge"."""
+    from matplotlib.patches import Circle
+
+    style = {"facecolor": "white", "edgecolor": ROD, "linewidth": 1.3, "zorder": 5}
+    ax.add_patch(Circle(at, radius, gid="hinge", **style))
+
+
+def draw_spiral(
+    ax: Axes, at: Point, radius: float, *, inner: float, start: float = 0.0, colour: str = SPRING
+) -> None:
+    """Draw a rotational spring about a hinge, from an inner radius to an outer one, where it ends at `start`.
+
+    Parameters
+    ----------
+    ax : matplotlib.axes.Axes
+    at : tuple of float
+    radius, inner : float
+    start : float [rad]
+        Direction in which it leaves.
+    colour : str
+    """
+    turn = np.linspace(0.0, 4.5 * np.pi, 180)
+    away, angle = inner + (radius - inner) * turn / turn[-1], turn - turn[-1] + start
+    x, y = at[0] + away * np.cos(angle), at[1] + away * np.sin(angle)
+    ax.plot(x, y, color=colour, linewidth=1.0, zorder=4)
+
+
+def draw_coil(ax: Axes, bottom: Point, top: Point, *, width: float, colour: str = SPRING) -> None:
+    """Draw a spring that pushes two points apart, of half a `width` to either side."""
+    along = np.subtract(top, bottom)
+    swing = np.concatenate([[0.0, 0.0], np.resize([-width / 2, width / 2], 8), [0.0, 0.0]])
+    points = np.column_stack([np.linspace(0.0, float(np.hypot(*along)), len(swing)), swing])
+    x, y = placed(points, bottom, float(np.arctan2(along[1], along[0]))).T
+    ax.plot(x, y, color=colour, linewidth=1.4, zorder=1.7)
+
+
+def draw_ground(ax: Axes, at: Point, width: float, *, angle: float = 0.0, depth: float) -> None:
+    """Draw fixed ground: a line of some width about a point, hatched on its lower side.
+
+    An angle of -90° makes a wall on the left of what it holds, 90° one on the right.
+    """
+    from matplotlib.collections import LineCollection
+
+    count = max(3, round(width / depth))
+    start = (np.arange(count) + 0.75) / count * width - width / 2
+    ends = (
+        np.column_stack([start, 0 * start]),
+        np.column_stack([start - 0.75 * width / count, 0 * start - depth]),
+    )
+    strokes = np.stack([placed(end, at, angle) for end in ends], axis=1)
+    ax.add_collection(LineCollection(list(strokes), colors=EDGE, linewidths=0.8, zorder=1))
+    x, y = placed([[-width / 2, 0.0], [width / 2, 0.0]], at, angle).T
+    ax.plot(x, y, color=EDGE, linewidth=1.5, solid_capstyle="butt", zorder=1.5)
+
+
+def draw_pin(ax: Axes, at: Point, size: float) -> None:
+    """Draw a support that holds a point: a triangle of height `size` on the ground."""
+    from matplotlib.patches import Circle, Polygon
+
+    triangle = placed([[0.0, 0.0], [-0.58 * size, -size], [0.58 * size, -size]], at)
+    ax.add_patch(Polygon(triangle, facecolor="white", edgecolor=EDGE, linewidth=1.2, zorder=2.3))
+    ax.add_patch(Circle(at, 0.17 * size, facecolor="white", edgecolor=EDGE, linewidth=1.2, zorder=4.5))
+    draw_ground(ax, (at[0], at[1] - size), 1.9 * size, depth=0.28 * size)
+
+
+def draw_slide(ax: Axes, at: Point, size: float, *, side: int, angle: float = 0.0, rest: float = 0.0) -> None:
+    """Draw a support that holds a direction: a plate on two rollers that run along a wall.
+
+    Parameters
+    ----------
+    ax : matplotlib.axes.Axes
+    at : tuple of float
+        Middle of the plate's inner face.
+    size : float
+        Half the plate's height.
+    side : int
+        Where the wall is: -1 left of it, 1 right of it.
+    angle : float [rad]
+        Of the whole.
+    rest : float
+        How far along the wall from here the plate is when at rest: the wall reaches as far.
+    """
+    from matplotlib.patches import Circle
+
+    plate, roller = 0.22 * size, 0.2 * size
+    draw_block(ax, at, angle, (min(0.0, side * plate), -size, plate, 2 * size), zorder=1.9)
+    for height in (-0.75 * size, 0.75 * size):
+        centre = placed([[side * (plate + roller), height]], at, angle)[0]
+        circle = {"facecolor": "white", "edgecolor": EDGE, "linewidth": 1.1, "zorder": 1.9}
+        ax.add_patch(Circle((float(centre[0]), float(centre[1])), roller, **circle))
+    low, high = min(rest, 0.0) - 1.5 * size, max(rest, 0.0) + 1.5 * size
+    foot = placed([[side * (plate + 2 * roller), (low + high) / 2]], at, angle)[0]
+    wall = angle + side * np.pi / 2
+    draw_ground(ax, (float(foot[0]), float(foot[1])), high - low, angle=wall, depth=0.35 * size)
+
+
+def draw_block(
+    ax: Axes,
+    at: Point,
+    angle: float,
+    box: tuple[float, float, float, float],
+    *,
+    colour: str = BLOCK,
+    edge: str = EDGE,
+    zorder: float = 2,
+) -> None:
+    """Draw a rigid rectangle (left, bottom, width, height; seen from a point) that turns about that point."""
+    from matplotlib.patches import Polygon
+
+    left, bottom, width, height = box
+    right, top = left + width, bottom + height
+    corners = placed([[left, bottom], [right, bottom], [right, top], [left, top]], at, angle)
+    ax.add_patch(Polygon(corners, facecolor=colour, edgecolor=edge, linewidth=1.0, zorder=zorder))
+
+
+def draw_disc(ax: Axes, at: Point, radius: float, *, colour: str = BLOCK, spoke: float | None = None) -> None:
+    """Draw a point mass, or, with a `spoke` at an angle [rad] to show how it turns, a wheel."""
+    from matplotlib.patches import Circle
+
+    ax.add_patch(Circle(at, radius, facecolor=colour, edgecolor=EDGE, linewidth=1.2, zorder=2))
+    if spoke is not None:
+        x, y = placed([[0.0, -radius], [0.0, radius]], at, spoke).T
+        ax.plot(x, y, color=EDGE, linewidth=1.2, zorder=2.1)

@@ -1,0 +1,322 @@
+"""The pages for users of each simulator: their code runs, their numbers are computed, their links exist."""
+
+from __future__ import annotations
+
+import doctest
+import importlib.util
+import math
+import re
+import shlex
+import xml.etree.ElementTree as ElementTree
+from collections.abc import Callable, Sequence
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+import beammodes as bm
+from beammodes.__main__ import main
+
+pytest.importorskip("skfem")
+
+from studies.largest_errors import element_errors
+from studies.tool_layouts import adams_link_errors, flex_errors
+
+ROOT = Path(__file__).parent.parent
+PAGES = sorted((ROOT / "beammodes" / "pages").glob("*.md"))
+README = (ROOT / "README.md").read_text(encoding="utf-8")
+EVERY_PAGE = pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
+ENGINES = {"mujoco", "pydrake"}
+BEAM = bm.Beam(length=1.2, bending_stiffness=85.0, mass_per_length=0.62)
+Errors = Callable[[Sequence[int]], NDArray[np.float64]]
+
+
+def text(page: Path) -> str:
+    return page.read_text(encoding="utf-8")
+
+
+def named(stem: str) -> str:
+    return text(ROOT / "beammodes" / "pages" / f"{stem}.md")
+
+
+def blocks(source: str, language: str) -> list[str]:
+    return re.findall(rf"```{language}\n(.*?)```", source, flags=re.DOTALL)
+
+
+PYTHON = [(page.stem, block) for page in PAGES for block in blocks(text(page), "python")]
+SHELL = [
+    (page.stem, line)
+    for page in PAGES
+    for block in blocks(text(page), "sh")
+    for line in block.splitlines()
+    if line
+]
+
+
+def test_there_are_four_pages_with_code_to_run() -> None:
+    assert [page.stem for page in PAGES] == ["adams_working_model", "drake_gazebo", "mujoco", "simscape"]
+    assert {stem for stem, _ in PYTHON} == {stem for stem, _ in SHELL} == {page.stem for page in PAGES}
+
+
+@pytest.mark.filterwarnings("ignore:.*SWIG|.*pydrake|.*numpy:DeprecationWarning")
+@pytest.mark.parametrize(("stem", "block"), PYTHON, ids=[f"{s}-{i}" for i, (s, _) in enumerate(PYTHON)])
+def test_python_blocks_run(stem: str, block: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    for engine in sorted(ENGINES & set(re.findall(r"(?:import|from) (\w+)", block))):
+        if importlib.util.find_spec(engine) is None:
+            pytest.skip(f"{engine} is not installed")
+    monkeypatch.chdir(tmp_path)
+    test = doctest.DocTestParser().get_doctest(block, {}, stem, stem, 0)
+    assert test.examples
+    assert doctest.DocTestRunner(optionflags=doctest.NORMALIZE_WHITESPACE).run(test).failed == 0
+
+
+@pytest.mark.parametrize(
+    "line", [line for _, line in SHELL], ids=[f"{s}-{i}" for i, (s, _) in enumerate(SHELL)]
+)
+def test_shell_lines_run_and_answer_what_stands_beside_them(
+    line: str,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    program, *arguments = shlex.split(line, comments=True)
+    assert program == "beammodes"
+    assert main(arguments) == 0
+    answer = capsys.readouterr().out
+    said = line.partition("#")[2].strip()
+    assert answer.startswith(said) if said else answer.strip()
+    if "--output" in arguments:
+        assert (tmp_path / arguments[arguments.index("--output") + 1]).stat().st_size > 200
+    else:
+        assert said or "springs" in arguments
+
+
+def cable_shifted_errors(segments: Sequence[int]) -> NDArray[np.float64]:
+    """Equal rods, of which the first begins half its length inside the wall; the last ends at the tip."""
+    exact = bm.euler_bernoulli(bm.Beam.unit(), "clamped-free", 1).angular_frequency[0]
+    found = []
+    for count in segments:
+        ell = 1 / (count - 0.5)
+        length = [ell / 2] + [ell] * (count - 1)
+        chain = bm.Chain.from_pieces(
+            length=length,
+            mass=length,
+            rotary_inertia=[own**3 / 12 for own in length],
+            joint_stiffness=[1 / ell] * (count - 1),
+            boundary="clamped-free",
+        )
+        found.append(bm.solve_modes(bm.linearize(chain), 1).angular_frequency[0] / exact - 1)
+    return np.array(found)
+
+
+#: By words of the row, where the layout is no rule.
+OTHERS: dict[str, Errors] = {
+    '`pin id="0 1"`': flex_errors,
+    "the flex, moved half an edge": partial(flex_errors, shifted=True),
+    "the cable, begun half a segment": cable_shifted_errors,
+    'attachment "rigid"': partial(adams_link_errors, attachment="rigid"),
+    'attachment "flexible"': partial(adams_link_errors, attachment="flexible"),
+}
+
+
+def errors_of(layout: str) -> tuple[Errors, int]:
+    """Errors against N of a table's row, and their order."""
+    rules = set(re.findall(r"`(\w+)`", layout)) & set(bm.RULES)
+    if rules:
+        (rule,) = rules
+        errors = partial(_rule_errors, rule)
+        return errors, bm.error_law("clamped-free", 1, rule).order
+    (words,) = (words for words in OTHERS if words in layout)
+    coarse, fine = OTHERS[words]([40, 80])
+    return OTHERS[words], round(math.log2(coarse / fine))
+
+
+def _rule_errors(rule: str, segments: Sequence[int]) -> NDArray[np.float64]:
+    return np.asarray(bm.frequency_error("clamped-free", segments=segments, mode=1, rule=rule))
+
+
+def percent(error: float) -> str:
+    plain = np.format_float_positional(
+        100 * error, precision=3, unique=False, fractional=False, sign=True, trim="-"
+    )
+    return f"{plain} %"
+
+
+POWERS = {1: "1/N", 2: "1/N²", 3: "1/N³", 4: "1/N⁴"}
+
+
+@EVERY_PAGE
+def test_the_table_says_what_the_code_computes(page: Path) -> None:
+    rows = re.findall(r"^\| ([^|]*) \| (.*?) \| (1/N.?) \|$", text(page), flags=re.MULTILINE)
+    assert len(rows) >= 2
+    assert "| layout | N = 5 | N = 10 | N = 20 | falls as |" in text(page)
+    for layout, numbers, falls in rows:
+        errors, order = errors_of(layout)
+        assert numbers.split(" | ") == [percent(error) for error in errors([5, 10, 20])], layout
+        assert falls == POWERS[order], layout
+
+
+@EVERY_PAGE
+def test_links_and_pictures_exist(page: Path) -> None:
+    targets = re.findall(r"\]\(([^)#]+)\)", text(page))
+    assert "../../figures/simulators.svg" in targets
+    for target in targets:
+        assert (page.parent / target).is_file(), target
+    assert f"(beammodes/pages/{page.name})" in README
+
+
+@EVERY_PAGE
+def test_it_is_short_and_speaks_of_the_audit(page: Path) -> None:
+    assert len(text(page).splitlines()) < 130
+    assert len(re.findall(r"`beammodes audit ", text(page))) == 1
+    assert all("audit" not in block for block in blocks(text(page), "sh"))
+
+
+def test_numbers_in_the_text_about_mujoco() -> None:
+    page = named("mujoco")
+    # Capsules of r = 5 mm and 120 mm between the centres of their caps, as MuJoCo has them; with the density
+    # that makes ρA = 1, caps and all. MuJoCo 3.17 itself rings at +8.09 %.
+    radius, ell, count = 0.005, 0.12, 10
+    rod, caps = 1 * ell, 4 / 3 * radius
+    inertia = rod * (ell**2 / 12 + radius**2 / 4)
+    inertia += caps * (2 / 5 * radius**2 + ell**2 / 4 + 3 / 8 * ell * radius)
+    assert f"too heavy: with r = 5 mm and ℓ = 120 mm by {100 * caps / rod:.1f} %" in page
+    chain = bm.Chain.from_pieces(
+        length=[ell] * count,
+        mass=[rod + caps] * count,
+        rotary_inertia=[inertia] * count,
+        joint_stiffness=[1 / ell] * (count - 1),
+        boundary="clamped-free",
+    )
+    exact = bm.euler_bernoulli(bm.Beam(count * ell, 1.0, 1.0), "clamped-free", 1).angular_frequency[0]
+    error = bm.solve_modes(bm.linearize(chain), 1).angular_frequency[0] / exact - 1
+    assert f"(there remain {percent(error)})" in page
+    assert f"radius {100 * (2**0.25 - 1):.0f} % larger doubles" in page
+    chain = bm.Chain(BEAM, "clamped-free", 10, "gregory")
+    limit = bm.stable_time_step(chain, "semi_implicit_euler")
+    assert f"{0.002 / limit:.1f} times beyond" in page
+    assert f"{bm.stable_time_step(chain, 'rk4') / limit:.2f} times\nfurther" in page
+    omega = bm.solve_modes(bm.linearize(chain), 1).angular_frequency[0]
+    assert f"{100 * 0.002 * omega / 2:.1f} % in mode 1 at 2 ms" in page
+
+
+def test_the_flex_on_the_page_is_the_beam_moved_by_half_an_edge() -> None:
+    (block,) = blocks(named("mujoco"), "xml")
+    flex = ElementTree.fromstring(block)
+    points = int(flex.attrib["count"].split()[0])
+    spacing = float(flex.attrib["spacing"].split()[0])
+    mass, radius = float(flex.attrib["mass"]), float(flex.attrib["radius"])
+    assert (points - 1) * spacing == pytest.approx(BEAM.length)
+    assert float(flex.attrib["pos"].split()[0]) == pytest.approx(BEAM.length / 2 - spacing / 2)
+    assert mass == pytest.approx(BEAM.mean_mass_per_length * BEAM.length * points / (points - 1))
+    elastic = flex.find("elasticity")
+    assert elastic is not None
+    second_moment = math.pi * radius**4 / 4
+    assert float(elastic.attrib["young"]) * second_moment == pytest.approx(85.0, rel=1e-4)
+    mujoco = pytest.importorskip("mujoco")
+    if int(mujoco.__version__.split(".")[0]) >= 4:
+        model = mujoco.MjModel.from_xml_string(f"<mujoco><worldbody>{block}</worldbody></mujoco>")
+        assert model.flex_vertnum.tolist() == [points]
+        assert model.body_mass.max() == pytest.approx(BEAM.mean_mass_per_length * spacing)
+
+
+def test_numbers_in_the_text_about_simscape() -> None:
+    page = named("simscape")
+    assert f"{180 / math.pi:.1f}\n  times too stiff" in page
+    assert f"frequency {math.sqrt(180 / math.pi):.2f} times too high" in page
+    elements = 100 * np.abs(element_errors("clamped-free", 4)).max()
+    assert f"first three frequencies are within {elements:.2g} %" in page
+    thin, thick = (
+        bm.euler_bernoulli(
+            bm.Beam.from_section(
+                bm.Rectangle(width=0.015, height=0.005),
+                density=2800.0,
+                elastic_modulus=70e9,
+                length=0.3,
+                rotary_inertia=counts,
+            ),
+            "clamped-free",
+            3,
+        ).angular_frequency[2]
+        for counts in (False, True)
+    )
+    assert f"that is {100 * (thick / thin - 1):.2g} % of mode 3" in page
+
+
+def test_numbers_in_the_text_about_drake_and_gazebo() -> None:
+    page = named("drake_gazebo")
+    chain = bm.Chain(BEAM, "clamped-free", 10, "gregory")
+    assert page.count(f"{chain.joint_stiffness[0]:.1f}<") == 2
+    omega = bm.solve_modes(bm.linearize(chain), 1).angular_frequency[0]
+    assert f"here {100 * 0.001 * omega / 2:.1f} % in mode 1" in page
+
+
+def test_numbers_in_the_text_about_adams() -> None:
+    page = named("adams_working_model")
+    second, third = (100 * adams_link_errors([10], attachment="flexible", mode=mode)[0] for mode in (2, 3))
+    assert f"errs by {second:.3g} % and {third:.3g} % in modes 2 and 3" in page
+    assert f"{180 / math.pi:.1f} times smaller" in page
+    # The 8 under whose root the published step should stand: physics.md section 1.
+    assert f"{math.sqrt(8):.2f} times too long" in page
+
+
+# The first screen of README.
+
+
+def test_the_first_screen_says_what_the_code_computes() -> None:
+    screen = "\n".join(README.splitlines()[:45])
+    rows = re.findall(
+        r"^\| ([^|]*) \| ([^|]*) \| ([^|]*) % \| ([^|]*): ([^|]*) % \| \[page\]\(([^)]*)\) \|$",
+        screen,
+        flags=re.MULTILINE,
+    )
+    assert 4 <= len(rows) <= 6
+    for tool, layout, error, _, mended, page in rows:
+        before, after = SCREEN[tool]
+        assert f"{error} %" == percent(before([10])[0]), tool
+        assert f"{mended} %" == percent(after([10])[0]), tool
+        assert (ROOT / page).is_file()
+        rules = set(re.findall(r"`(\w+)`", layout)) & set(bm.RULES)
+        assert all(f"{error} %" == percent(_rule_errors(rule, [10])[0]) for rule in rules)
+    assert {row[5] for row in rows} == {f"beammodes/pages/{page.name}" for page in PAGES}
+    assert set(SCREEN) == {row[0] for row in rows}
+
+
+#: Errors as it is and mended, by the tool's name in README's table.
+SCREEN: dict[str, tuple[Errors, Errors]] = {
+    "MuJoCo 3 `cable`": (partial(_rule_errors, "rigid_stub"), partial(_rule_errors, "rigid_stub_corrected")),
+    "MuJoCo 4 `flexcomp`": (flex_errors, partial(flex_errors, shifted=True)),
+    "Adams flexible link": (
+        partial(adams_link_errors, attachment="rigid"),
+        partial(adams_link_errors, attachment="flexible"),
+    ),
+    "Drake, Gazebo by hand": (partial(_rule_errors, "naive"), partial(_rule_errors, "gregory")),
+    "Simscape, Modelica": (
+        partial(_rule_errors, "half_stub"),
+        partial(_rule_errors, "half_stub_corrected"),
+    ),
+    "Working Model": (partial(_rule_errors, "mitiguy"), partial(_rule_errors, "gregory")),
+}
+SPRINGS = re.compile(r"\d+/\d+")
+
+
+def test_the_springs_of_the_first_screen_are_the_rules() -> None:
+    for tool, rule in {
+        "MuJoCo 3 `cable`": "rigid_stub_corrected",
+        "Drake, Gazebo by hand": "gregory",
+        "Simscape, Modelica": "half_stub_corrected",
+        "Working Model": "gregory",
+    }.items():
+        row = next(line for line in README.splitlines() if line.startswith(f"| {tool} |"))
+        written = [quotient(part) for part in SPRINGS.findall(row.split(" | ")[3])]
+        springs = bm.Chain(bm.Beam.unit(), "clamped-free", 10, rule).joint_stiffness / 10
+        changed = springs[np.abs(springs - 1) > 1e-9]
+        assert written == pytest.approx(changed, rel=1e-12)
+
+
+def quotient(part: str) -> float:
+    top, bottom = part.split("/")
+    return int(top) / int(bottom)
