@@ -89,6 +89,7 @@ _HOME = {
     "Weight": "chains.rules",
     "animate": "views.animation",
     "audit_chain": "auditing.audit",
+    "audit_file": "auditing.audit_model",
     "axially_corrected": "chains.axial_rule",
     "beam_statics": "accuracy.statics",
     "buckling_dataset": "accuracy.buckling",
@@ -161,6 +162,7 @@ if TYPE_CHECKING:
     from beammodes.accuracy.uncertainty import frequency_spread as frequency_spread
     from beammodes.auditing.audit import Audit as Audit
     from beammodes.auditing.audit import audit_chain as audit_chain
+    from beammodes.auditing.audit_model import audit_file as audit_file
     from beammodes.batch.cases import Case as Case
     from beammodes.batch.distributions import Normal as Normal
     from beammodes.batch.distributions import Uniform as Uniform

@@ -15,6 +15,7 @@ from typing import Any
 import pytest
 
 from beammodes.__main__ import main
+from beammodes.command_list import COMMANDS
 
 BEAM = ["--length", "1.2", "--ei", "85", "--rho-a", "0.62"]
 # One valid call of every command.
@@ -438,3 +439,170 @@ def test_export(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     assert path.read_bytes() == before
     assert Ran([*call, "--force"], capsys).lines == [str(path)]
     Ran([*call[:-1], str(tmp_path / "no" / "beam.csv")], capsys).refused("no such folder")
+
+
+AUDITED = ["--length", "1.2", "--ei", "85", "--rho-a", "0.62"]
+
+
+def exported(rule: str, folder: Path, capsys: pytest.CaptureFixture[str], *more: str) -> str:
+    path = str(folder / f"{rule}.xml")
+    call = ["export", "clamped-free", "--segments", "10", "--rule", rule, *BEAM, "--output", path, *more]
+    assert Ran(call, capsys).code == 0
+    return path
+
+
+def test_audit_says_by_its_exit_code_whether_the_chain_meets(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    good, bad = (exported(rule, tmp_path, capsys) for rule in ("gregory", "rigid_stub"))
+    assert Ran(["audit", good, *AUDITED], capsys).code == 0
+    assert Ran(["audit", good, *AUDITED, "--tolerance", "1e-6"], capsys).code == 1
+    for flags in ([], ["--json"]):
+        ran = Ran(["audit", bad, *AUDITED, *flags], capsys)
+        assert (ran.code, ran.err) == (1, "")
+    assert Ran(["audit", bad, *AUDITED, "--tolerance", "0.15"], capsys).code == 0
+    # A mode that the chain lacks does not meet, and JSON has null for it.
+    many = Ran(["audit", good, *AUDITED, "--modes", "12", "--tolerance", "9", "--json"], capsys)
+    assert many.code == 1
+    assert json.loads(many.out)["modes"][-1]["relative_error"] is None
+    assert "no such mode" in Ran(["audit", good, *AUDITED, "--modes", "12"], capsys).out
+
+
+def test_audit_tells_layout_errors_and_what_to_change(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    path = exported("rigid_stub", tmp_path, capsys)
+    answer = json.loads(Ran(["audit", path, *AUDITED, "--json"], capsys).out)
+    assert (answer["layout"], answer["segments"], answer["order"]) == ("rigid_stub", 10, 1)
+    assert answer["boundary"] == "clamped-free" and answer["meets"] is False
+    names = [item["name"] for item in answer["suggestions"]]
+    assert names == ["rigid_stub_corrected", "first_spring_tuned", "gregory"]
+    text = Ran(["audit", path, *AUDITED], capsys).out
+    assert "rigid_stub, +11 % at N = 10, falls only as 1/N" in text
+    for item in answer["suggestions"]:
+        errors = item["relative_errors"]
+        (line,) = (line for line in text.splitlines() if re.match(rf"{item['name']} +(same|hinges)", line))
+        shown = [float(word) for word in line.split()[-3:]]
+        assert shown == pytest.approx([100 * error for error in errors], rel=1e-3, abs=1e-9)
+        first = item["hinges"][0]
+        assert f"{first['stiffness_n_m_per_rad']:.10g}" in text
+    assert answer["suggestions"][2]["hinges"][0]["position_m"] == 0
+    for row in answer["hinges"]:
+        assert row["hinge"] in text
+
+
+def test_audit_of_a_long_chain_shows_the_springs_that_change(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    path = str(tmp_path / "long.csv")
+    Ran(
+        ["export", "clamped-free", "--segments", "400", "--rule", "rigid_stub", *BEAM, "--output", path],
+        capsys,
+    )
+    ran = Ran(["audit", path, *AUDITED, "--modes", "1", "--tolerance", "1e-3"], capsys)
+    assert ran.code == 1 and len(ran.out.splitlines()) < 45
+    assert "397 more hinges: see --json" in ran.out
+
+
+def test_audit_takes_springs_chain_plane_and_boundary(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    urdf = str(tmp_path / "beam.urdf")
+    assert Ran(["export", "clamped-free", "--segments", "5", *BEAM, "--output", urdf], capsys).code == 0
+    moved = tmp_path / "elsewhere.yaml"
+    (tmp_path / "beam.springs.yaml").rename(moved)
+    call = ["audit", urdf, *AUDITED, "--modes", "1"]
+    Ran(call, capsys).refused("must have a hinge with a spring")
+    assert Ran([*call, "--springs", str(moved), "--chain", "chain_piece_3", "--plane", "z"], capsys).code == 0
+    Ran([*call, "--springs", str(moved), "--boundary", "free-free"], capsys).refused("must fit the file")
+    Ran([*call, "--springs", str(moved), "--boundary", "clampd-free"], capsys).refused("did you mean")
+    Ran([*call, "--springs", str(moved), "--chain", "piece"], capsys).refused("chain must be one of")
+
+
+@pytest.mark.parametrize(
+    ("option", "value", "message"),
+    [
+        ("--length", "-1", "length must be greater than 0"),
+        ("--ei", "nan", "--ei must"),
+        ("--rho-a", "none", "--rho-a must"),
+        ("--tolerance", "0", "tolerance must be greater than 0"),
+        ("--modes", "0", "modes must be a whole number"),
+    ],
+)
+def test_bad_audits(
+    option: str, value: str, message: str, capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    path = exported("mitiguy", tmp_path, capsys)
+    Ran(["audit", path, *AUDITED, f"{option}={value}"], capsys).refused(message)
+
+
+def test_files_that_are_not_there_are_named_in_plain_words(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    Ran(["audit", str(tmp_path / "no.xml"), *AUDITED], capsys).refused(
+        "no such file or directory: ", "no.xml"
+    )
+    Ran(["audit", str(tmp_path), *AUDITED], capsys).refused("is a folder")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "near"),
+    [
+        (["errors", "clamped-free"], "error"),
+        (["audti", "beam.xml"], "audit"),
+        (["timestep", "clamped-free"], "time-step"),
+        (["error", "clamped-free", "--segmnts", "6"], "--segments"),
+        (["springs", "clamped-free", "--segments=6", "--lenght=2"], "--length"),
+        (["audit", "beam.xml", "--tolerence", "1"], "--tolerance"),
+    ],
+)
+def test_mistyped_words_get_the_nearest(
+    arguments: list[str], near: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    Ran(arguments, capsys).refused(f'did you mean "{near}"?', "--help)")
+
+
+def test_help_groups_commands_by_the_work_and_gives_an_example_of_each(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    text = Ran(["--help"], capsys).out
+    stages = ["before you build a chain:", "while you build it:", "when you have one:", "examples:"]
+    places = [text.index(stage) for stage in stages]
+    assert places == sorted(places)
+    listed = re.findall(r"^    ([a-z-]+)  +(.+)$", text, re.MULTILINE)
+    assert [name for name, _ in listed] == [command.name for command in COMMANDS]
+    assert all(question.endswith("?") for _, question in listed)
+    examples = re.findall(r"^  beammodes ([a-z-]+)", text, re.MULTILINE)
+    assert examples == [command.name for command in COMMANDS]
+    assert max(map(len, text.splitlines())) <= 113
+    for command in COMMANDS:
+        own = Ran([command.name, "--help"], capsys).out
+        assert own.startswith(f"usage: beammodes {command.name} ")
+        assert command.question[1:] in own
+        assert command.example in own
+        assert "--json" in own
+
+
+def test_every_example_in_the_help_runs_in_order(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    for command in COMMANDS:
+        arguments = shlex.split(command.example)
+        assert arguments[0] == "beammodes"
+        assert Ran(arguments[1:], capsys).lines
+        force = ["--force"] if command.name == "export" else []
+        assert isinstance(Ran([*arguments[1:], "--json", *force], capsys).json, dict)
+
+
+def test_tables_have_units_in_their_heads_and_signs_on_their_errors(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    head, *rows = Ran(["frequencies", "clamped-free", "--segments", "6"], capsys).lines[1:]
+    assert re.split(r"  +", head) == ["mode", "chain [Hz]", "exact [Hz]", "error [%]"]
+    assert all(len(row) == len(head) and re.search(r" [-+][\d.]+$", row) for row in rows)
+    call = ["recommend", "clamped-free", "--tolerance", "0.01", "--rule", "mitiguy,gregory"]
+    head, first, *_ = Ran(call, capsys).lines
+    heads = ["rule", "N", "error [%]", "static error [%]", "step [s]", "cost [-]"]
+    assert re.split(r"  +", head) == heads
+    assert len(first) == len(head) and len(first.split()) == len(heads)

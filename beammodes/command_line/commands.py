@@ -6,6 +6,8 @@ import argparse
 import math
 from typing import TYPE_CHECKING, Any
 
+from beammodes.text_tables import frequency_table, number, percents, text_table, typed_in
+
 if TYPE_CHECKING:
     from beammodes.accuracy.advice import Recommendation
 
@@ -13,12 +15,13 @@ __all__ = [
     "Answer",
     "answer_buckling",
     "answer_error",
-    "answer_export",
     "answer_frequencies",
     "answer_recommend",
     "answer_segments",
     "answer_springs",
     "answer_time_step",
+    "beam_of",
+    "chain_of",
 ]
 
 #: What a command found: the answer for scripts, and the same as text for people.
@@ -65,11 +68,11 @@ def answer_frequencies(options: argparse.Namespace) -> Answer:
     from beammodes.vibration.linear import linearize
     from beammodes.vibration.modes import solve_modes
 
-    chain, load = _chain(options), _load(options)
+    chain, load = chain_of(options), _load(options)
     model = linearize(chain, load=load)
     modes = solve_modes(model, options.modes)
     count = len(modes.frequency)
-    exact = euler_bernoulli(_beam(options), options.boundary, max(count, 1), load=load).frequency[:count]
+    exact = euler_bernoulli(beam_of(options), options.boundary, max(count, 1), load=load).frequency[:count]
     each = np.arange(1, count + 1)
     errors = modes.frequency / exact - 1
     if count and chain.boundary.is_plain and not options.axial_force:
@@ -83,27 +86,24 @@ def answer_frequencies(options: argparse.Namespace) -> Answer:
     ]
     kinds = f"{modes.rigid_body_modes} rigid-body and {model.elastic_modes} elastic modes"
     title = f"{chain.boundary.name}, {options.segments} segments, {options.rule}: {kinds}"
-    return {"rigid_body_modes": modes.rigid_body_modes, "modes": rows}, _frequency_table(title, rows)
-
-
-def _frequency_table(title: str, rows: list[dict[str, Any]]) -> str:
-    lines = [
-        f"{row['mode']:4d}  {row['frequency_hz']:14.6g}  {row['exact_frequency_hz']:14.6g}  "
-        f"{100 * row['relative_error']:+10.4g}"
-        for row in rows
-    ]
-    return "\n".join([title, "mode       chain [Hz]       exact [Hz]   error [%]", *lines])
+    return {"rigid_body_modes": modes.rigid_body_modes, "modes": rows}, f"{title}\n{frequency_table(rows)}"
 
 
 def answer_springs(options: argparse.Namespace) -> Answer:
     """Answer the joint stiffnesses to type into a multibody tool."""
-    chain = _chain(options)
+    chain = chain_of(options)
     rows = [
         {"hinge": j + 1, "position_m": float(x), "stiffness_n_m_per_rad": float(k)}
         for j, (x, k) in enumerate(zip(chain.hinge_position, chain.joint_stiffness, strict=True))
     ]
     lines = [
-        f"{row['hinge']:5d}  {row['position_m']:12.6g}  {row['stiffness_n_m_per_rad']:20.10g}" for row in rows
+        text_table(
+            ["hinge", "position [m]", "stiffness [N m/rad]"],
+            [
+                [str(row["hinge"]), number(row["position_m"]), typed_in(row["stiffness_n_m_per_rad"])]
+                for row in rows
+            ],
+        )
     ]
     answer: dict[str, Any] = {"hinges": rows}
     for side, (translation, rotation) in zip(("left", "right"), chain.support_stiffness, strict=True):
@@ -113,43 +113,23 @@ def answer_springs(options: argparse.Namespace) -> Answer:
         ):
             if 0 < stiffness < math.inf:
                 answer[f"{side}_{kind}_support"] = float(stiffness)
-                lines.append(f"{kind} support of the {side} end: {stiffness:.10g} {unit}")
-    return answer, "\n".join(["hinge  position [m]  stiffness [N m/rad]", *lines])
+                lines.append(f"{kind} support of the {side} end: {typed_in(stiffness)} {unit}")
+    return answer, "\n".join(lines)
 
 
 def answer_buckling(options: argparse.Namespace) -> Answer:
     """Answer the compression at which a chain buckles, beside the beam's."""
     from beammodes.accuracy.buckling import buckling_load
 
-    chain = _chain(options)
-    load, exact = buckling_load(chain), buckling_load(_beam(options), options.boundary)
+    chain = chain_of(options)
+    load, exact = buckling_load(chain), buckling_load(beam_of(options), options.boundary)
     if math.isinf(load):
         raise ValueError(
             f"segments must be larger: {chain.boundary.name} with {options.segments} cannot bend"
         )
     answer = {"buckling_load_n": load, "exact_buckling_load_n": exact, "relative_error": load / exact - 1}
-    return answer, f"{load:.6g} N  (beam {exact:.6g} N, error {100 * answer['relative_error']:+.4g} %)"
-
-
-def answer_export(options: argparse.Namespace) -> Answer:
-    """Write a chain to a file for a simulator, and answer which files were written."""
-    from beammodes.dynamics.damping import Damping
-    from beammodes.exporters.export import export_chain
-
-    damping = Damping(stiffness=options.stiffness_damping) if options.stiffness_damping else None
-    written = export_chain(
-        _chain(options),
-        options.output,
-        format=options.format,
-        name=options.name,
-        fragment=options.fragment,
-        damping=damping,
-        timestep=options.timestep,
-        integrator=options.integrator,
-        force=options.force,
-    )
-    names = [str(path) for path in written]
-    return {"files": names}, "\n".join(names)
+    error = percents(answer["relative_error"])
+    return answer, f"{number(load)} N  (beam {number(exact)} N, error {error} %)"
 
 
 def answer_segments(options: argparse.Namespace) -> Answer:
@@ -164,7 +144,7 @@ def answer_time_step(options: argparse.Namespace) -> Answer:
     """Answer the largest stable fixed time step of a chain."""
     from beammodes.vibration.stability import highest_angular_frequency, stable_time_step
 
-    chain = _chain(options)
+    chain = chain_of(options)
     load = _load(options)
     step = stable_time_step(chain, options.integrator, load=load)
     highest = highest_angular_frequency(chain, load=load)
@@ -174,10 +154,12 @@ def answer_time_step(options: argparse.Namespace) -> Answer:
             "and so no stability limit"
         )
     answer = {"time_step_s": step, "highest_angular_frequency_rad_per_s": highest}
-    return answer, f"{step:.6g} s  ({options.integrator}, highest angular frequency {highest:.6g} rad/s)"
+    fastest = f"highest angular frequency {number(highest)} rad/s"
+    return answer, f"{number(step)} s  ({options.integrator}, {fastest})"
 
 
-def _beam(options: argparse.Namespace) -> Any:
+def beam_of(options: argparse.Namespace) -> Any:
+    """Return the beam that the options describe."""
     from beammodes.problem.beam import Beam
 
     return Beam(length=options.length, bending_stiffness=options.ei, mass_per_length=options.rho_a)
@@ -189,10 +171,11 @@ def _load(options: argparse.Namespace) -> Any:
     return Load(axial_force=options.axial_force)
 
 
-def _chain(options: argparse.Namespace) -> Any:
+def chain_of(options: argparse.Namespace) -> Any:
+    """Return the chain that the options describe."""
     from beammodes.chains.chain import Chain
 
-    return Chain(_beam(options), options.boundary, segments=options.segments, rule=options.rule)
+    return Chain(beam_of(options), options.boundary, segments=options.segments, rule=options.rule)
 
 
 def answer_recommend(options: argparse.Namespace) -> Answer:
@@ -203,7 +186,7 @@ def answer_recommend(options: argparse.Namespace) -> Answer:
         options.boundary,
         options.tolerance,
         options.modes,
-        beam=_beam(options),
+        beam=beam_of(options),
         rules=options.rule.split(",") if options.rule else None,
         integrator=options.integrator,
     )
@@ -224,15 +207,25 @@ def answer_recommend(options: argparse.Namespace) -> Answer:
 
 
 def _advice_table(ways: list[Recommendation], integrator: str) -> str:
-    lines = ["rule                     N   error [%]   static error [%]      step [s]      cost"]
+    rows = []
     for way in ways:
         static = max(way.static_error.values(), key=abs, default=math.nan)
-        lines.append(
-            f"{way.rule:22}{way.segments:5d}  {100 * way.largest_error:10.3g}  {100 * static:17.3g}  "
-            f"{way.stable_time_step:12.4g}  {way.cost:8.3g}"
+        rows.append(
+            [
+                way.rule,
+                str(way.segments),
+                percents(way.largest_error).lstrip("+"),
+                percents(static),
+                number(way.stable_time_step),
+                f"{way.cost:.3g}",
+            ]
         )
-    lines.append(
-        "static: worst of tip force, tip moment and uniform load; nan where the beam can move rigidly"
+    heads = ["rule", "N", "error [%]", "static error [%]", "step [s]", "cost [-]"]
+    return "\n".join(
+        [
+            text_table(heads, rows, names=1),
+            "error: largest of the modes asked for, without its sign",
+            "static: worst of tip force, tip moment and uniform load; nan where the beam can move rigidly",
+            f"cost: segments times {integrator} steps in one period of the first mode",
+        ]
     )
-    lines.append(f"cost: segments times {integrator} steps in one period of the first mode")
-    return "\n".join(lines)

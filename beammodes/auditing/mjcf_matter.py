@@ -1,0 +1,77 @@
+"""Mass, inertia and reach of an MJCF body: from its inertial, or from the solids that it is made of."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from beammodes.auditing.bounded_xml import XmlElement
+from beammodes.auditing.mjcf_settings import Settings
+from beammodes.auditing.spatial import Inertial, Pose, ends_of, from_z_to, joined, solid
+
+__all__ = ["matter_of"]
+
+Array = NDArray[np.float64]
+
+_SIZES = {"sphere": 1, "capsule": 2, "cylinder": 2, "box": 3, "ellipsoid": 3}
+_MASSLESS = ("plane", "hfield")
+
+
+def matter_of(settings: Settings, element: XmlElement, class_name: str) -> tuple[Inertial, list[Array], str]:
+    """Return a body's mass and inertia, the ends of its geometry, and why these cannot be told."""
+    parts, extent, why = [], [], ""
+    for child in element.all("geom"):
+        own = settings.with_defaults(child, "geom", class_name)
+        kind = "mesh" if "mesh" in own.attributes else own.attributes.get("type", "sphere")
+        if kind in _MASSLESS or (own.attributes.get("mass") == "0" and kind not in _SIZES):
+            continue
+        if kind not in _SIZES or own.attributes.get("shellinertia") == "true":
+            why = f"{own.where} must be a {', '.join(_SIZES)}, filled, or have its body's mass in <inertial>"
+            continue
+        part, ends = _geometry(settings, own, kind)
+        extent += ends
+        if settings.counts(own):
+            parts.append(part)
+    given = element.first("inertial")
+    if given is not None and settings.inertia_from_geometry != "true":
+        return _given(settings, given), extent, ""
+    return joined(parts), extent, why
+
+
+def _given(settings: Settings, element: XmlElement) -> Inertial:
+    pose = settings.pose(element)
+    (mass,) = element.numbers("mass", 1)
+    if mass < 0:
+        element.refuse(f"must have a mass of at least 0, got {mass:g}")
+    if "fullinertia" in element.attributes:
+        xx, yy, zz, xy, xz, yz = element.numbers("fullinertia", 6)
+        matrix = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+    else:
+        matrix = np.diag(element.numbers("diaginertia", 3))
+    return Inertial(mass, np.zeros(3), matrix).seen_from(pose)
+
+
+def _geometry(settings: Settings, geom: XmlElement, kind: str) -> tuple[Inertial, list[Array]]:
+    """Return a solid in its body's frame, and the two ends of its long axis without round caps."""
+    count = _SIZES[kind]
+    pose = settings.pose(geom)
+    ends = "fromto" in geom.attributes
+    if ends and kind == "sphere":
+        geom.refuse("must have no fromto")
+    text = geom.attributes.get("size", "")
+    size = geom.read("size", text, (1, 2, 3))
+    if ends:
+        points = np.array(geom.numbers("fromto", 6)).reshape(2, 3)
+        length = float(np.linalg.norm(points[1] - points[0]))
+        if not length:
+            geom.refuse("must have two different points in fromto")
+        pose = Pose(from_z_to((points[1] - points[0]) / length), points.mean(axis=0))
+        size = [size[0]] * (count - 1) + [length / 2]
+    if len(size) < count or min(size[:count]) <= 0:
+        geom.refuse(f"must have {count} sizes above 0 as a {kind}, got {text[:40]!r}")
+    mass = geom.numbers("mass", 1)[0] if "mass" in geom.attributes else None
+    (density,) = geom.numbers("density", 1, "1000")
+    if density < 0 or (mass or 0.0) < 0:
+        geom.refuse("must have a mass and a density of at least 0")
+    reach = [pose.point(point) for point in ends_of(kind, size)]
+    return solid(kind, size[:count], mass, density).seen_from(pose), reach

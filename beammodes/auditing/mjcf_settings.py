@@ -1,0 +1,142 @@
+"""What an MJCF model says once for all its elements: the compiler's settings and default classes."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from beammodes.auditing.bounded_xml import XmlElement
+from beammodes.auditing.spatial import Pose, about, from_euler, from_quaternion, from_z_to
+
+__all__ = ["Settings", "settings_of"]
+
+Attributes = dict[str, str]
+
+
+@dataclass(frozen=True)
+class Settings:
+    """How to read the elements of one model.
+
+    Attributes
+    ----------
+    angle : float
+        Radians in one of the file's units of angle.
+    sequence : str
+        Axes of its Euler angles.
+    inertia_from_geometry : str
+        "true", "false" or "auto".
+    groups : tuple of int
+        First and last group of geometry whose mass counts.
+    classes : dict
+        For every class, the default attributes of each tag.
+    """
+
+    angle: float
+    sequence: str
+    inertia_from_geometry: str
+    groups: tuple[float, float]
+    classes: dict[str, dict[str, Attributes]]
+
+    def with_defaults(self, element: XmlElement, tag: str, class_name: str) -> XmlElement:
+        """Return an element with the attributes that it takes from its class."""
+        name = element.attributes.get("class", class_name)
+        if name not in self.classes:
+            element.refuse(f"must have a class that <default> defines, got {name[:40]!r}")
+        return XmlElement(
+            element.tag, self.classes[name].get(tag, {}) | element.attributes, element.line, element.text
+        )
+
+    def counts(self, geom: XmlElement) -> bool:
+        """Whether a geom's mass is part of its body's."""
+        return self.groups[0] <= geom.numbers("group", 1, "0")[0] <= self.groups[1]
+
+    def pose(self, element: XmlElement) -> Pose:
+        """Return an element's pose in its parent."""
+        position = np.array(element.numbers("pos", 3, "0 0 0"))
+        given = element.attributes.keys() & _TURNS.keys()
+        if len(given) > 1:
+            element.refuse(f"must have one of {', '.join(sorted(given))}")
+        if not given:
+            return Pose(np.eye(3), position)
+        (name,) = given
+        values = np.array(element.numbers(name, _TURNS[name]))
+        if name == "euler":
+            return Pose(from_euler(self.angle * values, self.sequence), position)
+        if name == "quat":
+            return Pose(from_quaternion(*_unit(element, values)), position)
+        if name == "axisangle":
+            return Pose(about(_unit(element, values[:3]), self.angle * values[3]), position)
+        if name == "zaxis":
+            return Pose(from_z_to(_unit(element, values)), position)
+        return Pose(_from_axes(element, values), position)
+
+
+_TURNS = {"euler": 3, "quat": 4, "axisangle": 4, "zaxis": 3, "xyaxes": 6}
+
+
+def _unit(element: XmlElement, vector: np.ndarray) -> np.ndarray:
+    size = np.linalg.norm(vector)
+    if not size:
+        element.refuse("must have a direction that is not zero")
+    return np.asarray(vector / size)
+
+
+def _from_axes(element: XmlElement, values: np.ndarray) -> np.ndarray:
+    x = _unit(element, values[:3])
+    y = _unit(element, values[3:] - (values[3:] @ x) * x)
+    return np.column_stack([x, y, np.cross(x, y)])
+
+
+def settings_of(root: XmlElement) -> Settings:
+    """Return the settings of an MJCF model.
+
+    Raises
+    ------
+    BadModel
+        If a setting changes masses in a way that only MuJoCo can follow.
+    """
+    found: Attributes = {}
+    for compiler in root.all("compiler"):
+        found |= compiler.attributes
+    said = XmlElement("compiler", found, next((c.line for c in root.all("compiler")), 0))
+    for name in ("boundmass", "boundinertia"):
+        if said.numbers(name, 1, "0")[0]:
+            said.refuse(f"must have no {name}, which changes masses")
+    if said.numbers("settotalmass", 1, "-1")[0] > 0:
+        said.refuse("must have no settotalmass, which changes masses")
+    if found.get("coordinate", "local") != "local":
+        said.refuse("must have local coordinates, as MuJoCo 3 wants")
+    sequence = found.get("eulerseq", "xyz")
+    if len(sequence) != 3 or set(sequence.lower()) - set("xyz"):
+        said.refuse(f"must have an eulerseq of three axes, got {sequence[:10]!r}")
+    low, high = said.numbers("inertiagrouprange", 2, "0 1000000")
+    return Settings(
+        1.0 if found.get("angle") == "radian" else math.pi / 180,
+        sequence,
+        found.get("inertiafromgeom", "auto"),
+        (low, high),
+        _classes(root),
+    )
+
+
+def _classes(root: XmlElement) -> dict[str, dict[str, Attributes]]:
+    """Return the defaults of every class, each with what it takes from the one around it."""
+    found: dict[str, dict[str, Attributes]] = {"main": {}}
+    waiting: list[tuple[XmlElement, dict[str, Attributes], str]] = [
+        (element, {}, "main") for element in root.all("default")
+    ]
+    while waiting:
+        element, outer, fallback = waiting.pop()
+        own = {tag: dict(values) for tag, values in outer.items()}
+        for child in element.children:
+            if child.tag != "default":
+                own[child.tag] = own.get(child.tag, {}) | child.attributes
+        name = element.attributes.get("class", fallback)
+        found[name] = found.get(name, {}) | own
+        for child in element.all("default"):
+            if "class" not in child.attributes:
+                child.refuse("must have a class")
+            waiting.append((child, own, ""))
+    return found

@@ -1,0 +1,173 @@
+"""The ends of a chain from a file: what supports them, and which part of the outer pieces is a body there."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+from beammodes.auditing.rigid_pieces import (
+    NOTABLE,
+    SAME,
+    Piece,
+    PlanarChain,
+    held_piece,
+    rod_like,
+    without_body,
+)
+from beammodes.problem.ends import Boundary
+from beammodes.problem.supports import End
+
+__all__ = ["JudgedChain", "judged_chain"]
+
+
+@dataclass(frozen=True)
+class JudgedChain:
+    """A chain's pieces without the bodies at its ends, which `boundary` has; `springs` with names."""
+
+    boundary: Boundary
+    pieces: tuple[Piece, ...]
+    springs: tuple[tuple[str, float], ...]
+    assumed: str = ""
+
+
+def judged_chain(chain: PlanarChain, given: Boundary | None) -> JudgedChain:
+    """Return a chain with its ends.
+
+    Without `given`, a spring between ground and beam is the rule's wall spring at an end that the ground
+    holds, and what an outer piece has beyond a rod like its neighbour's is a body at that end. With it, the
+    bodies and springs of `given` are taken out of the outer pieces, in the order that fits.
+
+    Raises
+    ------
+    ValueError
+        If `given` holds what the file lets move, or its bodies are heavier than the pieces.
+    """
+    if given is None:
+        return _inferred(chain)
+    orders = (given, given.turned)
+    fitting = [pair for pair in orders if _fits(chain.near, pair.left) and _fits(chain.far, pair.right)]
+    for i, pair in enumerate(fitting):
+        try:
+            return _stated(chain, pair)
+        except ValueError:
+            # Ends that are alike but for a number may fit in the other order only.
+            if i == len(fitting) - 1:
+                raise
+    # URDF cannot support the far end, and other constraints are not read: there the user's word counts.
+    for pair in orders:
+        if _fits(chain.near, pair.left) and chain.far == (0.0, 0.0):
+            held = replace(chain, far=_supports(pair.right))
+            return replace(_stated(held, pair), assumed=f"the far end is {pair.right} because you say so")
+    found = _inferred(chain).boundary
+    raise ValueError(f"boundary must fit the file, whose ends are {found}, got {given}")
+
+
+def _supports(end: End) -> tuple[float, float]:
+    return float(end.translational_stiffness), float(end.rotational_stiffness)
+
+
+def _fits(supports: tuple[float, float], end: End) -> bool:
+    """Whether an end's word and springs can be what supports a chain there."""
+    (across, turning), (own_across, own_turning) = supports, _supports(end)
+    alike = across == own_across or abs(across - own_across) <= SAME * across < math.inf
+    if turning in (0.0, math.inf):
+        # Behind a wall hinge an end may give way in turning.
+        return alike and (own_turning > 0) == (turning > 0)
+    return alike and own_turning > 0
+
+
+def _inferred(chain: PlanarChain) -> JudgedChain:
+    pieces = list(chain.pieces)
+    if chain.far[0] < chain.far[1] == math.inf:
+        _pass_point_on(pieces)
+    ends = []
+    for at, supports in ((0, chain.near), (-1, chain.far)):
+        between = [piece for piece in pieces[1:-1] if piece.length]
+        own = _mirrored(pieces[0]) if at == 0 else pieces[-1]
+        body = _body(own, between[at] if between else None, supports)
+        ends.append(End(*supports, *body))
+        rest = without_body(own, ends[-1])
+        pieces[at] = _mirrored(rest) if at == 0 else rest
+    return JudgedChain(Boundary(*ends), tuple(pieces), chain.springs)
+
+
+def _stated(chain: PlanarChain, given: Boundary) -> JudgedChain:
+    pieces, springs = list(chain.pieces), list(chain.springs)
+    sides = ((0, given.left, chain.near), (-1, given.right, chain.far))
+    for at, end, (_, turning) in sides:
+        if springs and 0 < end.rotational_stiffness < turning == math.inf:
+            _take_support_out(pieces, springs, at, float(end.rotational_stiffness))
+    if chain.far[0] < chain.far[1] == math.inf and pieces[-1] == chain.pieces[-1]:
+        _pass_point_on(pieces)
+    for at, end, _ in sides:
+        mass, inertia, offset = end.moving_body
+        if pieces[at] == held_piece(0.0, ()) and mass and not inertia and not offset and len(pieces) > 1:
+            # A point on a hinge moves with the piece beyond it.
+            at = 1 if at == 0 else -2
+        own = _mirrored(pieces[at]) if at >= 0 else pieces[at]
+        rest = without_body(own, end)
+        pieces[at] = _mirrored(rest) if at >= 0 else rest
+    return JudgedChain(given, tuple(pieces), tuple(springs))
+
+
+def _take_support_out(pieces: list[Piece], springs: list[tuple[str, float]], at: int, support: float) -> None:
+    """Leave of an outer spring what is not the end's own: the rule's wall spring, in series with it."""
+    name, spring = springs[at]
+    if abs(spring / support - 1) <= SAME:
+        # Nothing but the support: the rule puts no hinge there.
+        del pieces[at], springs[at]
+    elif spring < support:
+        springs[at] = (name, 1 / (1 / spring - 1 / support))
+    else:
+        raise ValueError(
+            f"boundary must have a rotational_stiffness above {spring:.6g}, the spring of {name}, "
+            f"got {support:.6g}"
+        )
+
+
+def _pass_point_on(pieces: list[Piece]) -> None:
+    """Give a last piece that does not turn the mass that the one before carries as a point at their hinge.
+
+    What slides with a beam's tip without turning moves as such a point, and files have it so.
+    """
+    rods = [piece for piece in pieces[:-2] if piece.length]
+    if not rods:
+        # Nothing tells how heavy the piece is; the point stays where it is, so the piece has no mass.
+        pieces[-1] = held_piece(0.0, ())
+        return
+    before, rod = pieces[-2], rod_like(rods[-1], pieces[-2].length)
+    point = before.mass - rod.mass
+    if point > NOTABLE * rod.mass:
+        pieces[-2] = without_body(before, End(mass=point))
+        pieces[-1] = replace(pieces[-1], mass=point)
+
+
+def _mirrored(piece: Piece) -> Piece:
+    return replace(piece, centre=piece.length - piece.centre)
+
+
+def _body(piece: Piece, neighbour: Piece | None, supports: tuple[float, float]) -> tuple[float, float, float]:
+    """Return mass, inertia and offset of what a piece has at its far tip beyond a rod like its neighbour."""
+    none = (0.0, 0.0, 0.0)
+    if supports == (math.inf, math.inf):
+        return none
+    if not piece.length:
+        return (piece.mass, piece.inertia, piece.centre) if piece.mass else (0.0, piece.inertia, 0.0)
+    if neighbour is None or not neighbour.length:
+        return none
+    if supports[1] == math.inf:
+        extra = piece.mass - rod_like(neighbour, piece.length).mass
+        return (extra, 0.0, 0.0) if extra > NOTABLE * piece.mass else none
+    rod = rod_like(neighbour, piece.length)
+    mass, scale = piece.mass - rod.mass, rod.mass * piece.length**2
+    if mass < -SAME * rod.mass:
+        return none
+    if mass <= NOTABLE * rod.mass:
+        extra = piece.inertia - rod.inertia
+        return (0.0, extra, 0.0) if extra > NOTABLE * scale else none
+    arm = (piece.mass * piece.centre - rod.mass * rod.centre) / mass
+    extra = piece.inertia - rod.inertia - rod.mass * mass / piece.mass * (arm - rod.centre) ** 2
+    offset = arm - piece.length
+    if extra < -NOTABLE * scale:
+        return none
+    return mass, extra if extra > SAME * scale else 0.0, offset if abs(offset) > SAME * piece.length else 0.0

@@ -1,0 +1,136 @@
+"""Serial chains of hinges with springs in a tree of bodies, and the planes in which they bend."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from beammodes.auditing.body_tree import Group, Model, ModelJoint, rigid_groups
+from beammodes.auditing.bounded_xml import BadModel
+from beammodes.checks import choice, shown
+
+__all__ = ["PARALLEL", "HingePath", "chosen_path", "hinge_paths"]
+
+Array = NDArray[np.float64]
+
+#: Sine of the angle up to which two axes are parallel.
+PARALLEL = 1e-6
+_LISTED = 8
+
+
+@dataclass(frozen=True, eq=False)
+class HingePath:
+    """Groups in a row, each joined to the one before by hinges with springs.
+
+    Attributes
+    ----------
+    root : Group
+        What the first hinge is on.
+    groups : tuple of Group
+        After it, one for each hinge (or pair of hinges about two axes).
+    """
+
+    root: Group
+    groups: tuple[Group, ...]
+
+    @property
+    def name(self) -> str:
+        """The name of the first body that moves."""
+        return self.groups[0].name
+
+    def planes(self) -> list[Array]:
+        """Return the axes about which every joint of the chain bends, most often one."""
+        return [axis for axis in _spring_axes(self.groups[0]) if all(_hinge(g, axis) for g in self.groups)]
+
+    def hinges(self, axis: Array) -> list[ModelJoint]:
+        """Return the hinges about an axis that `planes` gives."""
+        found = [_hinge(group, axis) for group in self.groups]
+        return [hinge for hinge in found if hinge is not None]
+
+    def has_body(self, name: str) -> bool:
+        """Whether a body of that name moves with the chain."""
+        return any(body.name == name for group in self.groups for body in group.bodies)
+
+
+def hinge_paths(model: Model) -> list[HingePath]:
+    """Return all serial chains of a model, the longest first.
+
+    Raises
+    ------
+    BadModel
+        If there is none; the message names what stands in the way.
+    """
+    found = []
+    for group in rigid_groups(model.bodies):
+        if _is_sprung(group) and not _continues(group):
+            found.append(_path_from(group))
+    if not found:
+        odd = [joint.refusal for body in model.bodies for joint in body.joints if joint.refusal]
+        odd += [body.refusal for body in model.bodies if body.refusal]
+        why = f"; {odd[0]}" if odd else ""
+        raise BadModel(f"must have a hinge with a spring, got {len(model.bodies)} bodies without{why}")
+    return sorted(found, key=lambda path: -len(path.groups))
+
+
+def chosen_path(paths: Sequence[HingePath], name: str | None) -> HingePath:
+    """Return the longest chain, or the one that has a body of that name; raises ValueError if none has."""
+    if name is None:
+        return paths[0]
+    found = [path for path in paths if path.has_body(name)]
+    return found[0] if found else paths[_index(paths, name)]
+
+
+def _index(paths: Sequence[HingePath], name: str) -> int:
+    names = [path.name for path in paths]
+    if len(names) > _LISTED:
+        raise ValueError(
+            f"chain must name a body of one of {len(names)} chains, such as {names[0]}, got {shown(name)}"
+        )
+    return names.index(choice("chain", name, names))
+
+
+def _is_sprung(group: Group) -> bool:
+    """Whether a group is on hinges only, at least one of them with a spring."""
+    hinges = [joint.kind == "hinge" for joint in group.joints]
+    return bool(hinges) and all(hinges) and any(joint.stiffness for joint in group.joints)
+
+
+def _spring_axes(group: Group) -> list[Array]:
+    return [joint.axis for joint in group.joints if joint.stiffness]
+
+
+def _hinge(group: Group, axis: Array) -> ModelJoint | None:
+    """Return the only hinge with a spring about an axis."""
+    found = [
+        joint
+        for joint in group.joints
+        if joint.kind == "hinge" and np.linalg.norm(np.cross(joint.axis, axis)) < PARALLEL
+    ]
+    return found[0] if len(found) == 1 and found[0].stiffness else None
+
+
+def _shares_axis(group: Group, other: Group) -> bool:
+    return any(_hinge(other, axis) is not None for axis in _spring_axes(group))
+
+
+def _continues(group: Group) -> bool:
+    """Whether a group goes on with the chain that the group before it is in."""
+    before = group.parent
+    return before is not None and _is_sprung(before) and _next(before) is group
+
+
+def _next(group: Group) -> Group | None:
+    """Return the only group after it whose hinge is about the same axis."""
+    found = [child for child in group.children if _is_sprung(child) and _shares_axis(group, child)]
+    return found[0] if len(found) == 1 else None
+
+
+def _path_from(group: Group) -> HingePath:
+    groups = [group]
+    while (after := _next(groups[-1])) is not None:
+        groups.append(after)
+    assert group.parent is not None
+    return HingePath(group.parent, tuple(groups))

@@ -1,0 +1,153 @@
+"""The options of each command of the command line."""
+
+from __future__ import annotations
+
+import argparse
+
+__all__ = [
+    "BOUNDARY",
+    "advice_options",
+    "audit_options",
+    "error_options",
+    "export_options",
+    "frequency_options",
+    "in_flags",
+    "spring_options",
+    "step_options",
+    "tolerance_options",
+]
+
+_BEAM = (
+    ("length", "L, length of the beam [m]"),
+    ("ei", "EI, bending stiffness [N m²]"),
+    ("rho_a", "ρA, mass per length [kg/m]"),
+)
+BOUNDARY = (
+    "two ends of clamped, pinned, guided, free, such as clamped-free; numbers may follow: "
+    '"clamped-free(mass=0.5, rotary_inertia=0.01, offset=0.1, translational_stiffness=3)"'
+)
+Options = argparse.ArgumentParser
+
+
+def in_flags(message: str) -> str:
+    """Return a message of the library in the words that the user typed."""
+    flags = {
+        "bending_stiffness must": "--ei must",
+        "mass_per_length must": "--rho-a must",
+        "axial_force must": "--axial-force must",
+        "say by boundary": "say by --boundary",
+        "force=True": "--force",
+    }
+    for name, flag in flags.items():
+        message = message.replace(name, flag)
+    return message
+
+
+def _beam_options(sub: Options) -> None:
+    for name, text in _BEAM:
+        flag = "--" + name.replace("_", "-")
+        sub.add_argument(flag, type=_number, default=1.0, metavar="X", help=f"{text} (default: 1)")
+
+
+def _segments_option(sub: Options) -> None:
+    sub.add_argument("--segments", type=_integer, required=True, metavar="N", help="number of rigid segments")
+
+
+def _modes_option(sub: Options, default: int) -> None:
+    text = f"how many modes (default: {default})"
+    sub.add_argument("--modes", type=_integer, default=default, metavar="n", help=text)
+
+
+def error_options(sub: Options) -> None:
+    """Add what an error depends on."""
+    _segments_option(sub)
+    sub.add_argument("--mode", type=_integer, default=1, metavar="n", help="elastic mode (default: 1)")
+    _axial_option(sub, "EI/L²")
+
+
+def frequency_options(sub: Options) -> None:
+    """Add what frequencies depend on."""
+    _segments_option(sub)
+    _modes_option(sub, 3)
+    _beam_options(sub)
+    _axial_option(sub, "N")
+
+
+def spring_options(sub: Options) -> None:
+    """Add what joint stiffnesses depend on."""
+    _segments_option(sub)
+    _beam_options(sub)
+
+
+def tolerance_options(sub: Options) -> None:
+    """Add what must be met."""
+    sub.add_argument("--tolerance", type=_number, required=True, metavar="e", help="0.01 is one percent")
+    _modes_option(sub, 1)
+
+
+def _axial_option(sub: Options, unit: str) -> None:
+    text = f"axial force [{unit}], tension positive (default: 0)"
+    sub.add_argument("--axial-force", type=_number, default=0.0, metavar="T", help=text)
+
+
+def step_options(sub: Options) -> None:
+    """Add what a time step depends on."""
+    spring_options(sub)
+    _axial_option(sub, "N")
+    _integrator_option(sub)
+
+
+def advice_options(sub: Options) -> None:
+    """Add what advice depends on."""
+    tolerance_options(sub)
+    _beam_options(sub)
+    _integrator_option(sub)
+
+
+def _integrator_option(sub: Options) -> None:
+    text = "rk4, leapfrog or semi_implicit_euler (default: rk4)"
+    sub.add_argument("--integrator", default="rk4", help=text)
+
+
+def export_options(sub: Options) -> None:
+    """Add how a chain is written."""
+    spring_options(sub)
+    sub.add_argument("--output", required=True, metavar="FILE", help=".xml (MJCF), .sdf, .urdf or .csv")
+    sub.add_argument("--format", help="mjcf, sdf, urdf or csv (default: by the file's ending)")
+    sub.add_argument("--name", default="chain", help="prefix of all names in the file (default: chain)")
+    sub.add_argument("--fragment", action="store_true", help="bodies only, to include in a model (MJCF)")
+    sub.add_argument("--timestep", type=_number, metavar="h", help="time step [s] (default: safe, accurate)")
+    sub.add_argument("--integrator", default="RK4", help="MuJoCo's RK4, Euler or implicitfast (default: RK4)")
+    sub.add_argument("--stiffness-damping", type=_number, default=0.0, metavar="b", help="dampers b k [s]")
+    sub.add_argument("--force", action="store_true", help="overwrite existing files")
+
+
+def audit_options(sub: Options) -> None:
+    """Add what a chain in a file is judged by."""
+    for name, text in _BEAM:
+        flag = "--" + name.replace("_", "-")
+        sub.add_argument(flag, type=_number, required=True, metavar="X", help=text)
+    sub.add_argument("--boundary", metavar="ENDS", help=f"the beam's ends (default: the file's): {BOUNDARY}")
+    text = "largest error that meets, 0.01 is one percent (default: 0.01)"
+    sub.add_argument("--tolerance", type=_number, default=0.01, metavar="e", help=text)
+    _modes_option(sub, 3)
+    sub.add_argument("--chain", metavar="NAME", help="a body of the chain to judge (default: the longest)")
+    sub.add_argument("--plane", help="x, y or z, along which it deflects (default: by the springs)")
+    text = "springs of a URDF file (default: .springs.yaml beside it)"
+    sub.add_argument("--springs", metavar="FILE", help=text)
+
+
+def _integer(text: str) -> int | str:
+    # What is no integer is passed on, so that the library's own message names the argument. Python itself
+    # refuses to read integers of more than 4300 digits.
+    try:
+        return int(text)
+    except ValueError:
+        return text
+
+
+def _number(text: str) -> float | str:
+    try:
+        return float(text)
+    except ValueError:
+        return text

@@ -1,0 +1,167 @@
+"""Commands that write and read model files: a chain for a simulator, and a verdict on the chain in a file."""
+
+from __future__ import annotations
+
+import argparse
+import math
+from typing import TYPE_CHECKING, Any
+
+from beammodes.commands import Answer, beam_of, chain_of
+from beammodes.text_tables import frequency_table, number, percents, text_table, typed_in
+
+if TYPE_CHECKING:
+    from beammodes.auditing.audit import Audit, Suggestion
+
+__all__ = ["answer_audit", "answer_export"]
+
+#: A longer list of springs shows those that change, and the first others.
+_SHOWN_HINGES = 12
+
+
+def answer_export(options: argparse.Namespace) -> Answer:
+    """Write a chain to a file for a simulator, and answer which files were written."""
+    from beammodes.dynamics.damping import Damping
+    from beammodes.exporters.export import export_chain
+
+    damping = Damping(stiffness=options.stiffness_damping) if options.stiffness_damping else None
+    written = export_chain(
+        chain_of(options),
+        options.output,
+        format=options.format,
+        name=options.name,
+        fragment=options.fragment,
+        damping=damping,
+        timestep=options.timestep,
+        integrator=options.integrator,
+        force=options.force,
+    )
+    names = [str(path) for path in written]
+    return {"files": names}, "\n".join(names)
+
+
+def answer_audit(options: argparse.Namespace) -> Answer:
+    """Judge the chain in a model file; the answer says whether it meets the tolerance."""
+    from beammodes.auditing.audit_model import audit_file
+
+    found = audit_file(
+        options.file,
+        beam_of(options),
+        options.boundary,
+        modes=options.modes,
+        tolerance=options.tolerance,
+        chain=options.chain,
+        plane=options.plane,
+        springs=options.springs,
+    )
+    rows = _modes(found)
+    answer = {"file": str(options.file), **_facts(found), "modes": rows, **_lists(found)}
+    return answer, "\n".join([*_verdict(found), frequency_table(rows), *_changes(found)])
+
+
+def _facts(found: Audit) -> dict[str, Any]:
+    names = (
+        "meets",
+        "tolerance",
+        "layout",
+        "segments",
+        "order",
+        "remark",
+        "length_mismatch",
+        "mass_mismatch",
+    )
+    return {"boundary": found.boundary.name} | {name: getattr(found, name) for name in names}
+
+
+def _lists(found: Audit) -> dict[str, Any]:
+    return {
+        "hinges": _hinges(found.hinge_names, found.joint_stiffness.tolist()),
+        "suggestions": [_suggestion(found, item) for item in found.suggestions],
+        "notes": list(found.notes),
+    }
+
+
+def _modes(found: Audit) -> list[dict[str, Any]]:
+    hertz = (found.angular_frequency / (2 * math.pi)).tolist()
+    rows = []
+    for n, (frequency, error) in enumerate(zip(hertz, found.errors.tolist(), strict=True), start=1):
+        exists = math.isfinite(error)
+        rows.append(
+            {
+                "mode": n,
+                "frequency_hz": frequency if exists else None,
+                "exact_frequency_hz": frequency / (1 + error) if exists else None,
+                "relative_error": error if exists else None,
+            }
+        )
+    return rows
+
+
+def _hinges(names: tuple[str, ...], stiffness: list[float]) -> list[dict[str, Any]]:
+    return [
+        {"hinge": name, "stiffness_n_m_per_rad": value} for name, value in zip(names, stiffness, strict=True)
+    ]
+
+
+def _suggestion(found: Audit, item: Suggestion) -> dict[str, Any]:
+    names = tuple(f"hinge {i + 1}" for i in range(len(item.joint_stiffness)))
+    rows = _hinges(names if item.moves_hinges else found.hinge_names, item.joint_stiffness.tolist())
+    return {
+        "name": item.name,
+        "moves_hinges": item.moves_hinges,
+        "relative_errors": [error if math.isfinite(error) else None for error in item.errors.tolist()],
+        "hinges": [
+            row | {"position_m": x} for row, x in zip(rows, item.hinge_position.tolist(), strict=True)
+        ],
+    }
+
+
+def _verdict(found: Audit) -> list[str]:
+    verdict = "meets" if found.meets else "does not meet"
+    modes = f"{len(found.errors)} mode{'s' * (len(found.errors) > 1)}"
+    first = f"{verdict} {100 * found.tolerance:.4g} % in {modes}"
+    return [first, found.remark, *found.mismatches, *found.notes]
+
+
+def _changes(found: Audit) -> list[str]:
+    """Return what may be changed, what each change buys, and the numbers for it."""
+    if not found.suggestions:
+        return []
+    rows = [["as it is", "", *map(_error, found.errors.tolist())]]
+    for item in found.suggestions:
+        what = "hinges moved" if item.moves_hinges else "same hinges"
+        rows.append([item.name, what, *map(_error, item.errors.tolist())])
+    heads = ["springs", "hinges", *(f"error {n + 1} [%]" for n in range(len(found.errors)))]
+    tables = ["", "what to change, and what it buys", text_table(heads, rows, names=2)]
+    kept = [item for item in found.suggestions if not item.moves_hinges]
+    if kept:
+        tables += ["", "stiffness for the same hinges [N m/rad]", *_springs_table(found, kept)]
+    for item in found.suggestions:
+        if item.moves_hinges:
+            tables += ["", f"{item.name}, hinges moved", *_moved_table(item)]
+    return tables
+
+
+def _error(value: float) -> str:
+    return percents(value) if math.isfinite(value) else "no such mode"
+
+
+def _springs_table(found: Audit, kept: list[Suggestion]) -> list[str]:
+    columns = [found.joint_stiffness.tolist(), *(item.joint_stiffness.tolist() for item in kept)]
+    whole = [*zip(found.hinge_names, kept[0].hinge_position.tolist(), *columns, strict=True)]
+    changed = [row for row in whole if any(abs(value - row[2]) > 1e-9 * row[2] for value in row[3:])]
+    shown = whole if len(whole) <= _SHOWN_HINGES else changed[:_SHOWN_HINGES]
+    rows = [[name, number(place), *map(typed_in, values)] for name, place, *values in shown]
+    heads = ["hinge", "position [m]", "now", *(item.name for item in kept)]
+    rest = len(whole) - len(shown)
+    return [text_table(heads, rows, names=1)] + ([f"{rest} more hinges: see --json"] if rest else [])
+
+
+def _moved_table(item: Suggestion) -> list[str]:
+    numbers = [*zip(item.hinge_position.tolist(), item.joint_stiffness.tolist(), strict=True)]
+    rows = [
+        [str(i), number(place), typed_in(stiffness)]
+        for i, (place, stiffness) in enumerate(numbers[:_SHOWN_HINGES], start=1)
+    ]
+    rest = len(numbers) - len(rows)
+    table = text_table(["hinge", "position [m]", "stiffness [N m/rad]"], rows)
+    return [table] + ([f"{rest} more hinges: see --json"] if rest else [])

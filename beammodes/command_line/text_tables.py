@@ -1,0 +1,71 @@
+"""How the command line shows numbers: one table for all commands, units in its heads, signs on all errors."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Any
+
+__all__ = ["frequency_table", "number", "percents", "text_table", "typed_in"]
+
+
+def text_table(heads: Sequence[str], rows: Sequence[Sequence[str]], *, names: int = 0) -> str:
+    """Return rows under their heads, numbers to the right, the first `names` columns to the left.
+
+    Examples
+    --------
+    >>> print(text_table(["rule", "error [%]"], [["naive", "-9.11"], ["mitiguy", "-0.126"]], names=1))
+    rule     error [%]
+    naive        -9.11
+    mitiguy     -0.126
+    """
+    table = [heads, *rows]
+    widths = [max(map(len, column)) for column in zip(*table, strict=True)]
+    lines = (
+        "  ".join(
+            cell.ljust(width) if i < names else cell.rjust(width)
+            for i, (cell, width) in enumerate(zip(row, widths, strict=True))
+        )
+        for row in table
+    )
+    return "\n".join(line.rstrip() for line in lines)
+
+
+def number(value: float) -> str:
+    """Return a number to six digits, as results are shown."""
+    return f"{value:.6g}"
+
+
+def typed_in(value: float) -> str:
+    """Return a number to ten digits, to be typed into another program."""
+    return f"{value:.10g}"
+
+
+def percents(fraction: float) -> str:
+    """Return an error in percent with its sign; an error below 1e-14 is rounding, and shown as zero.
+
+    Examples
+    --------
+    >>> percents(-0.00351753), percents(2e-16), percents(float("nan"))
+    ('-0.3518', '0', 'nan')
+    """
+    if math.isnan(fraction):
+        return "nan"
+    return "0" if abs(fraction) < 1e-14 else f"{100 * fraction:+.4g}"
+
+
+def frequency_table(rows: Sequence[dict[str, Any]]) -> str:
+    """Return modes with `frequency_hz`, `exact_frequency_hz` and `relative_error`, None where missing."""
+    cells = [
+        [str(row["mode"])]
+        + [
+            "no such mode" if row[key] is None else show(row[key])
+            for key, show in (
+                ("frequency_hz", number),
+                ("exact_frequency_hz", number),
+                ("relative_error", percents),
+            )
+        ]
+        for row in rows
+    ]
+    return text_table(["mode", "chain [Hz]", "exact [Hz]", "error [%]"], cells)

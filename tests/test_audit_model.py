@@ -1,0 +1,91 @@
+"""Audits of files: every exported chain is known again, in every format."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import example, given, settings
+from hypothesis import strategies as st
+from test_engines import ALL, OPEN
+
+from beammodes.accuracy.comparison import chain_errors
+from beammodes.auditing.audit_model import audit_file
+from beammodes.chains.chain import Chain
+from beammodes.exporters.export import export_chain
+from beammodes.problem.beam import Beam
+from beammodes.problem.ends import End
+
+BEAM = Beam(1.2, 85.0, 0.62)
+RULES = ["mitiguy", "half_stub", "rigid_stub", "hencky", "gregory", "naive"]
+PLAIN = [name for name, ends in ALL.items() if isinstance(ends, str)]
+
+
+def known_again(chain: Chain, found: Any) -> None:
+    """Assert that an audit of its file tells a chain's errors, rule and N."""
+    due = chain_errors(chain, 3) if chain.elastic_modes >= 3 else chain_errors(chain, chain.elastic_modes)
+    np.testing.assert_allclose(found.errors[: len(due)], due, rtol=1e-7, atol=2e-8)
+    assert found.segments == chain.segments
+    assert chain.rule is not None
+    assert chain.rule.name in found.remark
+    assert found.length_mismatch == pytest.approx(0, abs=1e-9)
+
+
+@pytest.mark.parametrize("rule", RULES)
+@pytest.mark.parametrize("case", ALL)
+def test_exported_mjcf_is_known_again(case: str, rule: str, tmp_path: Path) -> None:
+    chain = Chain(BEAM, ALL[case], segments=6, rule=rule)
+    (path,) = export_chain(chain, tmp_path / "chain.xml")
+    known_again(chain, audit_file(path, BEAM, chain.boundary))
+
+
+@pytest.mark.parametrize("rule", RULES)
+@pytest.mark.parametrize("case", PLAIN)
+def test_plain_ends_are_read_from_the_file(case: str, rule: str, tmp_path: Path) -> None:
+    chain = Chain(BEAM, ALL[case], segments=6, rule=rule)
+    (path,) = export_chain(chain, tmp_path / "chain.xml")
+    found = audit_file(path, BEAM)
+    known_again(chain, found)
+    assert found.boundary in (chain.boundary, chain.boundary.turned)
+
+
+@pytest.mark.parametrize("suffix", [".urdf", ".sdf", ".csv"])
+@pytest.mark.parametrize("rule", RULES)
+@pytest.mark.parametrize("case", OPEN)
+def test_other_formats_are_known_again(case: str, rule: str, suffix: str, tmp_path: Path) -> None:
+    chain = Chain(BEAM, OPEN[case], segments=6, rule=rule)
+    path = export_chain(chain, tmp_path / f"chain{suffix}")[0]
+    known_again(chain, audit_file(path, BEAM, chain.boundary))
+
+
+STIFFNESS = st.sampled_from([0.0, math.inf]) | st.floats(1.0, 1e4)
+ENDS = st.builds(
+    End,
+    STIFFNESS,
+    STIFFNESS,
+    st.just(0.0) | st.floats(0.05, 1.0),
+    st.just(0.0) | st.floats(0.001, 0.1),
+    st.sampled_from([-0.1, 0.0, 0.05]),
+)
+
+
+@given(ENDS, ENDS, st.integers(4, 6), st.sampled_from(RULES))
+@example(End(math.inf, 0.0, 1.0, 0.0, -0.1), End(1.0, math.inf), 4, "half_stub")
+@example(End(0.0, math.inf), End(math.inf, 1.0), 4, "half_stub")
+@example(End(0.0, math.inf), End(0.0, 1.0, 1.0, 0.0, -0.1), 4, "mitiguy")
+@example(End(), End(math.inf, 1.0, 0.0, 0.0625, -0.1), 4, "mitiguy")
+@settings(max_examples=60)
+def test_any_exported_ends_are_known_again(
+    tmp_path_factory: pytest.TempPathFactory, left: End, right: End, segments: int, rule: str
+) -> None:
+    try:
+        chain = Chain(BEAM, (left, right), segments, rule)
+    except ValueError:  # a rule without positive springs for so short a chain
+        return
+    (path,) = export_chain(chain, tmp_path_factory.mktemp("any") / "chain.xml")
+    found = audit_file(path, BEAM, chain.boundary)
+    due = chain_errors(chain, min(3, chain.elastic_modes))
+    np.testing.assert_allclose(found.errors[: len(due)], due, rtol=1e-6, atol=1e-7)
