@@ -6,8 +6,8 @@ import json
 import sys
 from collections.abc import Sequence
 
-from beammodes.command_options import in_flags
-from beammodes.command_parser import parse
+from beammodes.command_line.command_options import in_flags
+from beammodes.command_line.command_parser import parse
 
 __all__ = ["main"]
 

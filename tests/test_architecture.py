@@ -43,6 +43,7 @@ ORDER = [
     "auditing",
     "batch",
     "views",
+    "command_line",
 ]
 EVERY_FILE = pytest.mark.parametrize("stem", FILES)
 HEAVY = {"matplotlib", "xarray", "sympy", "casadi", "scipy"}

@@ -77,6 +77,9 @@ ENDS = st.builds(
 @example(End(0.0, math.inf), End(math.inf, 1.0), 4, "half_stub")
 @example(End(0.0, math.inf), End(0.0, 1.0, 1.0, 0.0, -0.1), 4, "mitiguy")
 @example(End(), End(math.inf, 1.0, 0.0, 0.0625, -0.1), 4, "mitiguy")
+@example(End(0.0, 284.0), End(0.0, math.inf), 4, "half_stub")
+@example(End(0.0, 6800.0, 0.0, 0.0625), End(0.0, math.inf), 4, "mitiguy")
+@example(End(1.0, math.inf), End(1.0, math.inf, 0.125), 4, "mitiguy")
 @settings(max_examples=60)
 def test_any_exported_ends_are_known_again(
     tmp_path_factory: pytest.TempPathFactory, left: End, right: End, segments: int, rule: str

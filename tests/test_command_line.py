@@ -15,7 +15,7 @@ from typing import Any
 import pytest
 
 from beammodes.__main__ import main
-from beammodes.command_list import COMMANDS
+from beammodes.command_line.command_list import COMMANDS
 
 BEAM = ["--length", "1.2", "--ei", "85", "--rho-a", "0.62"]
 # One valid call of every command.

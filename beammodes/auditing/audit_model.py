@@ -11,12 +11,12 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from beammodes.auditing.audit import Audit, audit_chain
+from beammodes.auditing.audit import UNKNOWN, Audit, audit_chain
 from beammodes.auditing.body_tree import Model
 from beammodes.auditing.bounded_xml import BadModel, bounded_bytes, read_xml
 from beammodes.auditing.far_ties import far_end
 from beammodes.auditing.hinge_line import Frame, frame_of, moves_alone, root_support
-from beammodes.auditing.model_ends import judged_chain
+from beammodes.auditing.model_ends import JudgedChain, judged_chains
 from beammodes.auditing.planar_chain import planar_chain
 from beammodes.auditing.read_mjcf import read_mjcf
 from beammodes.auditing.read_sdf import read_sdf
@@ -108,21 +108,34 @@ def audit_file(
     place = Path(path)
     try:
         read = _read(place, beam, given, chain, plane, None if springs is None else Path(springs))
-        judged = judged_chain(read.chain, given)
-        names, stiffness = [name for name, _ in judged.springs], [value for _, value in judged.springs]
-        found = audit_chain(
-            beam,
-            judged.boundary,
-            **_columns(judged.pieces),
-            joint_stiffness=stiffness,
-            modes=modes,
-            tolerance=tolerance,
-        )
+        found, judged = _best(beam, judged_chains(read.chain, given), modes, tolerance)
     except BadModel as error:
         raise BadModel(f"{place}: {error}") from None
     ends = f"ends {judged.boundary.name}" + ("" if given else ", as far as the file tells")
     notes = (*read.notes, ends, *filter(None, [judged.assumed]))
-    return replace(found, hinge_names=tuple(names), notes=notes)
+    return replace(found, hinge_names=tuple(name for name, _ in judged.springs), notes=notes)
+
+
+def _best(
+    beam: Beam, readings: Sequence[JudgedChain], modes: int, tolerance: float
+) -> tuple[Audit, JudgedChain]:
+    """Return the reading whose springs follow a rule and whose pieces are even.
+
+    What was taken out of the wrong end leaves a spring of no rule there, or a piece of another mass.
+    """
+    audits = [
+        audit_chain(
+            beam,
+            judged.boundary,
+            **_columns(judged.pieces),
+            joint_stiffness=[value for _, value in judged.springs],
+            modes=modes,
+            tolerance=tolerance,
+        )
+        for judged in readings
+    ]
+    pairs = zip(audits, readings, strict=True)
+    return min(pairs, key=lambda pair: (pair[0].layout == UNKNOWN, pair[1].unevenness))
 
 
 def _columns(pieces: Sequence[Piece]) -> dict[str, list[float]]:

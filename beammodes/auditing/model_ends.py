@@ -17,7 +17,7 @@ from beammodes.auditing.rigid_pieces import (
 from beammodes.problem.ends import Boundary
 from beammodes.problem.supports import End
 
-__all__ = ["JudgedChain", "judged_chain"]
+__all__ = ["JudgedChain", "judged_chains"]
 
 
 @dataclass(frozen=True)
@@ -29,13 +29,25 @@ class JudgedChain:
     springs: tuple[tuple[str, float], ...]
     assumed: str = ""
 
+    @property
+    def unevenness(self) -> float:
+        """How much of mass and inertia the pieces have that rods like the middle one have not, in its own."""
+        rods = [piece for piece in self.pieces[1:-1] if piece.length] or [max(self.pieces, key=_length)]
+        middle = rods[len(rods) // 2]
+        size = middle.mass * middle.length**2
+        off = 0.0
+        for piece in self.pieces:
+            due = rod_like(middle, piece.length) if piece.length else held_piece(0.0, ())
+            off += abs(piece.mass - due.mass) / middle.mass + abs(piece.inertia - due.inertia) / size
+        return off
 
-def judged_chain(chain: PlanarChain, given: Boundary | None) -> JudgedChain:
-    """Return a chain with its ends.
+
+def judged_chains(chain: PlanarChain, given: Boundary | None) -> list[JudgedChain]:
+    """Return a chain with its ends; more than one reading if `given` fits in both orders.
 
     Without `given`, a spring between ground and beam is the rule's wall spring at an end that the ground
     holds, and what an outer piece has beyond a rod like its neighbour's is a body at that end. With it, the
-    bodies and springs of `given` are taken out of the outer pieces, in the order that fits.
+    bodies and springs of `given` are taken out of the outer pieces.
 
     Raises
     ------
@@ -43,23 +55,31 @@ def judged_chain(chain: PlanarChain, given: Boundary | None) -> JudgedChain:
         If `given` holds what the file lets move, or its bodies are heavier than the pieces.
     """
     if given is None:
-        return _inferred(chain)
-    orders = (given, given.turned)
-    fitting = [pair for pair in orders if _fits(chain.near, pair.left) and _fits(chain.far, pair.right)]
-    for i, pair in enumerate(fitting):
-        try:
-            return _stated(chain, pair)
-        except ValueError:
-            # Ends that are alike but for a number may fit in the other order only.
-            if i == len(fitting) - 1:
-                raise
+        return [_inferred(chain)]
+    orders = (given, given.turned) if given != given.turned else (given,)
+    read, refusals = [], []
+    for pair in orders:
+        if _fits(chain.near, pair.left) and _fits(chain.far, pair.right):
+            try:
+                read.append(_stated(chain, pair))
+            except ValueError as error:
+                # Ends that are alike but for a number may fit in the other order only.
+                refusals.append(error)
+    if read:
+        return read
+    if refusals:
+        raise refusals[-1]
     # URDF cannot support the far end, and other constraints are not read: there the user's word counts.
     for pair in orders:
         if _fits(chain.near, pair.left) and chain.far == (0.0, 0.0):
             held = replace(chain, far=_supports(pair.right))
-            return replace(_stated(held, pair), assumed=f"the far end is {pair.right} because you say so")
+            return [replace(_stated(held, pair), assumed=f"the far end is {pair.right} because you say so")]
     found = _inferred(chain).boundary
     raise ValueError(f"boundary must fit the file, whose ends are {found}, got {given}")
+
+
+def _length(piece: Piece) -> float:
+    return piece.length
 
 
 def _supports(end: End) -> tuple[float, float]:

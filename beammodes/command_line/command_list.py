@@ -6,7 +6,7 @@ import argparse
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from beammodes.command_options import (
+from beammodes.command_line.command_options import (
     advice_options,
     audit_options,
     error_options,
@@ -16,7 +16,7 @@ from beammodes.command_options import (
     step_options,
     tolerance_options,
 )
-from beammodes.commands import (
+from beammodes.command_line.commands import (
     Answer,
     answer_buckling,
     answer_error,
@@ -26,7 +26,7 @@ from beammodes.commands import (
     answer_springs,
     answer_time_step,
 )
-from beammodes.file_commands import answer_audit, answer_export
+from beammodes.command_line.file_commands import answer_audit, answer_export
 
 __all__ = ["COMMANDS", "Command", "help_text"]
 

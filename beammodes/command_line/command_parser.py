@@ -8,10 +8,10 @@ from collections.abc import Sequence
 from typing import NoReturn
 
 from beammodes import __version__
-from beammodes.command_list import COMMANDS, Command, help_text
-from beammodes.command_options import BOUNDARY
-from beammodes.commands import answer_recommend
-from beammodes.file_commands import answer_audit
+from beammodes.command_line.command_list import COMMANDS, Command, help_text
+from beammodes.command_line.command_options import BOUNDARY
+from beammodes.command_line.commands import answer_recommend
+from beammodes.command_line.file_commands import answer_audit
 
 __all__ = ["parse"]
 

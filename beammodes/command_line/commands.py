@@ -6,7 +6,7 @@ import argparse
 import math
 from typing import TYPE_CHECKING, Any
 
-from beammodes.text_tables import frequency_table, number, percents, text_table, typed_in
+from beammodes.command_line.text_tables import frequency_table, number, percents, text_table, typed_in
 
 if TYPE_CHECKING:
     from beammodes.accuracy.advice import Recommendation

@@ -6,8 +6,8 @@ import argparse
 import math
 from typing import TYPE_CHECKING, Any
 
-from beammodes.commands import Answer, beam_of, chain_of
-from beammodes.text_tables import frequency_table, number, percents, text_table, typed_in
+from beammodes.command_line.commands import Answer, beam_of, chain_of
+from beammodes.command_line.text_tables import frequency_table, number, percents, text_table, typed_in
 
 if TYPE_CHECKING:
     from beammodes.auditing.audit import Audit, Suggestion
