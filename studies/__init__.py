@@ -32,3 +32,6 @@ NAMES = (
     "spin_up",
     "accuracy",
 )
+
+#: Those that take longest, longest first: where several run at once, these start first.
+SLOWEST = ("accuracy", "step_size", "spin_up", "figure_1", "segments_map", "motion_spectrum", "figure_6")

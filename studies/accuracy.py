@@ -7,7 +7,6 @@ reproduced, and it is not compared with figures drawn elsewhere.
 from __future__ import annotations
 
 from collections.abc import Callable
-from contextlib import AbstractContextManager, nullcontext
 from functools import cache
 
 import matplotlib
@@ -143,16 +142,6 @@ def _errors(segments: int, listed: int) -> dict[str, float]:
         return {method: float(abs(ratio - 1)) for method, ratio in against.items()}
 
 
-def _one_thread() -> AbstractContextManager[object]:
-    """Hold BLAS to one thread, where threadpoolctl is there to do it: more are slower on short vectors."""
-    try:
-        from threadpoolctl import threadpool_limits
-    except ImportError:
-        return nullcontext()
-    limits: AbstractContextManager[object] = threadpool_limits(1)
-    return limits
-
-
 def data(progress: Progress | None = None) -> xarray.Dataset:
     """Relative errors of the first frequency, the largest at N, N + 1 and N + 2, over method and N.
 
@@ -161,8 +150,7 @@ def data(progress: Progress | None = None) -> xarray.Dataset:
     """
     table = np.full((len(LINES), len(SEGMENTS)), np.nan)
     for j, segments in enumerate(SEGMENTS):
-        with _one_thread():
-            errors = [_errors(n, segments) for n in range(segments, segments + 3)]
+        errors = [_errors(n, segments) for n in range(segments, segments + 3)]
         for i, method in enumerate(LINES):
             table[i, j] = max(found.get(method, np.nan) for found in errors)
         if progress is not None:

@@ -158,11 +158,15 @@ def fixed_steps(chain: bm.Chain) -> dict[str, float]:
     return {name: steps[name] for name in FIXED}
 
 
-def course(stepper: Stepper, chain: bm.Chain, start: float, step: float) -> np.ndarray:
-    """Return the largest angle after each of up to 2,000 steps, from one of `STARTS`."""
-    state = equal_start(chain, SMALL)
-    if start != SMALL:
-        state = state + np.concatenate(mode_start(chain, 1, start))
+def first_states(chain: bm.Chain) -> list[np.ndarray]:
+    """Return the states that a chain starts from, in the order of `STARTS`."""
+    equal = equal_start(chain, SMALL)
+    bent = [equal + np.concatenate(mode_start(chain, 1, start)) for start in STARTS[1:]]
+    return [equal, *bent]
+
+
+def course(stepper: Stepper, chain: bm.Chain, state: np.ndarray, step: float) -> np.ndarray:
+    """Return the largest angle after each of up to 2,000 steps from a state."""
     count = STEPS if step < 1.1 * bm.stable_time_step(chain) else FEW_STEPS
     return largest_angles(stepper, state, step, count)
 
@@ -171,12 +175,13 @@ def _growth(table: xarray.Dataset, place: tuple[int, int], chain: bm.Chain) -> N
     stepper, limit = runge_kutta(chain), bm.stable_time_step(chain)
     motion = modal_motion(chain, chain.elastic_modes, 1.01 * limit, 100, amplitude=1e-9)
     table.growth_at_1_01[place] = abs(motion[-1]) ** 0.01
+    states = first_states(chain)
     for f, (name, step) in enumerate(fixed_steps(chain).items()):
         table.step_over_limit[(*place, f)] = step / limit
         if math.isnan(step):
             continue
-        for s, start in enumerate(STARTS):
-            angle, where = course(stepper, chain, start, step), (*place, s, f)
+        for s, (start, state) in enumerate(zip(STARTS, states, strict=True)):
+            angle, where = course(stepper, chain, state, step), (*place, s, f)
             table.largest[where] = angle.max() / start
             for name, event in (("tenfold", angle > 10 * start), ("overflow", np.isinf(angle))):
                 table[name][where] = np.argmax(event) + 1 if event.any() else math.nan
