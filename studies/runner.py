@@ -26,7 +26,7 @@ from beammodes.files import write_atomically
 from beammodes.views.plots import STYLE
 from studies import SLOWEST
 
-__all__ = ["one_thread", "run_all", "run_study", "write_bytes"]
+__all__ = ["missing", "one_thread", "run_all", "run_study", "write_bytes"]
 
 Say = Callable[[str], object]
 #: Of a process that runs studies for another: where its messages go, which one runs, whether to end.
@@ -64,6 +64,12 @@ def run_all(names: Sequence[str], folder: Path, jobs: int, say: Say) -> None:
         pool.shutdown(cancel_futures=True)
         messages.put(None)
         teller.join()
+
+
+def missing(names: Sequence[str], folder: Path) -> list[str]:
+    """Return the studies of which a folder lacks a file."""
+    endings = (".csv", ".svg", ".png")
+    return [name for name in names if not all((folder / f"{name}{ending}").is_file() for ending in endings)]
 
 
 def _tell(messages: SimpleQueue[str | None], say: Say) -> None:
