@@ -61,7 +61,8 @@ def _jobs(text: str) -> int:
 
 
 def _say(text: str) -> None:
-    sys.stderr.write(text if sys.stderr.isatty() else text.replace("\r", ""))
+    # A terminal's line is erased first: the next message may be of another study, and shorter.
+    sys.stderr.write(text.replace("\r", "\r\x1b[K" if sys.stderr.isatty() else ""))
     sys.stderr.flush()
 
 

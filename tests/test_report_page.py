@@ -135,6 +135,17 @@ def test_the_law_and_matched_springs(tables: dict[str, list[list[str]]]) -> None
     assert found == pytest.approx(bm.match_springs("clamped-free", 3, 3).stiffness_ratio, abs=5.1e-5)
 
 
+def test_the_formula_of_the_step_worked(tables: dict[str, list[list[str]]]) -> None:
+    # The report: h = C L² √(ρA/EI) with its C; the beam is Simo and Vu-Quoc's.
+    unit = 10.0**2 * np.sqrt(1.2 / 14000.0)
+    chain = bm.Chain(bm.Beam.unit(), "clamped-free", 10)
+    for modes, published, stable, ratio in rows(tables, "The formula worked"):
+        h = c_table.REPORT[int(modes) - 1] * unit
+        same(published, h)
+        same(stable, np.sqrt(8) / highest_angular_frequency(chain) * unit)
+        same(ratio, h / (np.sqrt(8) / highest_angular_frequency(chain) * unit))
+
+
 def test_stable_steps(tables: dict[str, list[list[str]]]) -> None:
     for count, *cells, always in rows(tables, "C for Runge-Kutta"):
         n = int(count)

@@ -78,7 +78,7 @@ def table(
         for row in rows
     )
     return (
-        '<div class="scroll" tabindex="0" role="group" aria-label="table"><table>\n'
+        f'<div class="scroll" tabindex="0" role="group" aria-label="{caption.split("<")[0]}"><table>\n'
         f"<caption>{caption}</caption>\n<thead><tr>{head}</tr></thead>\n<tbody>\n{body}\n</tbody></table></div>"
     )
 

@@ -20,7 +20,7 @@ from beammodes.vibration.stability import (
     exact_constants,
     published_constants,
 )
-from studies import c_table, step_size
+from studies import c_table, figure_1, step_size
 from studies.page.evidence import note
 from studies.page.markup import Cell, significant, table
 from studies.page.tables import Parts, agree, read, worst_of
@@ -46,6 +46,7 @@ def parts(folder: Path) -> Parts:
     return {
         "c_exact_first": f"{exact_constants(1)[0]:.3f}",
         "table_c": _c_table(),
+        "table_worked_step": _worked_step(),
         "too_long": f"{eight / INTEGRATORS['rk4']:.2f}",
         "growth": f"{float(abs(amplification('rk4', np.array(1j * eight)))):.0f}",
         "c_chain_free": significant(_constant(PAIRS[0], TEN), 3),
@@ -92,6 +93,23 @@ def _c_table() -> str:
         "2√2/K: that mode stable",
     ]
     return table(heads, rows, f"The constant C of the report's step.{note('c_table')}", words=(), quoted=(2,))
+
+
+def _worked_step() -> str:
+    beam = figure_1.BEAM
+    stable = bm.stable_time_step(bm.Chain(beam, figure_1.BOUNDARY, figure_1.SEGMENTS))
+    rows: list[list[Cell]] = [
+        [modes, published, stable, f"{published / stable:.0f}"]
+        for modes in range(1, len(c_table.REPORT) + 1)
+        for published in [bm.published_time_step(beam, modes)]
+    ]
+    caption = (
+        f"The formula worked for the beam of Figure 1, L = {beam.length:g} m, EI = "
+        f"{beam.mean_bending_stiffness:g} N m², ρA = {beam.mean_mass_per_length:g} kg/m, as {figure_1.SEGMENTS} "
+        f"segments.{note('steps')}"
+    )
+    heads = ["modes", "h, published, s", "h, stable, s", "published / stable"]
+    return table(heads, rows, caption, words=())
 
 
 def _published_agree() -> str:
