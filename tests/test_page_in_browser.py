@@ -123,9 +123,9 @@ def test_the_atlas_shows_what_the_library_returns(page: Any, address: str) -> No
         else:
             for label, value in zip(CONTROLS[:3], (left, right, rule), strict=True):
                 page.get_by_label(label, exact=True).select_option(value)
-            page.get_by_label("Segments N").fill(str(n))
-            page.get_by_label("Modes").select_option(str(modes))
-            page.get_by_label("Tolerance").select_option(tolerance)
+            page.get_by_label("Segments N", exact=True).fill(str(n))
+            page.get_by_label("Modes", exact=True).select_option(str(modes))
+            page.get_by_label("Tolerance", exact=True).select_option(tolerance)
             assert f"left={left}&right={right}&rule={rule}" in page.url and f"segments={n}" in page.url
         _check(page, left, right, rule, n, modes, tolerances[tolerance])
 
@@ -144,15 +144,15 @@ def test_all_rules_are_listed_for_the_tolerance(page: Any) -> None:
 def test_the_atlas_by_keyboard(page: Any) -> None:
     page.keyboard.press("Tab")
     assert page.evaluate("document.activeElement.className") == "skip"
-    page.get_by_label("Left end").focus()
+    page.get_by_label("Left end", exact=True).focus()
     for label in CONTROLS:
         assert page.evaluate("document.activeElement.labels[0].innerText.trim().split('\\n')[0]") == label
         page.keyboard.press("Tab")
-    page.get_by_label("Segments N").focus()
+    page.get_by_label("Segments N", exact=True).focus()
     page.keyboard.press("ArrowUp")
     page.get_by_label("Rule", exact=True).focus()
     page.keyboard.press("ArrowDown")
-    page.get_by_label("Modes").focus()
+    page.get_by_label("Modes", exact=True).focus()
     page.keyboard.press("ArrowUp")
     _check(page, "clamped", "free", list(bm.RULES)[1], 11, 2, 0.01)
     drawn = page.locator("#atlas-plot svg")
@@ -161,7 +161,7 @@ def test_the_atlas_by_keyboard(page: Any) -> None:
 
 
 def test_what_cannot_be_chosen_changes_nothing(page: Any, address: str) -> None:
-    number = page.get_by_label("Segments N")
+    number = page.get_by_label("Segments N", exact=True)
     for bad in ("", "0", "61", "-3", "2.5"):
         number.fill(bad)
         assert number.get_attribute("aria-invalid") == "true"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Iterable
 from pathlib import Path
 from string import Template
 
@@ -14,7 +15,7 @@ from studies.page.evidence import EVIDENCE, note, source_list
 from studies.page.markup import caption_of, escaped, figure, picture
 from studies.runner import one_thread, write_bytes
 
-__all__ = ["page", "write"]
+__all__ = ["page", "unused", "write"]
 
 FOLDER = Path(__file__).parent
 TEXTS = ("source", "added", "atlas")
@@ -30,7 +31,7 @@ def page(folder: Path) -> str:
     ArithmeticError
         If two routes to a number of the page do not agree.
     KeyError
-        If the text asks for a part that there is not.
+        If the text asks for a part that there is not, or leaves one out.
     """
     with one_thread():
         return _put_together(folder)
@@ -49,11 +50,22 @@ def _put_together(folder: Path) -> str:
     placed = [name for name in NAMES if any(f"${{picture_{name}}}" in text for text in texts.values())]
     for name in placed:
         parts[f"picture_{name}"] = _figure(folder, name)
+    if left := unused(parts, "".join(texts.values())):
+        raise KeyError(f"the page's text must have a place for {', '.join(left)}")
     whole = {name: Template(text).substitute(parts) for name, text in texts.items()}
     others = [name for name in NAMES if name not in (*placed, *LEFT_OUT)]
     whole["further"] = "\n".join(_figure(folder, name) for name in others)
     whole |= {"sources": source_list(agreements), "style": _read("style.css"), "version": bm.__version__}
     return Template(_read("report.html")).substitute(whole)
+
+
+def unused(parts: Iterable[str], text: str) -> list[str]:
+    """Return the parts for which a text has no place.
+
+    >>> unused(["table_c", "table_law"], "<p>${table_c}</p>")
+    ['table_law']
+    """
+    return [name for name in parts if f"${{{name}}}" not in text]
 
 
 _SCRIPTS = {"atlas_script": "atlas", "atlas_plot_script": "atlas_plot"}

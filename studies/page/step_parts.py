@@ -105,7 +105,7 @@ def _worked_step() -> str:
     ]
     caption = (
         f"The formula worked for the beam of Figure 1, L = {beam.length:g} m, EI = "
-        f"{beam.mean_bending_stiffness:g} N m², ρA = {beam.mean_mass_per_length:g} kg/m, as {figure_1.SEGMENTS} "
+        f"{beam.mean_bending_stiffness:g} N m², ρA = {beam.mean_mass_per_length:g} kg/m; {figure_1.SEGMENTS} "
         f"segments.{note('steps')}"
     )
     heads = ["modes", "h, published, s", "h, stable, s", "published / stable"]
