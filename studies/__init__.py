@@ -37,4 +37,4 @@ NAMES = (
 #: The page that is made of their files, last.
 PAGE = "report"
 #: Those that take longest, longest first: where several run at once, these start first.
-SLOWEST = ("accuracy", "step_size", "spin_up", "figure_1", "segments_map", "motion_spectrum", "figure_6")
+SLOWEST = ("step_size", "spin_up", "accuracy", "figure_1", "motion_spectrum", "figure_6", "segments_map")
