@@ -11,7 +11,7 @@ from beammodes.exact.exact_beam import plain_modes
 from studies import appendix
 from studies.page.atlas_data import MODES, TOLERANCES, segments_for
 from studies.page.evidence import note
-from studies.page.markup import Cell, percent, table
+from studies.page.markup import Cell, percent, significant, table
 from studies.page.tables import Parts, agree, read, worst_of
 
 __all__ = ["parts"]
@@ -92,16 +92,13 @@ def _needed_agrees() -> str:
 
 
 def _modal(folder: Path) -> str:
-    counts = (1, 2, 3, 5, 10, 20, 50)
+    def error(quantity: str, modes: int) -> str:
+        (row,) = read(folder, "appendix", quantity=quantity, modes=str(modes))
+        return significant(100 * float(row["relative_error"]), 2)
+
     rows: list[list[Cell]] = [
-        [f"{n} mode{'s' if n > 1 else ''}"]
-        + [
-            percent(float(read(folder, "appendix", quantity=quantity, modes=str(n))[0]["relative_error"]), 2)[
-                1:
-            ]
-            for quantity in appendix.QUANTITIES
-        ]
-        for n in counts
+        [f"{n} mode{'s' if n > 1 else ''}", *(error(quantity, n) for quantity in appendix.QUANTITIES)]
+        for n in (1, 2, 3, 5, 10, 20, 50)
     ]
     heads = ["terms", "deflection, %", "bending moment, %"]
     return table(heads, rows, f"Largest error of the sum, over the largest value.{note('modal')}")

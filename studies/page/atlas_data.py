@@ -83,11 +83,11 @@ def _record(pair: bm.Boundary, rule: bm.Rule, springs: dict[str, int]) -> dict[s
     }
 
 
-def _listed(values: Any) -> list[Any]:
+def _listed(values: Any) -> Any:
     """Return an array as nested lists of numbers to six digits, None where it has none."""
     if np.ndim(values):
         return [_listed(part) for part in values]
-    return None if math.isnan(values) else float(f"{values:.{_DIGITS}g}")  # type: ignore[return-value]
+    return None if math.isnan(values) else float(f"{values:.{_DIGITS}g}")
 
 
 def _springs(weights: Sequence[Fraction]) -> str:

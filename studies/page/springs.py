@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from fractions import Fraction
 from pathlib import Path
+from typing import Any
 
 import beammodes as bm
 from studies.page import section
@@ -49,7 +50,7 @@ def parts(folder: Path) -> Parts:
     }
 
 
-def _derived() -> tuple[object, Fraction, int]:
+def _derived() -> tuple[Any, Fraction, int]:
     """Return the wall's and the inner spring, and up to which N the rule has been checked against them."""
     import sympy
 
