@@ -1,6 +1,7 @@
 """One file per figure or table: `data()` computes a Dataset, `draw(data)` returns a Figure.
 
-`python -m studies [NAME ...]` writes each one's SVG, PNG and CSV into `figures/`.
+`python -m studies [NAME ...]` writes each one's SVG, PNG and CSV into `figures/`, and from all of them the
+page `figures/report.html`.
 """
 
 from __future__ import annotations
@@ -35,3 +36,8 @@ NAMES = (
     "spin_up",
     "accuracy",
 )
+
+#: The page that is made of their files, last.
+PAGE = "report"
+#: Those that take longest, longest first: where several run at once, these start first.
+SLOWEST = ("step_size", "spin_up", "accuracy", "figure_1", "motion_spectrum", "figure_6", "segments_map")

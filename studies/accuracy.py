@@ -18,7 +18,6 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from scipy.sparse.linalg import eigsh
 
-from beammodes.batch.evaluated import one_thread
 from beammodes.views.plots import COLOURS, STYLE, label_line
 from beammodes.views.tables import csv_table, tidy_rows
 from studies import Progress
@@ -151,8 +150,7 @@ def data(progress: Progress | None = None) -> xarray.Dataset:
     """
     table = np.full((len(LINES), len(SEGMENTS)), np.nan)
     for j, segments in enumerate(SEGMENTS):
-        with one_thread():
-            errors = [_errors(n, segments) for n in range(segments, segments + 3)]
+        errors = [_errors(n, segments) for n in range(segments, segments + 3)]
         for i, method in enumerate(LINES):
             table[i, j] = max(found.get(method, np.nan) for found in errors)
         if progress is not None:

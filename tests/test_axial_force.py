@@ -11,7 +11,7 @@ import mpmath
 import numpy as np
 import pytest
 import sympy
-from hypothesis import example, given, settings
+from hypothesis import assume, example, given, settings
 from hypothesis import strategies as st
 
 from beammodes.accuracy.buckling import buckling_dataset, buckling_load
@@ -197,6 +197,7 @@ supports = st.builds(End, stiffness, stiffness, st.just(0.5), st.sampled_from([0
 @settings(max_examples=40)
 def test_buckling_by_three_routes(left: End, right: End, segments: int, rule: str) -> None:
     chain = Chain(Beam(1.3, 2.0, 0.7), (left, right), segments, rule)
+    assume(chain.elastic_modes > 0)  # one rod between two stubs in walls cannot move, nor buckle
     ends = (left, right)
     if sum(end.translational_stiffness > 0 for end in ends) < 2 and not any(
         end.rotational_stiffness > 0 for end in ends

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import io
 from collections.abc import Iterable
-from contextlib import AbstractContextManager
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,8 +11,9 @@ from numpy.typing import NDArray
 
 from beammodes.batch.cases import Cases
 from beammodes.batch.quantities import Quantity
+from beammodes.blas import one_thread
 
-__all__ = ["Evaluated", "evaluate", "evaluate_elsewhere", "one_thread"]
+__all__ = ["Evaluated", "evaluate", "evaluate_elsewhere"]
 
 Floats = NDArray[np.float64]
 
@@ -87,14 +87,6 @@ def evaluate_elsewhere(cases: Cases, quantities: Iterable[Quantity], version: st
     # Kept: a worker may run several chunks in threads, and one must not release the others.
     one_thread()
     return _evaluated(cases, quantities)
-
-
-def one_thread() -> AbstractContextManager[object]:
-    """Hold BLAS to one thread, from this call to the end of the context."""
-    from threadpoolctl import threadpool_limits
-
-    limits: AbstractContextManager[object] = threadpool_limits(1)
-    return limits
 
 
 def _evaluated(cases: Cases, quantities: Iterable[Quantity]) -> Evaluated:

@@ -46,11 +46,17 @@ class Pieces:
 
     def turned(self) -> Pieces:
         """Return the same chain seen from the other side."""
-        centre = tuple(length - c for length, c in zip(self.length, self.centre, strict=True))
+        centre: list[Number] = []
+        before: tuple[Number, Number] | None = None
+        for length, from_left in zip(self.length, self.centre, strict=True):
+            # Neighbours are mostly one and the same number, and fractions are slow to subtract.
+            if before is None or length is not before[0] or from_left is not before[1]:
+                before, from_right = (length, from_left), length - from_left
+            centre.append(from_right)
         return Pieces(
             self.length[::-1],
             self.mass[::-1],
-            centre[::-1],
+            tuple(centre[::-1]),
             self.rotary_inertia[::-1],
             self.joint_stiffness[::-1],
             self.supports[::-1],

@@ -7,6 +7,7 @@ Accelerations are affine in it, so two sweeps find the force that keeps the tip 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import casadi
 
@@ -70,6 +71,26 @@ def forward_dynamics(
     -0.9
     """
     checked_system(chain, load, damping, base)
+    if load is None and damping is None and base is None and _can_be_kept(chain):
+        return _of_chain_alone(chain)
+    return _compiled(chain, load, damping)
+
+
+def _can_be_kept(chain: Chain) -> bool:
+    """Whether a chain can be looked up: the functions that a beam is given by may be objects of any kind."""
+    try:
+        hash(chain)
+    except TypeError:
+        return False
+    return True
+
+
+@lru_cache(maxsize=4)
+def _of_chain_alone(chain: Chain) -> ForwardDynamics:
+    return _compiled(chain, None, None)
+
+
+def _compiled(chain: Chain, load: Load | None, damping: Damping | None) -> ForwardDynamics:
     names = coordinate_names(chain)
     q, u, course = (
         casadi.SX.sym(name, size) for name, size in (("q", len(names)), ("u", len(names)), ("b", 9))

@@ -8,6 +8,7 @@ the least change of q and of q'; the midpoint rule meets it by a multiplier.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any
 
 import casadi
@@ -53,13 +54,19 @@ class Stepper:
         at = start + step * (np.arange(count)[None, :] + np.array(self.times)[:, None])
         course = base.at(at)  # (3, 3, stages, count)
         columns = np.moveaxis(course, 2, 0).reshape(-1, count)
-        mapped = self.function.mapaccum(count)
+        mapped = _repeated(self.function, count)
         try:
             return np.asarray(mapped(state, np.full((1, count), step), columns).full().T)
         except RuntimeError as error:
             if str(error).rstrip().endswith("KeyboardInterrupt"):
                 raise KeyboardInterrupt from error
             raise
+
+
+# Runs are cut into chunks of equal length, so the last few functions are asked for again and again.
+@lru_cache(maxsize=4)
+def _repeated(function: casadi.Function, count: int) -> casadi.Function:
+    return function.mapaccum(count)
 
 
 def runge_kutta(

@@ -59,7 +59,14 @@ def film_of(
     frames = max(2, round(rate * (span if duration is None else positive_real("duration", duration))))
     if frames > MAX_FRAMES:
         raise ValueError(f"duration must be shorter: {frames} frames are more than {MAX_FRAMES}")
-    FigureCanvasAgg(figure)
+
+    class Unwatched(FigureCanvasAgg):
+        """Draws a frame when it is written, not also when it changes."""
+
+        def draw_idle(self, *args: Any, **kwargs: Any) -> None:
+            """Do nothing: nobody looks on."""
+
+    Unwatched(figure)
     # One layout for all frames: a picture must not jump, nor a film take ten times as long.
     figure.draw_without_rendering()
     figure.set_layout_engine("none")

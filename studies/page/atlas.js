@@ -1,0 +1,152 @@
+// The atlas: what is chosen, in the form and in the address; what the library computed for it, looked up.
+(() => {
+  const data = JSON.parse(document.getElementById("atlas-data").textContent);
+  const form = document.getElementById("atlas-form");
+  const field = (name) => form.elements.namedItem(name);
+  const show = (id, text) => { document.getElementById(id).textContent = text; };
+  const ends = ["clamped", "pinned", "guided", "free"];
+  const rules = data.rules.map((rule) => rule.name);
+  const standard = {
+    left: "clamped", right: "free", rule: "mitiguy", beside: "gregory", segments: "10", modes: "3", tolerance: "0.01",
+  };
+  const allowed = {
+    left: ends, right: ends, rule: rules, beside: ["", ...rules],
+    segments: Array.from({ length: data.segments }, (_, i) => String(i + 1)),
+    modes: Array.from({ length: data.modes }, (_, i) => String(i + 1)),
+    tolerance: data.tolerances.map(String),
+  };
+
+  const number = (value, digits = 4) => {
+    const [mantissa, power] = value.toPrecision(digits).split("e");
+    const raised = power && String(Number(power)).replace(/./g, (c) => "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"["-0123456789".indexOf(c)]);
+    return mantissa.replace("-", "−") + (power ? ` × 10${raised}` : "");
+  };
+  const percent = (value) => (value === null ? "no such mode" : (value > 0 ? "+" : "") + number(100 * value));
+  const tolerance = (value) => `${+(100 * value).toPrecision(3)} %`;
+
+  function fill(name, values, word = (value) => value) {
+    field(name).replaceChildren(...values.map((value) => new Option(word(value), value)));
+  }
+
+  // The record of a rule on the chosen ends; whether the library lists the pair the other way round.
+  function lookUp(state, rule) {
+    const listed = data.pairs.indexOf(`${state.left}-${state.right}`);
+    const turned = listed < 0;
+    const pair = turned ? data.pairs.indexOf(`${state.right}-${state.left}`) : listed;
+    return { record: data.records[data.chains[pair][rules.indexOf(rule)]], turned };
+  }
+
+  function springs({ record, turned }, segments) {
+    const text = data.springs[record.springs[segments - 1]];
+    if (!text) return "none: no hinge has a spring";
+    return turned ? text.split(", ").reverse().join(", ") : text;
+  }
+
+  const needed = (record, state) =>
+    record.needed[Number(state.modes) - 1][data.tolerances.indexOf(Number(state.tolerance))];
+
+  function render(state) {
+    const found = lookUp(state, state.rule);
+    const { record } = found;
+    const segments = Number(state.segments);
+    const modes = Number(state.modes);
+    const omega = record.omega[segments - 1];
+    const wanted = needed(record, state);
+    const first = modes === 1 ? "first frequency" : `first ${modes} frequencies`;
+    const title = `${state.left}-${state.right}, rule ${state.rule}, N = ${segments}`;
+    show("atlas-state", title);
+    show("atlas-springs", springs(found, segments));
+    show("atlas-step", omega
+      ? `${number(data.limit / omega)}   (highest ω = ${number(omega)} √(EI/ρAL⁴))`
+      : "any: the chain has no elastic mode");
+    show("atlas-needed-label", `Segments needed for ${tolerance(Number(state.tolerance))} in the ${first}`);
+    show("atlas-wanted", wanted ? String(wanted) : `more than ${data.longest}`);
+    const { summary, usedBy } = data.rules[rules.indexOf(state.rule)];
+    show("atlas-rule", `${summary} Used by: ${usedBy}. Order ${record.order} between these ends.`);
+    errors(record, segments, modes);
+    everyRule(state, first);
+    const lines = [];
+    for (const [rule, dashed] of [[state.beside, true], [state.rule, false]]) {
+      if (!rule || (dashed && rule === state.rule)) continue;
+      for (let mode = 1; mode <= modes; mode += 1) lines.push({ errors: lookUp(state, rule).record.error, mode, dashed });
+    }
+    atlasPlot.draw(document.getElementById("atlas-plot"), {
+      lines, segments, last: data.segments, tolerance: Number(state.tolerance),
+      description: `Errors of the ${first} against N from 1 to ${data.segments}: ${title}. The table below has those at N.`,
+    });
+  }
+
+  function row(cells, current) {
+    const made = document.createElement("tr");
+    if (current) made.setAttribute("aria-current", "true");
+    cells.forEach((text, i) => {
+      const cell = document.createElement(i ? "td" : "th");
+      if (!i) cell.scope = "row";
+      cell.textContent = text;
+      made.appendChild(cell);
+    });
+    return made;
+  }
+
+  function errors(record, segments, modes) {
+    const rows = [];
+    for (let mode = 1; mode <= modes; mode += 1) {
+      const coefficient = record.law[mode - 1];
+      const law = coefficient === null ? null : coefficient / segments ** record.lawOrder[mode - 1];
+      rows.push(row([String(mode), percent(record.error[segments - 1][mode - 1]), law === null ? "–" : percent(law)]));
+    }
+    document.querySelector("#atlas-errors tbody").replaceChildren(...rows);
+  }
+
+  function everyRule(state, first) {
+    const rows = rules.map((rule) => {
+      const found = lookUp(state, rule);
+      const count = needed(found.record, state);
+      const text = count && count <= data.segments ? springs(found, count) : "–";
+      const made = row([rule, count ? String(count) : `over ${data.longest}`, text], rule === state.rule);
+      made.children[0].className = made.children[2].className = "word";
+      return made;
+    });
+    document.querySelector("#atlas-rules tbody").replaceChildren(...rows);
+    const caption = `All rules, ${state.left}-${state.right}: N for ${tolerance(Number(state.tolerance))} in the ${first}`;
+    document.querySelector("#atlas-rules caption").textContent = caption;
+  }
+
+  // In the address: #atlas?left=clamped&right=free… What is not allowed is left out.
+  function fromAddress() {
+    const given = new URLSearchParams(location.hash.split("?")[1] || "");
+    const kept = Object.keys(standard).filter((key) => allowed[key].includes(given.get(key) ?? " "));
+    return { ...standard, ...Object.fromEntries(kept.map((key) => [key, given.get(key)])) };
+  }
+
+  let current = standard;
+
+  function intoForm(state) {
+    for (const [key, value] of Object.entries(state)) field(key).value = value;
+    current = state;
+    render(state);
+  }
+
+  function fromForm() {
+    const state = Object.fromEntries(Object.keys(standard).map((key) => [key, field(key).value]));
+    const bad = Object.keys(state).find((key) => !allowed[key].includes(state[key]));
+    field("segments").setAttribute("aria-invalid", bad === "segments" ? "true" : "false");
+    if (bad) return;
+    history.replaceState(null, "", `#atlas?${new URLSearchParams(state)}`);
+    current = state;
+    render(state);
+  }
+
+  fill("left", ends);
+  fill("right", ends);
+  fill("rule", rules);
+  fill("beside", allowed.beside, (value) => value || "none");
+  fill("modes", allowed.modes);
+  fill("tolerance", allowed.tolerance, (value) => tolerance(Number(value)));
+  form.addEventListener("input", fromForm);
+  form.addEventListener("submit", (event) => event.preventDefault());
+  addEventListener("hashchange", () => { if (location.hash.startsWith("#atlas?")) intoForm(fromAddress()); });
+  addEventListener("resize", () => render(current));
+  intoForm(fromAddress());
+  if (location.hash.startsWith("#atlas?")) document.getElementById("atlas").scrollIntoView();
+})();

@@ -1,0 +1,117 @@
+"""What the explorer in the page shows: errors, springs, steps and lengths of chains, computed here once."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from fractions import Fraction
+from functools import lru_cache
+from itertools import groupby
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+import beammodes as bm
+from beammodes.closed_form.dispersion import chain_frequency
+from beammodes.vibration.stability import INTEGRATORS
+
+__all__ = ["LONGEST", "MODES", "SEGMENTS", "TOLERANCES", "atlas", "segments_for"]
+
+#: Largest N drawn, modes, and the largest N that is recommended.
+SEGMENTS, MODES, LONGEST = 60, 5, 400
+TOLERANCES = (0.1, 0.05, 0.02, 0.01, 0.005, 0.002, 0.001, 0.0005, 0.0001)
+#: N beyond those recommended where the errors are looked at too: smooth there, so some stand for all.
+_FAR = np.unique(np.geomspace(LONGEST, 10**6, 120).astype(np.int64))
+_DIGITS = 6
+
+Array = NDArray[np.float64]
+
+
+@lru_cache(maxsize=1)
+def atlas() -> dict[str, Any]:
+    """Return everything, as JSON has it; what two rules share on a pair of ends is listed once.
+
+    `chains[pair][rule]` is the number of a chain's record in `records`: errors by N and mode, largest ω by
+    N, springs by N (numbers in `springs`), N needed by modes and tolerance (0 beyond `longest`), order,
+    coefficients of the law by mode.
+    """
+    records: dict[str, int] = {}
+    springs: dict[str, int] = {}
+    kept: list[dict[str, Any]] = []
+    chains: list[list[int]] = []
+    for pair in bm.BOUNDARIES:
+        chains.append([])
+        for rule in bm.RULES.values():
+            record = _record(pair, rule, springs)
+            key = repr(record)
+            if key not in records:
+                records[key] = len(kept)
+                kept.append(record)
+            chains[-1].append(records[key])
+    return {
+        "pairs": [pair.name for pair in bm.BOUNDARIES],
+        "rules": [
+            {"name": rule.name, "summary": rule.summary, "usedBy": rule.used_by} for rule in bm.RULES.values()
+        ],
+        "segments": SEGMENTS,
+        "modes": MODES,
+        "longest": LONGEST,
+        "tolerances": list(TOLERANCES),
+        "limit": INTEGRATORS["rk4"],
+        "springs": list(springs),
+        "records": kept,
+        "chains": chains,
+    }
+
+
+def _record(pair: bm.Boundary, rule: bm.Rule, springs: dict[str, int]) -> dict[str, Any]:
+    segments, mode = np.arange(1, SEGMENTS + 1), np.arange(1, MODES + 1)
+    error = bm.frequency_error(pair, segments=segments[:, None], mode=mode, rule=rule)
+    every = chain_frequency(pair, segments[:, None], np.arange(1, SEGMENTS + 2), rule)
+    highest = np.nan_to_num(every, nan=0.0).max(axis=1)
+    laws = [bm.error_law(pair, n, rule) for n in range(1, MODES + 1)]
+    texts = [_springs(rule.hinge_weights(pair, n)) for n in range(1, SEGMENTS + 1)]
+    return {
+        "error": _listed(error),
+        "omega": _listed(highest),
+        "springs": [springs.setdefault(text, len(springs)) for text in texts],
+        "needed": segments_for(pair, rule).tolist(),
+        "order": rule.declared_order(pair),
+        "lawOrder": [law.order for law in laws],
+        "law": _listed(np.array([law.coefficient for law in laws])),
+    }
+
+
+def _listed(values: Any) -> Any:
+    """Return an array as nested lists of numbers to six digits, None where it has none."""
+    if np.ndim(values):
+        return [_listed(part) for part in values]
+    return None if math.isnan(values) else float(f"{values:.{_DIGITS}g}")
+
+
+def _springs(weights: Sequence[Fraction]) -> str:
+    """Return a row of springs, each 1/w times EI/ell, neighbours that are alike written once."""
+    groups = [(1 / weight, len(list(alike))) for weight, alike in groupby(weights)]
+    return ", ".join(
+        f"{spring}" if count == 1 else f"{count}\u00a0×\u00a0{spring}" for spring, count in groups
+    )
+
+
+def segments_for(pair: bm.Boundary, rule: bm.Rule) -> NDArray[np.int64]:
+    """Return the N from which the first modes stay within a tolerance, 0 beyond 400.
+
+    What `bm.segments_needed` answers one by one, for all at once; shape (modes, tolerances).
+    """
+    counts = np.concatenate([np.arange(1, LONGEST + 1), _FAR])
+    error = np.abs(
+        bm.frequency_error(pair, segments=counts[:, None], mode=np.arange(1, MODES + 1), rule=rule)
+    )
+    worst = np.maximum.accumulate(np.where(np.isnan(error), np.inf, error), axis=1)
+    found = np.zeros((MODES, len(TOLERANCES)), dtype=np.int64)
+    for j, tolerance in enumerate(TOLERANCES):
+        for i in range(MODES):
+            failing = np.flatnonzero(worst[:, i] > tolerance)
+            first = failing[-1] + 1 if len(failing) else 0
+            found[i, j] = counts[first] if first < LONGEST else 0
+    return found

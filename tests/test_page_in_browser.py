@@ -1,0 +1,182 @@
+"""The page in a browser: whole, silent, alone, usable by keyboard, its atlas saying what the library does."""
+
+from __future__ import annotations
+
+import os
+import shutil
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from page_reading import same, stiffnesses
+
+import beammodes as bm
+from studies.page import atlas_data, build
+
+playwright = pytest.importorskip("playwright.sync_api")
+FIGURES = Path(__file__).parent.parent / "figures"
+BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
+CONTROLS = ("Left end", "Right end", "Rule", "Beside it (dashed)", "Segments N", "Modes", "Tolerance")
+WORDS = ("clamped", "pinned", "guided", "free")
+
+
+@pytest.fixture(scope="module")
+def address(tmp_path_factory: pytest.TempPathFactory) -> str:
+    path = tmp_path_factory.mktemp("page") / "report.html"
+    path.write_text(build.page(FIGURES), encoding="utf-8")
+    return path.as_uri()
+
+
+@pytest.fixture(scope="module")
+def browser() -> Iterator[Any]:
+    found = next(filter(None, map(shutil.which, BROWSERS)), None)
+    if found is None:
+        pytest.skip(f"no browser is installed: none of {', '.join(BROWSERS)}")
+    # Chromium has no sandbox for root.
+    alone = ["--no-sandbox"] if hasattr(os, "geteuid") and os.geteuid() == 0 else []
+    with playwright.sync_playwright() as driver:
+        running = driver.chromium.launch(executable_path=found, args=alone)
+        yield running
+        running.close()
+
+
+@pytest.fixture
+def page(browser: Any, address: str) -> Iterator[Any]:
+    """A page of desktop size that must stay silent and ask for nothing but itself."""
+    opened, heard = browser.new_page(viewport={"width": 1280, "height": 900}), []
+    opened.on("console", lambda message: heard.append(message.text))
+    opened.on("pageerror", lambda error: heard.append(str(error)))
+    opened.on(
+        "request", lambda request: heard.append(request.url) if _outside(request.url, address) else None
+    )
+    opened.goto(address)
+    yield opened
+    opened.close()
+    assert heard == []
+
+
+def _outside(url: str, address: str) -> bool:
+    return not (url.startswith("data:") or url.partition("#")[0] == address)
+
+
+def _state(page: Any) -> dict[str, Any]:
+    """What the atlas shows."""
+    cells = page.locator("#atlas-errors tbody tr").all()
+    return {
+        "title": page.locator("#atlas-state").inner_text(),
+        "springs": page.locator("#atlas-springs").inner_text(),
+        "step": page.locator("#atlas-step").inner_text(),
+        "needed": page.locator("#atlas-wanted").inner_text(),
+        "errors": [row.locator("td").first.inner_text() for row in cells],
+        "laws": [row.locator("td").nth(1).inner_text() for row in cells],
+    }
+
+
+def _check(page: Any, left: str, right: str, rule: str, n: int, modes: int, tolerance: float) -> None:
+    shown, pair = _state(page), f"{left}-{right}"
+    assert shown["title"] == f"{pair}, rule {rule}, N = {n}"
+    chain = bm.Chain(bm.Beam.unit(), pair, n, rule)
+    if shown["springs"].startswith("none"):
+        assert len(chain.joint_stiffness) == 0
+    else:
+        assert stiffnesses(shown["springs"]) == pytest.approx((chain.joint_stiffness / n).tolist(), rel=1e-12)
+    if chain.elastic_modes:
+        same(shown["step"].split()[0], bm.stable_time_step(chain))
+    else:
+        assert shown["step"].startswith("any")
+    needed = bm.segments_needed(pair, tolerance, modes, rule)
+    most = atlas_data.LONGEST
+    assert shown["needed"] == (str(needed) if needed <= most else f"more than {most}")
+    assert len(shown["errors"]) == modes
+    for mode, (error, law) in enumerate(zip(shown["errors"], shown["laws"], strict=True), start=1):
+        exact = 100 * bm.frequency_error(pair, segments=n, mode=mode, rule=rule)
+        same("–" if error == "no such mode" else error, exact)
+        same(law, 100 * float(bm.error_law(pair, mode, rule).at(np.array(n))))
+
+
+def test_every_picture_loads_and_nothing_is_wider_than_the_screen(page: Any) -> None:
+    pictures = page.evaluate("[...document.images].map((i) => i.complete && i.naturalWidth)")
+    assert len(pictures) > 15 and all(width and width > 100 for width in pictures)
+    drawn = page.locator("svg").all()
+    assert len(drawn) == 2
+    for box in [one.bounding_box() for one in drawn]:
+        assert box["width"] > 200 and box["height"] > 150
+    for width in (1280, 768, 375, 320):
+        page.set_viewport_size({"width": width, "height": 800})
+        assert page.evaluate("document.documentElement.scrollWidth") <= width
+    assert page.locator("#atlas-plot svg").bounding_box()["width"] <= 320
+
+
+def test_the_atlas_shows_what_the_library_returns(page: Any, address: str) -> None:
+    random = np.random.default_rng(5)
+    tolerances = dict(zip(map(str, atlas_data.TOLERANCES), atlas_data.TOLERANCES, strict=True))
+    _check(page, "clamped", "free", "mitiguy", 10, 3, 0.01)
+    for k in range(24):
+        left, right = (str(word) for word in random.choice(WORDS, 2))
+        rule, tolerance = str(random.choice(list(bm.RULES))), str(random.choice(list(tolerances)))
+        n, modes = int(random.integers(2, atlas_data.SEGMENTS + 1)), int(random.integers(1, 6))
+        if k % 2:
+            chosen = f"left={left}&right={right}&rule={rule}&segments={n}&modes={modes}&tolerance={tolerance}"
+            page.goto(f"{address}#atlas?{chosen}")
+        else:
+            for label, value in zip(CONTROLS[:3], (left, right, rule), strict=True):
+                page.get_by_label(label, exact=True).select_option(value)
+            page.get_by_label("Segments N", exact=True).fill(str(n))
+            page.get_by_label("Modes", exact=True).select_option(str(modes))
+            page.get_by_label("Tolerance", exact=True).select_option(tolerance)
+            assert f"left={left}&right={right}&rule={rule}" in page.url and f"segments={n}" in page.url
+        _check(page, left, right, rule, n, modes, tolerances[tolerance])
+
+
+def test_all_rules_are_listed_for_the_tolerance(page: Any) -> None:
+    rows = page.locator("#atlas-rules tbody tr").all()
+    assert [row.locator("th").inner_text() for row in rows] == list(bm.RULES)
+    for row, rule in zip(rows, bm.RULES, strict=True):
+        needed = bm.segments_needed("clamped-free", 0.01, 3, rule)
+        assert row.locator("td").first.inner_text() == str(needed)
+        if needed <= atlas_data.SEGMENTS:
+            springs = bm.Chain(bm.Beam.unit(), "clamped-free", needed, rule).joint_stiffness / needed
+            assert stiffnesses(row.locator("td").nth(1).inner_text()) == pytest.approx(springs.tolist())
+
+
+def test_the_atlas_by_keyboard(page: Any) -> None:
+    page.keyboard.press("Tab")
+    assert page.evaluate("document.activeElement.className") == "skip"
+    page.get_by_label("Left end", exact=True).focus()
+    for label in CONTROLS:
+        assert page.evaluate("document.activeElement.labels[0].innerText.trim().split('\\n')[0]") == label
+        page.keyboard.press("Tab")
+    page.get_by_label("Segments N", exact=True).focus()
+    page.keyboard.press("ArrowUp")
+    page.get_by_label("Rule", exact=True).focus()
+    page.keyboard.press("ArrowDown")
+    page.get_by_label("Modes", exact=True).focus()
+    page.keyboard.press("ArrowUp")
+    _check(page, "clamped", "free", list(bm.RULES)[1], 11, 2, 0.01)
+    drawn = page.locator("#atlas-plot svg")
+    assert "first 2 frequencies" in drawn.get_attribute("aria-label")
+    assert drawn.locator("polyline").count() == 4  # two modes, two rules
+
+
+def test_what_cannot_be_chosen_changes_nothing(page: Any, address: str) -> None:
+    number = page.get_by_label("Segments N", exact=True)
+    for bad in ("", "0", "61", "-3", "2.5"):
+        number.fill(bad)
+        assert number.get_attribute("aria-invalid") == "true"
+        _check(page, "clamped", "free", "mitiguy", 10, 3, 0.01)
+    number.fill("12")
+    assert number.get_attribute("aria-invalid") == "false"
+    page.goto(f"{address}#atlas?left=<b>&right=free&rule=none&segments=1e9&modes=0&tolerance=x&more=1")
+    _check(page, "clamped", "free", "mitiguy", 10, 3, 0.01)
+    page.goto(f"{address}#atlas?left=free&right=free&segments=1&modes=1")
+    assert _state(page)["springs"].startswith("none") and _state(page)["errors"] == ["no such mode"]
+
+
+def test_on_paper(page: Any) -> None:
+    page.emulate_media(media="print")
+    assert not page.locator("#atlas-form").is_visible()
+    assert page.locator("#atlas-plot svg").is_visible() and page.locator("#atlas-state").is_visible()
+    printed = page.pdf(prefer_css_page_size=True)
+    assert printed.startswith(b"%PDF") and 15 <= printed.count(b"/Type /Page\n") <= 40
