@@ -209,6 +209,7 @@ def test_every_frequency_keeps_its_digits(
     weights = RULES[rule].hinge_weights(pair, segments)
     assume(min(weights) > 0)
     chain = Chain(Beam.unit(), pair, segments, rule)
+    assume(chain.elastic_modes or pair.rigid_body_modes)  # two stubs between walls leave nothing to compare
     found, exact = solve_modes(linearize(chain, load=load)), reference_frequencies(pair, segments, rule, load)
     rigid = found.rigid_body_modes
     assert len(exact) == rigid + len(found.angular_frequency)
