@@ -33,6 +33,7 @@ from numpy.typing import NDArray
 
 from beammodes.chains.chain_numbers import ChainNumbers
 from beammodes.chains.pieces import MAX_PIECES, Number, Pieces, check_pieces, check_turning, piece_numbers
+from beammodes.chains.repeated import each_once
 from beammodes.chains.rods import hinge_flexibilities, profile_weights, rigid_rods
 from beammodes.chains.rules import AnyRule, Layout, layout_of
 from beammodes.chains.units import ExactUnits, Units
@@ -86,18 +87,18 @@ class Chain(ChainNumbers):
         weights = list(record.hinge_weights(boundary, count))
         for hinge, added in profile_weights(beam, boundary, record, lengths, exact).items():
             weights[hinge] += added
-        if any(weight <= 0 for weight in set(weights)):
+        if any(each_once(lambda weight: weight <= 0, weights)):
             raise ValueError(
                 f"rule {record.name} has no positive springs for {boundary.name} with {count} segments"
             )
         flexibility = hinge_flexibilities(beam, lengths, exact)
-        springs = {pair: 1 / (pair[0] * pair[1]) for pair in set(zip(weights, flexibility, strict=True))}
+        springs = each_once(lambda weight, give: 1 / (weight * give), weights, flexibility)
         rods = rigid_rods(beam, lengths, record.rotary_inertia, exact)
         self._fill(
             boundary,
             tuple(lengths),
             *rods,
-            tuple(springs[pair] for pair in zip(weights, flexibility, strict=True)),
+            tuple(springs),
             units=units,
             exact_units=exact,
             beam=beam,

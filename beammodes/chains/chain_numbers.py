@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from beammodes.chains.pieces import Number, Pieces
+from beammodes.chains.repeated import floats
 from beammodes.chains.units import Units
 
 __all__ = ["ChainNumbers"]
@@ -106,7 +107,6 @@ class ChainNumbers:
 
 
 def _scaled(values: Sequence[Number], unit: float) -> NDArray[np.float64]:
-    floats = {value: float(value) for value in set(values)}
-    array = np.array([floats[value] for value in values], dtype=np.float64) * unit
+    array = floats(values) * unit
     array.flags.writeable = False
     return array

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import operator
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from fractions import Fraction
@@ -10,6 +11,7 @@ from fractions import Fraction
 import numpy as np
 from numpy.typing import NDArray
 
+from beammodes.chains.repeated import each_once
 from beammodes.checks import real, shown, whole_number
 
 __all__ = ["MAX_PIECES", "Body", "Number", "Pieces", "check_pieces", "check_turning", "piece_numbers"]
@@ -46,13 +48,7 @@ class Pieces:
 
     def turned(self) -> Pieces:
         """Return the same chain seen from the other side."""
-        centre: list[Number] = []
-        before: tuple[Number, Number] | None = None
-        for length, from_left in zip(self.length, self.centre, strict=True):
-            # Neighbours are mostly one and the same number, and fractions are slow to subtract.
-            if before is None or length is not before[0] or from_left is not before[1]:
-                before, from_right = (length, from_left), length - from_left
-            centre.append(from_right)
+        centre = each_once(operator.sub, self.length, self.centre)
         return Pieces(
             self.length[::-1],
             self.mass[::-1],

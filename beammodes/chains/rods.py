@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from beammodes.chains.pieces import Number
+from beammodes.chains.repeated import each_once
 from beammodes.chains.rules import Layout, Rule
 from beammodes.chains.units import ExactUnits
 from beammodes.problem.beam import Beam
@@ -53,12 +54,10 @@ def rigid_rods(beam: Beam, lengths: Sequence[Fraction], shape: Fraction, units: 
         * units.length
         / (units.mass * units.length**2)
     )
-    kinds = {length: shape * length**3 + section * length for length in set(lengths)}
-    halves = {length: length / 2 for length in set(lengths)}
     return Rods(
         tuple(lengths),
-        tuple(halves[length] for length in lengths),
-        tuple(kinds[length] for length in lengths),
+        tuple(each_once(lambda length: length / 2, lengths)),
+        tuple(each_once(lambda length: shape * length**3 + section * length, lengths)),
     )
 
 

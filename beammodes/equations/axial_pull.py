@@ -5,6 +5,7 @@ from __future__ import annotations
 from fractions import Fraction
 
 from beammodes.chains.chain import Chain, Number
+from beammodes.chains.repeated import each_once
 from beammodes.problem.loading import Load
 
 __all__ = ["axial_pull", "straight_load"]
@@ -50,7 +51,7 @@ def axial_pull(chain: Chain, load: Load) -> list[Number]:
     beyond: Number = units.force(Fraction(load.axial_force) + Fraction(load.tip[0]))
     weight, square = units.acceleration(load.weight[0]), units.square_rate(load.spin_rate)
     if not (weight or square):
-        return [length * beyond if beyond else beyond for length in chain.piece_length]
+        return each_once(lambda length: length * beyond if beyond else beyond, chain.piece_length)
     radius = _radii(chain, units.body(0, 0, load.hub_radius)[2])
     pulls: list[Number] = []
     for i in range(chain.pieces - 1, -1, -1):

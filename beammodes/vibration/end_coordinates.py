@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from beammodes.chains.pieces import Pieces
+from beammodes.chains.repeated import floats
 
 __all__ = ["EndCoordinates", "end_coordinates"]
 
@@ -53,7 +54,7 @@ def end_coordinates(pieces: Pieces, resistance: float = 0.0) -> EndCoordinates:
     >>> end_coordinates(Chain(Beam.unit(), "pinned-free", 2).pieces_and_springs).rigid     # turns about x = 0
     [(0.0, 1.0)]
     """
-    length = np.array(pieces.length, dtype=np.float64)
+    length = floats(pieces.length)
     whole, reach = float(length.sum()), np.cumsum(length[:0:-1])[::-1]
     nothing = np.zeros_like(reach)
     # Rows: left deflection, left rotation, right deflection, right rotation.

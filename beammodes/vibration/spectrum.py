@@ -36,6 +36,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from beammodes.chains.chain import Chain
+from beammodes.chains.repeated import floats
 from beammodes.equations.axial_pull import axial_pull
 from beammodes.problem.loading import Load, checked_load
 from beammodes.vibration.end_coordinates import EndCoordinates, end_coordinates
@@ -180,14 +181,14 @@ def flexibility_form(chain: Chain, load: Load | None = None) -> FlexibilityForm:
     if is_turned(chain):
         pieces = pieces.turned()
     columns = (pieces.length, pieces.mass, pieces.centre, pieces.rotary_inertia)
-    length, mass, centre, inertia = (np.array(values, dtype=np.float64) for values in columns)
+    length, mass, centre, inertia = (floats(values) for values in columns)
     for end, piece in ((0, 0), (1, -1)):
         # A held piece does not turn; without this a mode's rounding would reach a massless piece's inertia.
         inertia[piece] *= pieces.supports[end][1] != math.inf
-    pull = np.array(axial_pull(chain, checked_load(load)), dtype=np.float64)
+    pull = floats(axial_pull(chain, checked_load(load)))
     pull = pull[::-1] if is_turned(chain) else pull
     ends = end_coordinates(pieces, float(pull.sum()))
-    root = np.concatenate([ends.root, 1 / np.sqrt(np.array(pieces.joint_stiffness, dtype=np.float64))])
+    root = np.concatenate([ends.root, 1 / np.sqrt(floats(pieces.joint_stiffness))])
     rows = ends.dependent_rows * root
     held = rows[np.isinf(ends.dependent_stiffness)]
     # What every motion meets anyway excludes nothing.
