@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from drawn_ends import ENDS
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from test_engines import ALL, OPEN
@@ -59,17 +60,6 @@ def test_other_formats_are_known_again(case: str, rule: str, suffix: str, tmp_pa
     chain = Chain(BEAM, OPEN[case], segments=6, rule=rule)
     path = export_chain(chain, tmp_path / f"chain{suffix}")[0]
     known_again(chain, audit_file(path, BEAM, chain.boundary))
-
-
-STIFFNESS = st.sampled_from([0.0, math.inf]) | st.floats(1.0, 1e4)
-ENDS = st.builds(
-    End,
-    STIFFNESS,
-    STIFFNESS,
-    st.just(0.0) | st.floats(0.05, 1.0),
-    st.just(0.0) | st.floats(0.001, 0.1),
-    st.sampled_from([-0.1, 0.0, 0.05]),
-)
 
 
 @given(ENDS, ENDS, st.integers(4, 6), st.sampled_from(RULES))

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 import scipy.linalg
+from drawn_ends import ENDS
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
@@ -122,17 +123,6 @@ def test_mujocos_own_matrices_have_the_chains_frequencies(case: str, rule: str, 
     mass, stiffness = matrices(*mujoco_model(chain, tmp_path))
     found = elastic_frequencies(mass, stiffness, len(known))
     assert found == pytest.approx(known, rel=1e-8)
-
-
-STIFFNESS = st.sampled_from([0.0, math.inf]) | st.floats(1.0, 1e4)
-ENDS = st.builds(
-    End,
-    STIFFNESS,
-    STIFFNESS,
-    st.just(0.0) | st.floats(0.05, 1.0),
-    st.just(0.0) | st.floats(0.001, 0.1),
-    st.sampled_from([-0.1, 0.0, 0.05]),
-)
 
 
 @given(ENDS, ENDS, st.integers(2, 6), st.sampled_from(RULES))

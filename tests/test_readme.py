@@ -30,12 +30,18 @@ def test_python_blocks_run_and_print_what_they_say() -> None:
         assert doctest.DocTestRunner(optionflags=doctest.NORMALIZE_WHITESPACE).run(test).failed == 0
 
 
-@pytest.mark.parametrize(
-    "line", [line for block in blocks("sh") for line in block.splitlines() if line.startswith("beammodes ")]
-)
-def test_shell_lines_run(line: str, capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(shlex.split(line, comments=True)[1:]) == 0
-    assert capsys.readouterr().out.strip()
+COMMANDS = [block for block in blocks("sh") if "beammodes " in block]
+
+
+@pytest.mark.parametrize("block", COMMANDS, ids=range(len(COMMANDS)))
+def test_shell_lines_run(
+    block: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    for line in block.splitlines():
+        assert line.startswith("beammodes ")
+        assert main(shlex.split(line, comments=True)[1:]) == 0
+        assert capsys.readouterr().out.strip()
 
 
 def test_pictures_and_links_exist() -> None:
