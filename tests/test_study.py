@@ -119,6 +119,23 @@ def test_numbers_of_a_whole_chain() -> None:
     assert float(at.hinges) == 5
 
 
+@pytest.mark.parametrize(
+    ("compute", "axis"),
+    [
+        ("buckling_load", "spin_rate"),
+        ("exact_buckling_load", "spin_rate"),
+        ("buckling_error", "spin_rate"),
+        ("tip_deflection_error", "axial_force"),
+        ("midspan_deflection_error", "spin_rate"),
+    ],
+)
+def test_loads_that_a_quantity_does_not_count_are_refused(compute: str, axis: str) -> None:
+    # A spun beam buckles later and bends less than one at rest: the number would be that of another beam.
+    axes = {"boundary": "clamped-free", "segments": [4], "mode": 1, axis: [0.0, 5.0]}
+    with pytest.raises(ValueError, match=f"axes must leave out {axis} with {compute}, which does not count"):
+        bm.Study.grid(**axes, compute=["relative_error", compute])
+
+
 def test_words_of_integrators_and_loads_are_axes() -> None:
     table = bm.Study.grid(
         boundary="clamped-free", segments=4, rule="naive", integrator=["rk4", "leapfrog"],

@@ -41,6 +41,8 @@ class Quantity:
     source : str
         What tells one function of this name from another: nothing for those of this package, whose version
         does.
+    uncounted : tuple of str
+        Axes that would change it in truth, and that it does not count.
     """
 
     name: str
@@ -51,6 +53,7 @@ class Quantity:
     per_mode: bool = False
     closed_form: bool = False
     source: str = ""
+    uncounted: tuple[str, ...] = ()
 
     def definition(self) -> dict[str, Any]:
         """Return what defines the quantity, in plain values for a file."""
@@ -111,6 +114,7 @@ def _buckling_error(case: Case) -> float:
     return _chain_buckling(case) / _beam_buckling(case) - 1
 
 
+_SPIN, _LOADS = ("spin_rate",), ("axial_force", "spin_rate")
 _RATE, _FORCE = ("rad / s", "sqrt(EI / (rhoA L^4))"), ("N", "EI / L^2")
 
 #: The quantities of this package, by name.
@@ -150,15 +154,21 @@ QUANTITIES: dict[str, Quantity] = {
             *("s", "sqrt(rhoA L^4 / EI)"),
             _Own(_time_step),
         ),
-        Quantity("buckling_load", "buckling load of the chain", *_FORCE, _Own(_chain_buckling)),
-        Quantity("exact_buckling_load", "buckling load of the beam", *_FORCE, _Own(_beam_buckling)),
-        Quantity("buckling_error", "relative error of the buckling load", *("1", "1"), _Own(_buckling_error)),
+        *(
+            Quantity(name, long_name, *units, _Own(function), uncounted=_SPIN)
+            for name, long_name, units, function in (
+                ("buckling_load", "buckling load of the chain", _FORCE, _chain_buckling),
+                ("exact_buckling_load", "buckling load of the beam", _FORCE, _beam_buckling),
+                ("buckling_error", "relative error of the buckling load", ("1", "1"), _buckling_error),
+            )
+        ),
         *(
             Quantity(
                 f"{name}_error",
                 f"relative error of the chain's static {name.replace('_', ' ')}",
                 *("1", "1"),
                 _StaticError(place),
+                uncounted=_LOADS,
             )
             for place, name in enumerate(STATIC_QUANTITIES)
         ),

@@ -58,7 +58,14 @@ def all_plain(named: Mapping[str, Axis]) -> bool:
 
 
 def check_complete(named: Mapping[str, Axis], quantities: tuple[Quantity, ...]) -> None:
-    """Raise ValueError if an axis that another or a quantity needs is missing, or one is of no use."""
+    """Raise ValueError if an axis that another or a quantity needs is missing, or one is not counted."""
+    for quantity in quantities:
+        for name in quantity.uncounted:
+            if name in named:
+                raise ValueError(
+                    f"axes must leave out {name} with {quantity.name}, which does not count it, "
+                    f"got {', '.join(named)}"
+                )
     needed = {"boundary", "segments"} | ({"mode"} if any(q.per_mode for q in quantities) else set())
     beam = {*UNIFORM_BEAM, *MATERIAL, *_all_dimensions()} & set(named)
     used, always = set(UNIFORM_BEAM), set(UNIFORM_BEAM) if beam else set()
