@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
+from fractions import Fraction
 from pathlib import Path
 
 import numpy as np
@@ -246,6 +248,43 @@ def test_cases_without_an_answer_are_nan_and_say_why() -> None:
     )
 
 
+def test_rules_that_differ_in_late_digits_or_numbers_are_told_apart() -> None:
+    @dataclass(frozen=True, eq=False)
+    class Sampled:
+        springs: np.ndarray
+        name: str = "sampled"
+        rotary_inertia: Fraction = Fraction(1, 12)
+
+        def piece_lengths(self, boundary: bm.Boundary, segments: int) -> list[Fraction]:
+            return [Fraction(1)] * segments
+
+        def hinge_weights(self, boundary: bm.Boundary, segments: int) -> list[float]:
+            return list(self.springs[:segments])
+
+    springs = np.ones(3000)
+    late, middle = springs.copy(), springs.copy()
+    late[0] += 1e-12
+    middle[1500] = 2.0  # NumPy shows the ends of a long array alone
+    digests = {
+        bm.Study.grid(boundary="clamped-free", segments=4, rule=Sampled(s), compute="stable_time_step").digest
+        for s in (springs, late, middle)
+    }
+    assert len(digests) == 3
+
+
+def forgetful(case: bm.Case) -> float:
+    return None  # type: ignore[return-value]
+
+
+def test_a_function_must_return_a_number() -> None:
+    study = bm.Study.grid(boundary="clamped-free", segments=[3], right_mass=[0.5], compute=forgetful)
+    with pytest.raises(TypeError, match="forgetful must return a real number, got None") as caught:
+        study.run()
+    assert caught.value.__notes__ == [
+        "met in a study, at boundary clamped-free, segments 3, right_mass 0.5, rule mitiguy"
+    ]
+
+
 def broken(case: bm.Case) -> float:
     raise ZeroDivisionError(str(case.segments))
 
@@ -273,8 +312,9 @@ GOOD = {"boundary": "clamped-free", "segments": 5, "mode": 1, "compute": "relati
         ({"compute": "relative_eror"}, 'did you mean "relative_error"'),
         ({"compute": []}, "compute must name at least one"),
         ({"compute": ["relative_error"] * 2}, "each quantity once"),
-        ({"compute": lambda _: 1.0}, "written in a module"),
-        ({"compute": math.sqrt}, "compute must be one of"),
+        ({"compute": lambda _: 1.0}, "a module defines by def"),
+        ({"compute": math.sqrt}, "a module defines by def"),
+        ({"compute": 3}, "compute must be one of"),
         ({"right_mass": [0.1, math.nan]}, "right_mass: mass must be finite"),
         ({"right_mass": -0.1}, "right_mass: mass must not be negative"),
         ({"spin_rate": "fast"}, "spin_rate: .* real number"),

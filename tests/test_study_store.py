@@ -215,11 +215,20 @@ def test_a_folder_with_other_things_is_not_a_store(tmp_path: Path) -> None:
         bm.open_study(tmp_path)
     with pytest.raises(TypeError, match="store must be a folder"):
         bm.open_study(3)  # type: ignore[arg-type]
-    with pytest.raises(FileExistsError):
+    with pytest.raises(NotADirectoryError, match="store must be a folder, this is a file"):
         study().run(store=tmp_path / "thesis.txt")
-    (tmp_path / "study.json").write_text("{")
-    with pytest.raises(ValueError, match=r"store must have a readable study\.json"):
-        bm.open_study(tmp_path)
+    assert [path.name for path in tmp_path.iterdir()] == ["thesis.txt"]  # and no lock was left
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["{", "[]", "{}", '{"definition": {}}', '{"definition": {"axes": [1], "compute": {}, "chunk": 1}}'],
+)
+def test_an_unreadable_definition_is_named(tmp_path: Path, text: str) -> None:
+    (tmp_path / "study.json").write_text(text)
+    for use in (bm.open_study, lambda folder: study().run(store=folder)):
+        with pytest.raises(ValueError, match=r"store must have a readable study\.json"):
+            use(tmp_path)
 
 
 @pytest.mark.skipif(

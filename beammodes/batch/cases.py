@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import numbers
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field
@@ -53,6 +54,10 @@ class Case:
     """
 
     values: Mapping[str, Any]
+
+    def __str__(self) -> str:
+        named = {name: getattr(value, "name", value) for name, value in self.values.items()}
+        return ", ".join(f"{name} {value}" for name, value in named.items())
 
     @property
     def segments(self) -> int:
@@ -131,11 +136,21 @@ class Cases:
         return len(self), self.mode.shape[1]
 
     def each(self, function: Callable[[Case], float]) -> Floats:
-        """Return a number of every case, shape (cases,), NaN where it has none."""
+        """Return a number of every case, shape (cases,), NaN where it has none.
+
+        Raises
+        ------
+        TypeError
+            If the function returns something else.
+        """
         found = np.full(len(self), np.nan)
         for i, case in enumerate(self):
             with self._answering(case):
-                found[i] = function(case)
+                answer = function(case)
+                if not isinstance(answer, numbers.Real):
+                    name = getattr(function, "__name__", "compute")
+                    raise TypeError(f"{name} must return a real number, got {shown(answer)}")
+                found[i] = answer
         return found
 
     @cached_property
@@ -182,7 +197,7 @@ class Cases:
             if len(self.refused) < MAX_REASONS and str(error) not in self.refused:
                 self.refused.append(str(error))
         except Exception as error:
-            error.add_note(f"met in a study, {'' if case is None else shown(dict(case.values))}")
+            error.add_note("met in a study" + ("" if case is None else f", at {case}"))
             raise
 
     @property

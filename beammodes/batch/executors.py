@@ -42,11 +42,19 @@ def executor_of(engine: Any, workers: int | None = None) -> Iterator[Executor | 
         yield engine.get_executor(pure=False)
     elif isinstance(engine, Executor):
         yield engine
-    elif choice("engine", engine, ENGINES) == "serial":
+    elif _named(engine) == "serial":
         yield None
     else:
         count = (os.cpu_count() or 1) if workers is None else workers
         yield from _processes(whole_number("workers", count, most=1024))
+
+
+def _named(engine: Any) -> str:
+    try:
+        return choice("engine", engine, ENGINES)
+    except (TypeError, ValueError) as error:
+        others = "a dask.distributed Client or a concurrent.futures Executor"
+        raise type(error)(f"{error}; besides these names, {others} is an engine") from None
 
 
 def _processes(workers: int) -> Iterator[Executor]:

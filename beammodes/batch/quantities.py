@@ -6,6 +6,7 @@ import hashlib
 import inspect
 import math
 from collections.abc import Callable, Iterable
+from contextlib import suppress
 from dataclasses import dataclass
 from typing import Any
 
@@ -203,17 +204,16 @@ def quantities_of(compute: object) -> tuple[Quantity, ...]:
 
 
 def _quantity(item: object) -> Quantity:
-    if not inspect.isfunction(item):
+    if not callable(item):
         return QUANTITIES[choice("compute", item, QUANTITIES)]
-    name = item.__qualname__
-    try:
-        source = inspect.getsource(item)
-    except (OSError, TypeError):
-        source = ""
+    name, source = getattr(item, "__qualname__", ""), ""
+    if inspect.isfunction(item):
+        with suppress(OSError, TypeError):
+            source = inspect.getsource(item)
     if not source or not name.isidentifier() or name in QUANTITIES:
         raise ValueError(
-            "compute must name quantities, or functions written in a module under names of their own, "
-            f"got {shown(item)}"
+            "compute must name quantities, or functions that a module defines by def, under names of their "
+            f"own (no lambda, method or part of another function), got {shown(item)}"
         )
     digest = hashlib.sha256(source.encode()).hexdigest()
     label = (inspect.getdoc(item) or name.replace("_", " ")).splitlines()[0]

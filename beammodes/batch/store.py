@@ -25,7 +25,7 @@ from beammodes.batch.evaluated import Evaluated
 from beammodes.checks import shown
 from beammodes.files import write_atomically
 
-__all__ = ["Store", "difference", "locked"]
+__all__ = ["Store", "difference", "locked", "made_ready"]
 
 _DEFINITION, _LOCK = "study.json", "study.lock"
 _CHUNK = re.compile(r"chunk-(\d{9,})-([0-9a-f]{16})\.nc")
@@ -55,6 +55,9 @@ class Store:
         try:
             kept = json.loads(path.read_text("utf-8"))
             definition = dict(kept["definition"])
+            for part in ("axes", "compute"):
+                dict(definition[part])
+            int(definition["chunk"])
         except (ValueError, KeyError, TypeError) as error:
             raise ValueError(
                 f"store must have a readable {_DEFINITION}, got {shown(str(path))}: {error}"
@@ -70,16 +73,8 @@ class Store:
         ValueError
             If the folder has something else in it.
         """
-        folder.mkdir(parents=True, exist_ok=True)
+        made_ready(folder)
         if not (folder / _DEFINITION).exists():
-            others = [
-                p.name for p in folder.iterdir() if p.name != _LOCK and not _TEMPORARY.fullmatch(p.name)
-            ]
-            if others:
-                raise ValueError(
-                    f"store must be a new folder, or one of a study, got {shown(str(folder))}, in which "
-                    f"there is {shown(min(others))} but no {_DEFINITION}"
-                )
             text = json.dumps({"digest": digest, "definition": definition}, indent=1, allow_nan=False)
             write_atomically(folder / _DEFINITION, lambda file: file.write(text.encode()))
         store = cls.read(folder)
@@ -124,6 +119,27 @@ class Store:
         for path in self.folder.iterdir():
             if _TEMPORARY.fullmatch(path.name):
                 path.unlink(missing_ok=True)
+
+
+def made_ready(folder: Path) -> None:
+    """Make a study's folder, and write nothing into one of other things.
+
+    Raises
+    ------
+    NotADirectoryError, ValueError
+        If it is a file, or has something else in it.
+    """
+    if folder.exists() and not folder.is_dir():
+        raise NotADirectoryError(errno.ENOTDIR, "store must be a folder, this is a file", str(folder))
+    folder.mkdir(parents=True, exist_ok=True)
+    if (folder / _DEFINITION).exists():
+        return
+    others = [p.name for p in folder.iterdir() if p.name != _LOCK and not _TEMPORARY.fullmatch(p.name)]
+    if others:
+        raise ValueError(
+            f"store must be a new folder, or one of a study, got {shown(str(folder))}, in which "
+            f"there is {shown(min(others))} but no {_DEFINITION}"
+        )
 
 
 def difference(kept: Mapping[str, Any], wanted: Mapping[str, Any]) -> str:

@@ -59,9 +59,9 @@ class Study:
     ...     boundary=["clamped-free", "pinned-pinned"], segments=range(1, 4), mode=[1, 2],
     ...     compute=["relative_error", "stable_time_step"],
     ... )
+    >>> study
+    <Study of relative_error, stable_time_step over boundary: 2, segments: 3, mode: 2; 1 chunks of 100 points>
     >>> table = study.run()
-    >>> dict(table.sizes)
-    {'boundary': 2, 'segments': 3, 'mode': 2}
     >>> table.relative_error.sel(boundary="clamped-free", mode=1).values.round(5)
     array([-0.14676, -0.03366, -0.01443])
     """
@@ -69,6 +69,12 @@ class Study:
     axes: tuple[Axis, ...]
     quantities: tuple[Quantity, ...]
     chunk: int
+
+    def __repr__(self) -> str:
+        # An axis may have a million values.
+        sizes = ", ".join(f"{name}: {size}" for name, size in self.shape.items())
+        names = ", ".join(quantity.name for quantity in self.quantities)
+        return f"<Study of {names} over {sizes or 'one point'}; {self.chunks} chunks of {self.chunk} points>"
 
     @classmethod
     def grid(cls, *, compute: Any, chunk: int | None = None, **axes: Any) -> Study:
@@ -78,9 +84,10 @@ class Study:
         ----------
         compute : str, function, or sequence of them
             Names of quantities: relative_error, angular_frequency, exact_angular_frequency,
-            highest_angular_frequency, stable_time_step, buckling_load, exact_buckling_load, buckling_error,
-                tip_deflection_error, tip_rotation_error, midspan_deflection_error. A function gets a `Case`,
-            returns one number, and stands in a module.
+            highest_angular_frequency, stable_time_step; buckling_load, exact_buckling_load, buckling_error,
+            of beams at rest; tip_deflection_error, tip_rotation_error, midspan_deflection_error, without other
+            loads. A function gets a `Case`, returns one number (a ValueError of its own counts as none), and is
+            defined in a module. Its text belongs to the study's definition, not that of what it calls.
         chunk : int, optional
             Points, not counting modes, computed and kept together: 5000 where the closed form of plain ends
             serves all, else 100, or fewer of many modes. It belongs to the study's definition.
@@ -251,7 +258,9 @@ class Study:
         Returns
         -------
         xarray.Dataset
-            NaN where a chain has no such mode, or a case has no answer, which attribute `refused` explains.
+            NaN where a chain has no such mode, or a case has no answer, which attribute `refused` explains. All
+            of it is held in memory, 8 bytes for each number; of a study too large for that the chunks' files
+            are the result.
 
         Raises
         ------

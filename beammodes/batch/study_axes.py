@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import inspect
 import math
+import sys
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from functools import cached_property, partial
@@ -258,7 +259,9 @@ def _written(rule: Layout) -> str:
     """Return what tells a rule of the user's own from others of its name: nothing for a registered one."""
     if RULES.get(rule.name) == rule:
         return ""
-    text = repr(rule)
+    # Arrays with all their numbers and digits: by default long ones are cut short.
+    with np.printoptions(threshold=sys.maxsize, floatmode="unique"):
+        text = repr(rule)
     if " at 0x" in text:
         raise TypeError(f"rule must be a record that can be written down, got {shown(rule)}")
     return hashlib.sha256(text.encode()).hexdigest()

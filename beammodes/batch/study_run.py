@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from beammodes.batch.evaluated import Evaluated
 from beammodes.batch.executors import computed, executor_of
-from beammodes.batch.store import Store, locked
+from beammodes.batch.store import Store, locked, made_ready
 from beammodes.batch.study_dataset import study_dataset
 from beammodes.checks import shown
 from beammodes.progress import progress_of
@@ -35,7 +35,7 @@ def run_study(
         _compute(study, found, engine, workers, report, found.__setitem__)
         return study_dataset(study.definition, sorted(found.items()))
     folder = _folder(store)
-    folder.mkdir(parents=True, exist_ok=True)
+    made_ready(folder)
     with locked(folder) as alone:
         kept = Store.of(folder, study.definition, study.digest)
         if alone:
