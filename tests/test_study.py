@@ -255,10 +255,10 @@ def test_rules_that_differ_in_late_digits_or_numbers_are_told_apart() -> None:
         name: str = "sampled"
         rotary_inertia: Fraction = Fraction(1, 12)
 
-        def piece_lengths(self, boundary: bm.Boundary, segments: int) -> list[Fraction]:
+        def piece_lengths(self, _boundary: bm.Boundary, segments: int) -> list[Fraction]:
             return [Fraction(1)] * segments
 
-        def hinge_weights(self, boundary: bm.Boundary, segments: int) -> list[float]:
+        def hinge_weights(self, _boundary: bm.Boundary, segments: int) -> list[float]:
             return list(self.springs[:segments])
 
     springs = np.ones(3000)
@@ -272,7 +272,7 @@ def test_rules_that_differ_in_late_digits_or_numbers_are_told_apart() -> None:
     assert len(digests) == 3
 
 
-def forgetful(case: bm.Case) -> float:
+def forgetful(_case: bm.Case) -> float:
     return None  # type: ignore[return-value]
 
 

@@ -85,8 +85,8 @@ class Study:
         compute : str, function, or sequence of them
             Names of quantities: relative_error, angular_frequency, exact_angular_frequency,
             highest_angular_frequency, stable_time_step; buckling_load, exact_buckling_load, buckling_error,
-            of beams at rest; tip_deflection_error, tip_rotation_error, midspan_deflection_error, without other
-            loads. A function gets a `Case`, returns one number (a ValueError of its own counts as none), and is
+            of beams at rest; tip_deflection_error, tip_rotation_error, midspan_deflection_error, without
+            other loads. A function gets a `Case`, returns one number (a ValueError counts as none), and is
             defined in a module. Its text belongs to the study's definition, not that of what it calls.
         chunk : int, optional
             Points, not counting modes, computed and kept together: 5000 where the closed form of plain ends
@@ -258,9 +258,9 @@ class Study:
         Returns
         -------
         xarray.Dataset
-            NaN where a chain has no such mode, or a case has no answer, which attribute `refused` explains. All
-            of it is held in memory, 8 bytes for each number; of a study too large for that the chunks' files
-            are the result.
+            NaN where a chain has no such mode, or a case has no answer, which attribute `refused` explains.
+            All of it is held in memory, 8 bytes for each number; of a study too large for that the chunks'
+            files are the result.
 
         Raises
         ------
