@@ -37,9 +37,9 @@ class Study:
     """A set of chains and what to compute of them: as a grid, a list of points, or samples.
 
     `Study.grid`, `Study.points` and `Study.sampled` make one; `run` computes it. Axes are "boundary",
-    "rule", "segments", "mode"; numbers of ends and loads as in `error_dataset`, such as "right_mass",
-    "left_rotational_stiffness", "axial_force", "spin_rate", "hub_radius", and "plane"; "integrator" and
-    "static_load"; "section" with its dimensions, "elastic_modulus", "density" and "length", or "length",
+    "rule", "segments", "mode"; numbers of ends and loads as in `error_dataset`, such as "right_mass" (a tip
+    mass), "left_rotational_stiffness", "axial_force", "spin_rate", "hub_radius", and "plane"; "integrator"
+    and "static_load"; "section" with its dimensions, "elastic_modulus", "density" and "length", or "length",
     "bending_stiffness" and "mass_per_length". All numbers are in the units of the beam, which without the
     last two sets is the one with L = EI = ρA = 1. One value of an axis is shared by all points; several make
     a dimension. Ends are named with the firmer first, unless numbers of the left or right end, or loads, are
