@@ -27,6 +27,9 @@ STRIP = {
 }
 
 
+TUBE = {"section": "tube", "outer": 0.01, "length": 1.0, "elastic_modulus": 70e9, "density": 2700.0}
+
+
 def strip(height: float = 0.002) -> bm.Beam:
     return bm.Beam.from_section(bm.Rectangle(0.02, height), density=7800.0, elastic_modulus=200e9, length=1.0)
 
@@ -324,6 +327,8 @@ GOOD = {"boundary": "clamped-free", "segments": 5, "mode": 1, "compute": "relati
         ({"section": "rectangel"}, 'did you mean "rectangle"'),
         ({**STRIP, "diameter": 0.1}, "leave out diameter"),
         ({**STRIP, "density": 0.0}, "density must be greater than 0"),
+        ({**TUBE, "inner": 0.008, "wall": 0.001}, "one of inner and wall for a tube, got inner, wall"),
+        (TUBE, "one of inner and wall for a tube, got none"),
         ({"length": 2.0}, "include bending_stiffness"),
         ({"height": bm.Normal(1.0, 0.1)}, "height must not be a distribution"),
         ({"chunk": 0}, "chunk must be"),

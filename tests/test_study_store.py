@@ -220,6 +220,21 @@ def test_a_folder_with_other_things_is_not_a_store(tmp_path: Path) -> None:
     assert [path.name for path in tmp_path.iterdir()] == ["thesis.txt"]  # and no lock was left
 
 
+def test_a_tilde_is_the_home_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("HOME", str(tmp_path))
+    monkeypatch.setenv("USERPROFILE", str(tmp_path))
+    study().run(store="~/kept")
+    assert bm.open_study("~/kept").complete == 1
+    assert (tmp_path / "kept").is_dir()
+
+
+@pytest.mark.parametrize("name", ["", "a\0b"])
+def test_what_names_no_folder_is_refused(name: str) -> None:
+    for use in (bm.open_study, lambda folder: study().run(store=folder)):
+        with pytest.raises(ValueError, match="store must be a folder's name"):
+            use(name)
+
+
 @pytest.mark.parametrize(
     "text",
     ["{", "[]", "{}", '{"definition": {}}', '{"definition": {"axes": [1], "compute": {}, "chunk": 1}}'],

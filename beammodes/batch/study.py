@@ -60,7 +60,7 @@ class Study:
     ...     compute=["relative_error", "stable_time_step"],
     ... )
     >>> study
-    <Study of relative_error, stable_time_step over boundary: 2, segments: 3, mode: 2; 1 chunks of 100 points>
+    <Study of relative_error, stable_time_step over boundary: 2, segments: 3, mode: 2, in chunks of 100>
     >>> table = study.run()
     >>> table.relative_error.sel(boundary="clamped-free", mode=1).values.round(5)
     array([-0.14676, -0.03366, -0.01443])
@@ -74,7 +74,7 @@ class Study:
         # An axis may have a million values.
         sizes = ", ".join(f"{name}: {size}" for name, size in self.shape.items())
         names = ", ".join(quantity.name for quantity in self.quantities)
-        return f"<Study of {names} over {sizes or 'one point'}; {self.chunks} chunks of {self.chunk} points>"
+        return f"<Study of {names} over {sizes or 'one point'}, in chunks of {self.chunk}>"
 
     @classmethod
     def grid(cls, *, compute: Any, chunk: int | None = None, **axes: Any) -> Study:
@@ -244,8 +244,9 @@ class Study:
         Parameters
         ----------
         store : str or Path, optional
-            A folder: new, or that of this study, which then goes on where it was. Each chunk is a netCDF
-            file, moved into place whole, its digest in its name; one that is damaged is computed again.
+            A folder: new, or that of this study, which then goes on where it was. "~" is the home folder. Each
+            chunk is a netCDF file, moved into place whole, its digest in its name; one that is damaged is
+            computed again.
             Without a store the results are kept in memory alone.
         engine : "serial", "processes", a dask.distributed Client, or a concurrent.futures Executor
             All give the same bits, on processors and libraries of one kind. For "processes" a script needs

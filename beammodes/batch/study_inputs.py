@@ -73,6 +73,8 @@ def check_complete(named: Mapping[str, Axis], quantities: tuple[Quantity, ...]) 
         sections = named["section"].values
         used = {*MATERIAL, *(size for kind in sections for size in dimensions_of(kind))}
         always = {*MATERIAL, *(size for kind in sections for size in dimensions_of(kind, optional=False))}
+        for kind in sections:
+            _check_one_of_two(kind, set(named))
     if beam - used:
         raise ValueError(
             f"axes must leave out {min(beam - used)} without a section that has it, got {', '.join(named)}"
@@ -80,6 +82,15 @@ def check_complete(named: Mapping[str, Axis], quantities: tuple[Quantity, ...]) 
     missing = [name for name in AXES if name in (needed | always) - set(named)]
     if missing:
         raise ValueError(f"axes must include {missing[0]} here, got {', '.join(named)}")
+
+
+def _check_one_of_two(section: str, given: set[str]) -> None:
+    """Raise ValueError unless just one of a section's dimensions that stand for each other is given."""
+    needed = dimensions_of(section, optional=False)
+    either = [size for size in dimensions_of(section) if size not in needed]
+    if either and len(given.intersection(either)) != 1:
+        got = ", ".join(sorted(given.intersection(either))) or "none"
+        raise ValueError(f"axes must include one of {' and '.join(either)} for a {section}, got {got}")
 
 
 def _all_dimensions() -> set[str]:

@@ -90,7 +90,9 @@ def open_study(path: str | Path) -> xarray.Dataset:
 def _folder(path: object) -> Path:
     if not isinstance(path, str | Path):
         raise TypeError(f"store must be a folder's name or Path, got {shown(path)}")
-    return Path(path)
+    if path == "" or "\0" in str(path):
+        raise ValueError(f"store must be a folder's name or Path, got {shown(path)}")
+    return Path(path).expanduser()
 
 
 def _compute(
