@@ -113,6 +113,26 @@ def test_order_of_completion_does_not_matter(tmp_path: Path, serial: tuple[Path,
     assert seen == list(range(study().chunks + 1))
 
 
+def test_what_is_finished_beside_a_failure_is_kept(tmp_path: Path) -> None:
+    class AllAtOnce(ThreadPoolExecutor):
+        """Returns futures that are done: all but the middle one, which failed."""
+
+        count = 0
+
+        def submit(self, function: Any, /, *given: Any, **named: Any) -> Future[Any]:
+            future: Future[Any] = Future()
+            if AllAtOnce.count == study().chunks // 2:
+                future.set_exception(MemoryError("one"))
+            else:
+                future.set_result(function(*given, **named))
+            AllAtOnce.count += 1
+            return future
+
+    with pytest.raises(MemoryError, match="one"):
+        study().run(store=tmp_path, engine=AllAtOnce())
+    assert _chunks(tmp_path) == study().chunks - 1
+
+
 def crash(case: bm.Case) -> float:
     if case.segments == 3:
         os.kill(os.getpid(), signal.SIGKILL)

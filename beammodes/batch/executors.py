@@ -118,5 +118,7 @@ def computed(
 
 
 def _finished(pending: dict[Future[Evaluated], int]) -> Iterator[tuple[int, Evaluated]]:
-    for future in wait(pending, return_when=FIRST_COMPLETED).done:
+    done = wait(pending, return_when=FIRST_COMPLETED).done
+    # Those that failed come last: what was finished beside them is not lost.
+    for future in sorted(done, key=lambda one: one.cancelled() or one.exception() is not None):
         yield pending.pop(future), future.result()
