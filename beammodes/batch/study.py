@@ -245,7 +245,7 @@ class Study:
         ----------
         store : str or Path, optional
             A folder: new, or that of this study, which then goes on where it was. "~" is the home folder.
-            Each chunk is a netCDF file, moved into place whole, its digest in its name; one that is damaged is
+            Each chunk is a netCDF file, moved into place whole, its digest in its name; a damaged one is
             computed again.
             Without a store the results are kept in memory alone.
         engine : "serial", "processes", a dask.distributed Client, or a concurrent.futures Executor
