@@ -251,6 +251,14 @@ def test_cases_without_an_answer_are_nan_and_say_why() -> None:
     )
 
 
+def test_a_section_that_cannot_exist_has_no_errors_either() -> None:
+    table = bm.Study.grid(
+        **TUBE, wall=[0.001, 0.006], boundary="clamped-free", segments=3, mode=1, compute="relative_error"
+    ).run()
+    assert np.isnan(table.relative_error).values.tolist() == [False, True]
+    assert "wall" in table.refused
+
+
 def test_rules_that_differ_in_late_digits_or_numbers_are_told_apart() -> None:
     @dataclass(frozen=True, eq=False)
     class Sampled:

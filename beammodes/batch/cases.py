@@ -166,7 +166,8 @@ class Cases:
         error = np.full(self.shape, np.nan)
         for (pair, rule, load), at in self._groups:
             error[at] = self._errors(at, pair, rule, load)
-        return error
+        # Errors of plain ends need no beam, but of one that cannot exist there are none.
+        return np.where(np.isnan(self.frequency_unit), np.nan, error)
 
     @cached_property
     def exact(self) -> Floats:
