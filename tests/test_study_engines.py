@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import os
 import signal
 import subprocess
@@ -83,6 +84,19 @@ def test_a_dask_cluster_gives_the_same_bits(tmp_path: Path, serial: tuple[Path, 
         assert 0 < bm.open_study(half).finished_cases < study().size
         same(half, study().run(store=half), serial)
         assert client.submit(sum, [1, 2]).result() == 3
+
+
+@pytest.mark.filterwarnings("default")  # of Dask, not ours
+def test_an_asynchronous_client_is_refused() -> None:
+    distributed = pytest.importorskip("distributed")
+
+    async def run() -> None:
+        options = {"n_workers": 1, "processes": False, "dashboard_address": ":0"}
+        async with distributed.Client(**options, asynchronous=True) as client:
+            with pytest.raises(ValueError, match="Client without asynchronous=True"):
+                study().run(engine=client)
+
+    asyncio.run(run())
 
 
 def _interrupt_at(count: int) -> Callable[[int, int], None]:

@@ -38,6 +38,9 @@ def executor_of(engine: Any, workers: int | None = None) -> Iterator[Executor | 
         raise ValueError(f'workers must be left out unless engine is "processes", got {shown(workers)}')
     client = getattr(sys.modules.get("distributed"), "Client", ())
     if isinstance(engine, client):
+        if engine.asynchronous:
+            # Waiting for it would stop the very loop that it runs in.
+            raise ValueError(f"engine must be a Client without asynchronous=True, got {shown(engine)}")
         # Dask's own face as an executor: its scheduler spreads, retries and moves what a lost worker had.
         yield engine.get_executor(pure=False)
     elif isinstance(engine, Executor):
