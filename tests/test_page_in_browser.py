@@ -139,6 +139,8 @@ def test_all_rules_are_listed_for_the_tolerance(page: Any) -> None:
         if needed <= atlas_data.SEGMENTS:
             springs = bm.Chain(bm.Beam.unit(), "clamped-free", needed, rule).joint_stiffness / needed
             assert stiffnesses(row.locator("td").nth(1).inner_text()) == pytest.approx(springs.tolist())
+        else:
+            assert row.locator("td").nth(1).inner_text() == f"not kept over N = {atlas_data.SEGMENTS}"
 
 
 def test_the_atlas_by_keyboard(page: Any) -> None:

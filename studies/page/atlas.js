@@ -102,7 +102,7 @@
     const rows = rules.map((rule) => {
       const found = lookUp(state, rule);
       const count = needed(found.record, state);
-      const text = count && count <= data.segments ? springs(found, count) : "–";
+      const text = count && count <= data.segments ? springs(found, count) : `not kept over N = ${data.segments}`;
       const made = row([rule, count ? String(count) : `over ${data.longest}`, text], rule === state.rule);
       made.children[0].className = made.children[2].className = "word";
       return made;
