@@ -97,8 +97,17 @@ BOTH = '<joint axis="0 1 0" stiffness="200"/><joint axis="0 0 1" stiffness="800"
 CART = '<joint type="slide" axis="0 0 2" stiffness="50"/>'
 FREE = nested(5, "<freejoint/>" + ROD, ROD + HINGE)
 
+BARE = nested(4, ROD + '<joint axis="0 1 0"/>', ROD + '<joint axis="0 1 0"/>')
+TWICE = """<default><joint stiffness="100"/><default class="c"/></default><default><joint stiffness="200"/>
+  </default>"""
+
 MODELS = {
     "cable": cable(),
+    "defaults in two places": world(BARE.replace("<joint", '<joint class="c"', 1), TWICE),
+    "a spring's angle away from 0": world(
+        nested(4, ROD + HINGE, ROD + HINGE.replace("/>", ' ref="20" springref="20" range="10 90"/>'))
+    ),
+    "a mass beside visible geometry": world(nested(4, OWN + ROD + HINGE, OWN + ROD + HINGE)),
     "hinge at the wall": world(nested(6, ROD + HINGE, ROD + HINGE)),
     "turned frames": world(flipped(7)),
     "solids": world(f'<body euler="30 20 10">{tapered(5)}</body>'),
@@ -291,9 +300,105 @@ def test_what_cannot_be_honoured_is_named(case: str, tmp_path: Path) -> None:
     assert str(caught.value).startswith(str(tmp_path / "model.xml"))
 
 
+J3 = '<tendon><fixed name="t"{}><joint joint="j3" coef="1"/></fixed></tendon>'
+SITES = '<tendon><spatial name="t"{}><site site="s"/><site site="ground"/></spatial></tendon>'
+BIASED = '<default><general biastype="affine" biasprm="0 -300 0"/></default>'
+
+#: What changes a chain from outside its bodies: how its third joint ends, the rest of the file, the message.
+ACTED_ON = {
+    "spring by time constant": ('springdamper="0.1 1"', "", "not left to springdamper"),
+    "dry friction": ('frictionloss="1"', "", "dry friction holds"),
+    "a stop at rest": ('range="0 90"', "", "within its range"),
+    "a rest beyond its stops": ('range="10 90" limited="true"', "", "within its range"),
+    "balanced inertia": ("", '<compiler balanceinertia="true"/>', "balanceinertia"),
+    "springs off": ("", '<option><flag spring="disable"/></option>', "switches springs off"),
+    "spatial tendon": ("", SITES.format(' stiffness="9"'), "<spatial name='t'> must not act on the chain"),
+    "spatial tendon held": (
+        "",
+        SITES.format("") + '<equality><tendon tendon1="t"/></equality>',
+        "<spatial name='t'> must not act",
+    ),
+    "default of tendons": (
+        "",
+        '<default><tendon stiffness="9"/></default>' + J3.format(""),
+        "deflection or the rotation",
+    ),
+    "heavy tendon": ("", J3.format(' armature="0.01"'), "no armature and no frictionloss"),
+    "tendons as one": (
+        "",
+        J3.format("") + '<equality><tendon tendon1="t" tendon2="u"/></equality>',
+        "hold one",
+    ),
+    "tendon held elsewhere": (
+        "",
+        J3.format("") + '<equality><tendon tendon1="t" polycoef="1 1 0 0 0"/></equality>',
+        "at its length at rest",
+    ),
+    "servo of a class": (
+        "",
+        BIASED + '<actuator><general joint="j3"/></actuator>',
+        "must not act on a hinge",
+    ),
+    "servo of a shortcut": (
+        "",
+        '<default><position kp="3"/></default><actuator><general joint="j3"/></actuator>',
+        "must not act on a hinge",
+    ),
+    "servo on a tendon": (
+        "",
+        J3.format("") + '<actuator><position tendon="t" kp="3"/></actuator>',
+        "must not act on a hinge",
+    ),
+    "servo in the parent": (
+        "",
+        '<actuator><position jointinparent="j3" kp="3"/></actuator>',
+        "must not act on a hinge",
+    ),
+    "servo at a site": (
+        "",
+        '<actuator><position site="s" refsite="ground" kp="3"/></actuator>',
+        "must not act on a body",
+    ),
+    "held at a site": (
+        "",
+        '<equality><connect site1="s" site2="ground"/></equality>',
+        "<connect> holds the chain: say by boundary",
+    ),
+}
+
+
+@pytest.mark.parametrize("case", ACTED_ON)
+def test_what_acts_on_a_chain_from_outside_is_named(case: str, tmp_path: Path) -> None:
+    joint, extra, message = ACTED_ON[case]
+    text = nested(5, ROD + HINGE, ROD + HINGE)
+    own = ROD + '<site name="s"/>' + HINGE.replace("/>", f' name="j3" {joint}/>')
+    third = f'<body name="b3" pos="0.1 0 0">{ROD}{HINGE}'
+    assert third in text
+    plain = world('<site name="ground"/>' + text.replace(third, f'<body name="b3" pos="0.1 0 0">{own}'))
+    with pytest.raises(ValueError, match=message):
+        audit_file(write(tmp_path, plain.replace("</mujoco>", extra + "</mujoco>")), BEAM)
+    # It is that element and nothing else that is refused.
+    assert audit_file(write(tmp_path, plain.replace(joint or "-", "")), BEAM).boundary.name == "clamped-free"
+
+
+def test_geometry_without_mass_by_the_compilers_word_has_none(tmp_path: Path) -> None:
+    text = world(nested(3, ROD + HINGE, ROD + HINGE), '<compiler inertiafromgeom="false"/>')
+    with pytest.raises(ValueError, match="must have a mass greater than 0"):
+        audit_file(write(tmp_path, text), BEAM)
+
+
+def test_the_fluid_around_is_noted(tmp_path: Path) -> None:
+    text = world(nested(3, ROD + HINGE, ROD + HINGE), '<option density="1000"/>')
+    found = audit_file(write(tmp_path, text), BEAM)
+    # Two <option> are one: the first says that there is no gravity.
+    assert any("fluid around is left out" in note for note in found.notes)
+    assert not any("gravity" in note for note in found.notes)
+
+
 @pytest.mark.parametrize(
     ("text", "message"),
     [
+        (world(f"<frame>{nested(3, ROD + HINGE, ROD + HINGE)}</frame>"), "line 1: <frame> is left out"),
         ('<mujoco><include file="model.xml"/><worldbody/></mujoco>', r"line 1: <include> must be left out"),
         ("<mujoco><worldbody/></mujoco>", "must have a hinge with a spring, got 0 bodies"),
         ("<mujoco/>", "must have a hinge with a spring"),

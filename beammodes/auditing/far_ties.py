@@ -54,7 +54,7 @@ def far_end(
     found = FarEnd()
     for tie in ties:
         coefficients = dict(tie.terms)
-        if not tie.stiffness or not coefficients.keys() & (hinges.keys() | slides.keys()):
+        if not (tie.stiffness or tie.refusal) or not coefficients.keys() & (hinges.keys() | slides.keys()):
             continue
         if tie.refusal:
             raise BadModel(tie.refusal)

@@ -35,6 +35,8 @@ def matter_of(settings: Settings, element: XmlElement, class_name: str) -> tuple
     given = element.first("inertial")
     if given is not None and settings.inertia_from_geometry != "true":
         return _given(settings, given), extent, ""
+    if settings.inertia_from_geometry == "false":
+        return joined([]), extent, ""
     return joined(parts), extent, why
 
 

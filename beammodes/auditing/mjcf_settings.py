@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -31,6 +32,10 @@ class Settings:
         First and last group of geometry whose mass counts.
     classes : dict
         For every class, the default attributes of each tag.
+    automatic_limits : bool
+        Whether a range alone makes a joint limited.
+    left_out : tuple of str
+        What is said of the surroundings that the audit leaves out.
     """
 
     angle: float
@@ -38,15 +43,21 @@ class Settings:
     inertia_from_geometry: str
     groups: tuple[float, float]
     classes: dict[str, dict[str, Attributes]]
+    automatic_limits: bool = True
+    left_out: tuple[str, ...] = ()
 
     def with_defaults(self, element: XmlElement, tag: str, class_name: str) -> XmlElement:
         """Return an element with the attributes that it takes from its class."""
         name = element.attributes.get("class", class_name)
         if name not in self.classes:
             element.refuse(f"must have a class that <default> defines, got {name[:40]!r}")
-        return XmlElement(
-            element.tag, self.classes[name].get(tag, {}) | element.attributes, element.line, element.text
-        )
+        attributes = self.classes[name].get(tag, {}) | element.attributes
+        return XmlElement(element.tag, attributes, element.line, element.text, element.children)
+
+    def limited(self, joint: XmlElement) -> bool:
+        """Whether a joint has stops."""
+        given = joint.attributes.get("limited", "auto")
+        return given == "true" or (given == "auto" and self.automatic_limits and "range" in joint.attributes)
 
     def counts(self, geom: XmlElement) -> bool:
         """Whether a geom's mass is part of its body's."""
@@ -106,6 +117,8 @@ def settings_of(root: XmlElement) -> Settings:
             said.refuse(f"must have no {name}, which changes masses")
     if said.numbers("settotalmass", 1, "-1")[0] > 0:
         said.refuse("must have no settotalmass, which changes masses")
+    if found.get("balanceinertia") == "true":
+        said.refuse("must have no balanceinertia, which changes inertias")
     if found.get("coordinate", "local") != "local":
         said.refuse("must have local coordinates, as MuJoCo 3 wants")
     sequence = found.get("eulerseq", "xyz")
@@ -118,25 +131,42 @@ def settings_of(root: XmlElement) -> Settings:
         found.get("inertiafromgeom", "auto"),
         (low, high),
         _classes(root),
+        found.get("autolimits", "true") == "true",
+        tuple(_left_out(root)),
     )
+
+
+def _left_out(root: XmlElement) -> Iterator[str]:
+    """Yield what is left out of the surroundings; raises BadModel where springs are switched off."""
+    said, flags = XmlElement("option", {}, 0), XmlElement("flag", {}, 0)
+    for option in root.all("option"):
+        said = XmlElement("option", said.attributes | option.attributes, option.line)
+        for flag in option.all("flag"):
+            flags = XmlElement("flag", flags.attributes | flag.attributes, flag.line)
+    for name in ("spring", "passive"):
+        if flags.attributes.get(name) == "disable":
+            flags.refuse(f'must not have {name}="disable", which switches springs off')
+    falls = flags.attributes.get("gravity") != "disable" and any(said.numbers("gravity", 3, "0 0 -9.81"))
+    if root.tag == "mujoco" and falls:
+        yield "gravity is left out here: with it the chain sags and rings at other frequencies"
+    if said.numbers("density", 1, "0")[0] or said.numbers("viscosity", 1, "0")[0]:
+        yield "the fluid around is left out here: its drag and added mass lower frequencies"
 
 
 def _classes(root: XmlElement) -> dict[str, dict[str, Attributes]]:
     """Return the defaults of every class, each with what it takes from the one around it."""
     found: dict[str, dict[str, Attributes]] = {"main": {}}
-    waiting: list[tuple[XmlElement, dict[str, Attributes], str]] = [
-        (element, {}, "main") for element in root.all("default")
-    ]
-    while waiting:
-        element, outer, fallback = waiting.pop()
-        own = {tag: dict(values) for tag, values in outer.items()}
-        for child in element.children:
-            if child.tag != "default":
-                own[child.tag] = own.get(child.tag, {}) | child.attributes
-        name = element.attributes.get("class", fallback)
-        found[name] = found.get(name, {}) | own
-        for child in element.all("default"):
-            if "class" not in child.attributes:
-                child.refuse("must have a class")
-            waiting.append((child, own, ""))
+    for top in root.all("default"):
+        waiting = [(top, found["main"], top.attributes.get("class", "main"))]
+        while waiting:
+            element, outer, name = waiting.pop()
+            own = {tag: dict(values) for tag, values in outer.items()}
+            for child in element.children:
+                if child.tag != "default":
+                    own[child.tag] = own.get(child.tag, {}) | child.attributes
+            found[name] = own
+            for child in element.all("default"):
+                if "class" not in child.attributes:
+                    child.refuse("must have a class")
+                waiting.append((child, own, child.attributes["class"]))
     return found

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 
 import numpy as np
 
-from beammodes.auditing.body_tree import Model, ModelBody, ModelJoint, ModelTie
+from beammodes.auditing.body_tree import Model, ModelBody, ModelJoint
 from beammodes.auditing.bounded_xml import XmlElement
+from beammodes.auditing.mjcf_forces import acted_sites, held_ends, linear_stiffness, servos, ties
 from beammodes.auditing.mjcf_matter import matter_of
 from beammodes.auditing.mjcf_settings import Settings, settings_of
 from beammodes.auditing.spatial import Pose
@@ -18,17 +18,18 @@ __all__ = ["read_mjcf"]
 
 #: What only MuJoCo can expand or would change a body's motion by.
 _UNREAD = ("composite", "flexcomp", "replicate", "attach", "frame", "plugin", "include")
-_PLAIN_ACTUATORS = ("motor", "damper", "plugin", "adhesion")
 
 
 @dataclass
 class _Reader:
-    """Bodies found so far, and what the whole model says."""
+    """Bodies found so far with the homes of their sites; why joints and sites are acted on."""
 
     settings: Settings
     bodies: list[ModelBody] = field(default_factory=list)
     notes: list[str] = field(default_factory=list)
     servos: dict[str, str] = field(default_factory=dict)
+    acted: dict[str, str] = field(default_factory=dict)
+    homes: dict[str, str] = field(default_factory=dict)
 
 
 def read_mjcf(root: XmlElement) -> Model:
@@ -37,7 +38,8 @@ def read_mjcf(root: XmlElement) -> Model:
     Honoured are the compiler's angle, eulerseq, autolimits, inertiafromgeom and inertiagrouprange, default
     classes, explicit inertials, solids with mass or density, poses, hinges, slides and free joints, fixed
     tendons with stiffness, and equality constraints on these. What cannot be honoured is refused where a
-    chain needs it: composites, plugins, meshes, ball joints, armatures, servos.
+    chain needs it: composites, plugins, meshes, ball joints, armatures, dry friction, stops at rest, servos,
+    spatial tendons with springs.
 
     Raises
     ------
@@ -53,13 +55,13 @@ def read_mjcf(root: XmlElement) -> Model:
         worlds = [root]
     else:
         worlds = list(root.all("worldbody"))
-    reader.servos = dict(_servos(root))
+    reader.servos = dict(servos(root, reader.settings))
+    reader.acted = dict(acted_sites(root, reader.settings))
     for world in worlds:
         _read_children(reader, world, -1, Pose.identity(), "main")
-    if _has_gravity(root):
-        reader.notes.append("gravity is left out here: with it the chain sags and rings at other frequencies")
-    ties = tuple(_ties(root))
-    return Model(tuple(reader.bodies), ties, tuple(_held(root)), tuple(reader.notes))
+    reader.notes += reader.settings.left_out
+    held = tuple(held_ends(root, reader.homes))
+    return Model(tuple(reader.bodies), tuple(ties(root, reader.settings)), held, tuple(reader.notes))
 
 
 def _read_children(reader: _Reader, top: XmlElement, above: int, pose: Pose, inherited: str) -> None:
@@ -81,6 +83,9 @@ def _body(reader: _Reader, element: XmlElement, parent: int, pose: Pose, class_n
     name = element.attributes.get("name", f"body on line {element.line}")
     odd = next(element.all(*_UNREAD), None)
     refusal = f"{odd.where} must be left out: only MuJoCo can expand it" if odd else ""
+    sites = [site.attributes.get("name", "") for site in element.all("site")]
+    reader.homes |= dict.fromkeys(sites, name)
+    refusal = refusal or next((reader.acted[site] for site in sites if site in reader.acted), "")
     inertial, extent, why = matter_of(reader.settings, element, class_name)
     return ModelBody(
         name,
@@ -105,75 +110,28 @@ def _joints(
         if not size:
             child.refuse("must have an axis that is not zero")
         position = pose.point(np.array(own.numbers("pos", 3, "0 0 0")))
-        stiffness = _stiffness(own) if kind in ("hinge", "slide") else 0.0
-        refusal = _why_not(own, kind, stiffness) or reader.servos.get(name, "")
+        stiffness = linear_stiffness(own) if kind in ("hinge", "slide") else 0.0
+        refusal = _why_not(reader.settings, own, kind, stiffness) or reader.servos.get(name, "")
         yield ModelJoint(name, kind, pose.rotation @ (axis / size), position, stiffness, refusal)
 
 
-def _stiffness(joint: XmlElement) -> float:
-    # MuJoCo 4 takes coefficients of a polynomial.
-    value, *more = joint.numbers("stiffness", (1, 2, 3), "0")
-    if any(more):
-        joint.refuse("must have a linear spring, got a stiffness with more than one number")
-    if value < 0:
-        joint.refuse(f"must have a stiffness of at least 0, got {value:g}")
-    return value
-
-
-def _why_not(joint: XmlElement, kind: str, stiffness: float) -> str:
+def _why_not(settings: Settings, joint: XmlElement, kind: str, stiffness: float) -> str:
     if kind not in ("hinge", "slide", "free"):
         return f"{joint.where} must be a hinge, got type {kind!r}: {_BALL}"
     if joint.numbers("armature", 1, "0")[0]:
         return f"{joint.where} must have no armature, which is inertia that no beam has"
-    reference = joint.numbers("ref", 1, "0")
-    if stiffness and joint.numbers("springref", 1, "0") != reference:
+    if joint.numbers("frictionloss", 1, "0")[0]:
+        return f"{joint.where} must have no frictionloss: dry friction holds a hinge still"
+    if min(joint.numbers("springdamper", 2, "0 0")) > 0:
+        return f"{joint.where} must have its stiffness said, not left to springdamper"
+    (reference,) = joint.numbers("ref", 1, "0")
+    if kind != "free" and settings.limited(joint):
+        low, high = joint.numbers("range", 2, "0 0")
+        if not low < reference < high:
+            return f"{joint.where} must be at rest within its range, not at a stop or beyond"
+    if stiffness and joint.numbers("springref", 1, "0") != [reference]:
         return f"{joint.where} must have springref equal to ref: the chain must be straight at rest"
     return ""
 
 
 _BALL = "two hinges bend about both axes, without twist"
-
-
-def _servos(root: XmlElement) -> Iterator[tuple[str, str]]:
-    for actuators in root.all("actuator"):
-        for element in actuators.children:
-            joint = element.attributes.get("joint")
-            general = element.tag == "general" and element.attributes.get("biastype", "none") == "none"
-            if joint and not general and element.tag not in _PLAIN_ACTUATORS:
-                yield joint, f"{element.where} must not act on a hinge of the chain, like a spring"
-
-
-def _ties(root: XmlElement) -> Iterator[ModelTie]:
-    holding = {
-        constraint.attributes.get("tendon1", "")
-        for constraints in root.all("equality")
-        for constraint in constraints.all("tendon")
-        if "tendon2" not in constraint.attributes and constraint.attributes.get("active") != "false"
-    }
-    for tendons in root.all("tendon"):
-        for i, tendon in enumerate(tendons.all("fixed")):
-            name = tendon.attributes.get("name", f"tendon {i + 1}")
-            terms = tuple(
-                (part.attributes.get("joint", ""), part.numbers("coef", 1)[0]) for part in tendon.all("joint")
-            )
-            stiffness = math.inf if name in holding else _stiffness(tendon)
-            rest = tendon.numbers("springlength", (1, 2), "-1")
-            refusal = ""
-            if 0 < stiffness < math.inf and any(rest) and rest != [-1.0]:
-                refusal = f"{tendon.where} must be slack at rest: springlength 0"
-            yield ModelTie(name, terms, stiffness, refusal)
-
-
-def _held(root: XmlElement) -> Iterator[tuple[str, str]]:
-    """Yield the bodies and joints that other constraints act on, and what to say of these."""
-    for constraints in root.all("equality"):
-        for element in constraints.all("connect", "weld", "joint"):
-            if element.attributes.get("active") != "false":
-                for end in ("body1", "body2", "joint1", "joint2"):
-                    if end in element.attributes:
-                        yield element.attributes[end], element.where
-
-
-def _has_gravity(root: XmlElement) -> bool:
-    values = [option.numbers("gravity", 3, "0 0 -9.81") for option in root.all("option")]
-    return any(values[-1]) if values else root.tag == "mujoco"

@@ -70,6 +70,7 @@ def hinge_paths(model: Model) -> list[HingePath]:
     if not found:
         odd = [joint.refusal for body in model.bodies for joint in body.joints if joint.refusal]
         odd += [body.refusal for body in model.bodies if body.refusal]
+        odd += [note for note in model.notes if note.startswith("line ")]
         why = f"; {odd[0]}" if odd else ""
         raise BadModel(f"must have a hinge with a spring, got {len(model.bodies)} bodies without{why}")
     return sorted(found, key=lambda path: -len(path.groups))
