@@ -94,7 +94,7 @@ FILES: dict[str, tuple[str | bytes | Callable[[], str | bytes], str, str]] = {
         ".xml",
     ),
     "a huge text": (
-        lambda: f"<sdf><model><link><pose>{'1 ' * 10**6}</pose></link></model></sdf>",
+        lambda: f"<sdf><model><link name='l'><pose>{'1 ' * 10**6}</pose></link></model></sdf>",
         "6 numbers",
         ".sdf",
     ),

@@ -53,6 +53,15 @@ def flipped(count: int = 5) -> str:
     return text
 
 
+def gazebo(stiffness: float, more: str = "") -> str:
+    own = f"<springStiffness>{stiffness}</springStiffness>{more}"
+    return "".join(f'<gazebo reference="j{i}">{own}</gazebo>' for i in range(1, 5))
+
+
+DRIVE = """<transmission><joint name="j2"/>
+  <actuator name="a"><drake:rotor_inertia value="0.1"/></actuator></transmission>"""
+
+
 def test_a_hand_written_arm_has_the_frequencies_that_pinocchio_finds(tmp_path: Path) -> None:
     pinocchio = pytest.importorskip("pinocchio")
     names = [f"j{i}" for i in range(1, 5)]
@@ -69,12 +78,9 @@ def test_a_hand_written_arm_has_the_frequencies_that_pinocchio_finds(tmp_path: P
 
 
 def test_gazebos_own_springs_are_read_too(tmp_path: Path) -> None:
-    extra = "".join(
-        f'<gazebo reference="j{i}"><springStiffness>200</springStiffness></gazebo>' for i in range(1, 5)
-    )
     with_yaml = audit_file(write(tmp_path, flipped(), springs([f"j{i}" for i in range(1, 5)])), BEAM)
     (tmp_path / "arm.springs.yaml").unlink()
-    found = audit_file(write(tmp_path, flipped() + extra, None), BEAM)
+    found = audit_file(write(tmp_path, flipped() + gazebo(200.0), None), BEAM)
     np.testing.assert_array_equal(found.errors, with_yaml.errors)
 
 
@@ -90,6 +96,18 @@ def test_gazebos_own_springs_are_read_too(tmp_path: Path) -> None:
         (flipped().replace(f'<mass value="{MASS}"/>', '<mass value="-1"/>'), "mass of at least 0"),
         (flipped().replace("<inertia ", "<inertias "), "must have <mass> and <inertia>"),
         (flipped().replace('axis xyz="0 1 0"', 'axis xyz="0 0 0"'), "axis that is not zero"),
+        (flipped().replace('lower="-1"', 'lower="0"'), "at rest within its limits"),
+        (flipped().replace("<axis", '<dynamics damping="1" friction="2"/><axis'), "dry friction holds"),
+        (flipped() + link("l4"), "name of its own, got 'l4' for a second time"),
+        (flipped() + link("l9") + joint("j4", "l4", "l9"), "name of its own, got 'j4' for a second time"),
+        (flipped() + '<xacro:macro name="m"/>', "expanded by xacro"),
+        (flipped() + gazebo(100.0), "same in both places, got 100 in <gazebo> and 200"),
+        (flipped() + gazebo(200.0, "<springReference>0.3</springReference>"), "straight at rest"),
+        (flipped() + "<drake:linear_bushing_rpy/>", "only joints of a tree are read"),
+        (
+            flipped() + DRIVE,
+            "j2'> must have no <drake:rotor_inertia>",
+        ),
         (flipped().replace('<origin xyz="0.1 0 0"', '<origin xyz="0.1 0 0.01"', 2), "on one straight line"),
     ],
 )
@@ -156,6 +174,21 @@ def test_sdformat_without_a_joint_to_the_world_is_free(tmp_path: Path) -> None:
         ('type="revolute"', 'type="universal"', "revolute with an axis, got type 'universal'"),
         ("<spring_stiffness>200", "<spring_stiffness>-200", "stiffness of at least 0, got -200"),
         ("<mass>0.05", "<mass>heavy", "finite number, got 'heavy'"),
+        ("1.9", "1.4", "must be of version 1.5 or newer"),
+        (
+            "<xyz>",
+            "<use_parent_model_frame>1</use_parent_model_frame><xyz>",
+            "must not use_parent_model_frame",
+        ),
+        ("<inertial>", '<inertial auto="true">', "auto is not worked out here"),
+        ("</inertial>", "<fluid_added_mass/></inertial>", "in no fluid"),
+        ("<dynamics>", "<dynamics><friction>1</friction>", "dry friction holds"),
+        ("<dynamics>", "<limit><lower>0</lower></limit><dynamics>", "at rest within its limits"),
+        ("<dynamics>", '<mimic joint="j0"/><dynamics>', "must not mimic"),
+        ("</axis>", "</axis><drake:rotor_inertia>0.1</drake:rotor_inertia>", "no <drake:rotor_inertia>"),
+        ("</model>", "<drake:ball_constraint/></model>", "only joints of a tree"),
+        ("</model>", '<link name="l1"/></model>', "name of its own, got 'l1'"),
+        ("</world>", '<joint name="k" type="fixed"/></world>', "only joints inside one model"),
     ],
 )
 def test_what_sdformat_cannot_have_here_is_named(old: str, new: str, message: str, tmp_path: Path) -> None:
@@ -164,6 +197,18 @@ def test_what_sdformat_cannot_have_here_is_named(old: str, new: str, message: st
     path.write_text(sdf(5).replace(old, new))
     with pytest.raises(ValueError, match=message):
         audit_file(path, BEAM)
+
+
+def test_sdformat_as_gazebo_prints_it_beside_a_floor(tmp_path: Path) -> None:
+    path = tmp_path / "beam.sdf"
+    path.write_text(sdf(5))
+    plain = audit_file(path, BEAM)
+    floor = '<model name="floor"><static>1</static><link name="f"/></model><model'
+    limits = "<limit><lower>-inf</lower><upper>inf</upper></limit><dynamics>"
+    path.write_text(sdf(5).replace("<model", floor, 1).replace("<dynamics>", limits))
+    found = audit_file(path, BEAM)
+    np.testing.assert_array_equal(found.errors, plain.errors)
+    assert "other models are left out here: 'floor'" in found.notes
 
 
 @pytest.mark.parametrize("case", ["clamped-free", "clamped-clamped", "free-free"])

@@ -211,6 +211,27 @@ def test_sections_of_sectionproperties() -> None:
     assert numbers(from_sectionproperties(stand_in(2, (3, 4, 0)))) == (2.0, 3.0, 4.0)
 
 
+def test_the_package_itself_agrees_with_the_formulas() -> None:
+    library = pytest.importorskip("sectionproperties.pre.library")
+    analysis = pytest.importorskip("sectionproperties.analysis")
+    shapes = {
+        # Straight sides are meshed without error; millimetres.
+        Rectangle(width=0.015, height=0.005): library.rectangular_section(d=5, b=15),
+        Box(60e-3, 100e-3, 4e-3): library.rectangular_hollow_section(d=100, b=60, t=4, r_out=0, n_r=1),
+        ISection(width=0.1, height=0.2, flange=0.01, web=0.006): library.i_section(
+            d=200, b=100, t_f=10, t_w=6, r=0, n_r=1
+        ),
+    }
+    for formula, geometry in shapes.items():
+        geometry.create_mesh(mesh_sizes=[50])
+        section = analysis.Section(geometry)
+        with pytest.raises(ValueError, match="analysed by calculate_geometric_properties"):
+            from_sectionproperties(section, length_unit=1e-3)
+        section.calculate_geometric_properties()
+        found = from_sectionproperties(section, length_unit=1e-3)
+        assert numbers(found) == pytest.approx(numbers(formula), rel=1e-9)
+
+
 def failing(error: Exception) -> Any:
     def get_ic() -> None:
         raise error

@@ -1,4 +1,4 @@
-"""What acts on the joints of an MJCF model beside their own springs: servos, tendons, equality constraints."""
+"""What acts on the joints of an MJCF model beside their own springs: servos, tendons, constraints."""
 
 from __future__ import annotations
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 
 import numpy as np
@@ -9,6 +10,7 @@ import numpy as np
 from beammodes.auditing.body_tree import Model, ModelBody, ModelJoint
 from beammodes.auditing.bounded_xml import XmlElement
 from beammodes.auditing.read_urdf import inertial_of, shape_ends, tree_order
+from beammodes.auditing.robot_extras import by_name, check_added, why_driven, why_not_free
 from beammodes.auditing.spatial import Inertial, Pose, from_rpy
 from beammodes.checks import shown
 
@@ -18,7 +20,7 @@ _KINDS = {"revolute": "hinge", "continuous": "hinge", "prismatic": "slide"}
 
 
 def read_sdf(root: XmlElement) -> Model:
-    """Return the links and joints of the first model of an SDFormat file.
+    """Return the links and joints of an SDFormat file's first model that has joints.
 
     Raises
     ------
@@ -26,13 +28,10 @@ def read_sdf(root: XmlElement) -> Model:
         If it has no model, frames of its own, or links and joints that are no tree.
     """
     world = root.first("world")
-    model = (root if world is None else world).first("model")
-    if model is None:
-        root.refuse("must have a <model>")
-    for odd in model.all("include", "model", "frame"):
-        odd.refuse("must be left out: only links and joints of one model are read")
-    links = {link.attributes.get("name", ""): link for link in model.all("link")}
-    ends = [(_text(joint, "parent"), _text(joint, "child"), joint) for joint in model.all("joint")]
+    model, notes = _chosen_model(root, world)
+    check_added(model)
+    links, joints = by_name(model.all("link")), by_name(model.all("joint"))
+    ends = [(_text(joint, "parent"), _text(joint, "child"), joint) for joint in joints.values()]
     poses = {name: _pose(link) for name, link in links.items()}
     static = _text(model, "static") in ("true", "1")
     bodies: list[ModelBody] = []
@@ -49,7 +48,24 @@ def read_sdf(root: XmlElement) -> Model:
         bodies.append(ModelBody(name, parent, place.position, inertial.seen_from(place), reach, own))
     note = "gravity is left out here: with it the chain sags and rings at other frequencies"
     flat = world is None or not any(_numbers(world, "gravity", 3, "0 0 -9.81"))
-    return Model(tuple(bodies), notes=() if flat else (note,))
+    return Model(tuple(bodies), notes=tuple(notes if flat else [*notes, note]))
+
+
+def _chosen_model(root: XmlElement, world: XmlElement | None) -> tuple[XmlElement, list[str]]:
+    """Return the model to read, and a note on what stands beside it."""
+    version = root.attributes.get("version", "").split(".")
+    if version[0] == "1" and version[1:] and version[1] in "01234":
+        root.refuse("must be of version 1.5 or newer, where axes are those of their joint's frame")
+    models = list((root if world is None else world).all("model"))
+    if not models:
+        root.refuse("must have a <model>")
+    model = next((each for each in models if each.first("joint")), models[0])
+    for odd in model.all("include", "model", "frame"):
+        odd.refuse("must be left out: only links and joints of one model are read")
+    for odd in () if world is None else world.all("joint"):
+        odd.refuse("must be left out: only joints inside one model are read")
+    others = [shown(each.attributes.get("name", "")) for each in models if each is not model]
+    return model, [f"other models are left out here: {', '.join(others[:5])}"] if others else []
 
 
 def _text(element: XmlElement, tag: str) -> str:
@@ -88,6 +104,8 @@ def _joint(joint: XmlElement, link: Pose) -> Iterator[ModelJoint]:
         yield ModelJoint(name, kind, np.zeros(3), place.position, refusal=why)
         return
     along = axis.first("xyz")
+    if _text(axis, "use_parent_model_frame") in ("true", "1"):
+        axis.refuse("must not use_parent_model_frame: the axis is one of the joint's frame here")
     if along is not None and along.attributes.get("expressed_in"):
         along.refuse("must have no expressed_in: the axis is one of the joint's frame here")
     direction = np.array(_numbers(axis, "xyz", 3, "0 0 1"))
@@ -100,9 +118,27 @@ def _joint(joint: XmlElement, link: Pose) -> Iterator[ModelJoint]:
         joint.refuse(f"must have a stiffness of at least 0, got {stiffness:g}")
     bent = stiffness and any(_numbers(dynamics, "spring_reference", 1, "0"))
     refusal = f"{joint.where} must have spring_reference 0: straight at rest" if bent else ""
+    refusal = refusal or why_driven(joint, joint) or _why_not_at_rest(joint, axis, dynamics)
     yield ModelJoint(
         name, _KINDS[kind], place.rotation @ (direction / size), place.position, stiffness, refusal
     )
+
+
+def _why_not_at_rest(joint: XmlElement, axis: XmlElement, dynamics: XmlElement) -> str:
+    if axis.first("mimic") is not None:
+        return f"{joint.where} must not mimic another joint"
+    limit = axis.first("limit")
+    limits = None
+    if limit is not None:
+        limits = (_limit(limit, "lower", -math.inf), _limit(limit, "upper", math.inf))
+    return why_not_free(joint, limits, _numbers(dynamics, "friction", 1, "0")[0])
+
+
+def _limit(limit: XmlElement, tag: str, unlimited: float) -> float:
+    # The one place where SDFormat writes an infinite number.
+    if _text(limit, tag).lower().lstrip("+-") in ("", "inf", "infinity"):
+        return unlimited
+    return _numbers(limit, tag, 1, "0")[0]
 
 
 def _matter(link: XmlElement) -> tuple[Inertial, list[np.ndarray]]:
@@ -116,6 +152,10 @@ def _matter(link: XmlElement) -> tuple[Inertial, list[np.ndarray]]:
                 values = [_numbers(solid, key, 1, "0")[0] for key in ("radius", "length")]
             extent += [place.point(point) for point in shape_ends(solid.tag, values)]
     given = link.first("inertial")
+    if given is not None and given.attributes.get("auto") in ("true", "1"):
+        given.refuse("must say mass and inertia: auto is not worked out here")
+    for added in () if given is None else given.all("fluid_added_mass"):
+        added.refuse("must be left out: the audit's beam is in no fluid")
     # SDFormat's own default is a unit of mass and inertia.
     unit = XmlElement("inertial", {}, link.line) if given is None else given
     (mass,) = _numbers(unit, "mass", 1, "1")

@@ -9,6 +9,7 @@ import numpy as np
 
 from beammodes.auditing.body_tree import Model, ModelBody, ModelJoint
 from beammodes.auditing.bounded_xml import BadModel, XmlElement
+from beammodes.auditing.robot_extras import by_name, check_added, why_driven, why_not_free
 from beammodes.auditing.spatial import Inertial, Pose, ends_of, from_rpy
 from beammodes.checks import shown
 
@@ -34,13 +35,14 @@ def read_urdf(root: XmlElement, springs: Mapping[str, float]) -> Model:
     BadModel
         If links and joints are no tree, or an element is not as URDF wants it.
     """
-    springs = {**_gazebo_springs(root), **springs}
-    links = {_name(link): link for link in root.all("link")}
-    joints = list(root.all("joint"))
-    unknown = springs.keys() - {_name(joint) for joint in joints}
+    check_added(root)
+    links, joints = by_name(root.all("link")), by_name(root.all("joint"))
+    springs = _both_springs(_gazebo_springs(root), springs)
+    unknown = springs.keys() - joints.keys()
     if unknown:
         raise BadModel(f"springs must name joints of the URDF file, got {shown(sorted(unknown)[0])}")
-    ends = [(_end(joint, "parent"), _end(joint, "child"), joint) for joint in joints]
+    driven = _driven(root, joints)
+    ends = [(_end(joint, "parent"), _end(joint, "child"), joint) for joint in joints.values()]
     poses, index = {"world": Pose.identity()}, {}
     bodies: list[ModelBody] = []
     for name, above, joint in tree_order(root, links, ends):
@@ -48,7 +50,7 @@ def read_urdf(root: XmlElement, springs: Mapping[str, float]) -> Model:
         own: tuple[ModelJoint, ...] = ()
         if joint is not None:
             place = poses[above] @ _pose(joint)
-            own = tuple(_joint(joint, place, springs))
+            own = tuple(_joint(joint, place, springs, driven))
         poses[name] = place
         inertial, extent = _matter(links[name])
         index[name] = len(bodies)
@@ -111,11 +113,6 @@ def shape_ends(kind: str, values: list[float]) -> list[np.ndarray]:
     return ends_of(kind, [value / 2 for value in values] if kind == "box" else values)
 
 
-def _name(element: XmlElement) -> str:
-    name = element.attributes.get("name")
-    return name if name else element.refuse("must have a name")
-
-
 def _end(joint: XmlElement, which: str) -> str:
     end = joint.first(which)
     return "" if end is None else end.attributes.get("link", "")
@@ -129,7 +126,9 @@ def _pose(element: XmlElement) -> Pose:
     return Pose(turned, np.array(origin.numbers("xyz", 3, "0 0 0")))
 
 
-def _joint(joint: XmlElement, place: Pose, springs: Mapping[str, float]) -> Iterator[ModelJoint]:
+def _joint(
+    joint: XmlElement, place: Pose, springs: Mapping[str, float], driven: Mapping[str, str]
+) -> Iterator[ModelJoint]:
     kind = joint.attributes.get("type", "")
     if kind == "fixed":
         return
@@ -141,7 +140,8 @@ def _joint(joint: XmlElement, place: Pose, springs: Mapping[str, float]) -> Iter
     refusal = "" if kind in _KINDS else f"{joint.where} must be revolute, got type {shown(kind)}"
     if joint.first("mimic") is not None:
         refusal = f"{joint.where} must not mimic another joint"
-    name = _name(joint)
+    name = joint.attributes["name"]
+    refusal = refusal or driven.get(name, "") or _why_not_at_rest(joint, kind)
     stiffness = springs.get(name, 0.0)
     if stiffness < 0:
         joint.refuse(f"must have a stiffness of at least 0, got {stiffness:g}")
@@ -170,10 +170,42 @@ def _matter(link: XmlElement) -> tuple[Inertial, list[np.ndarray]]:
     return inertial_of(link, _pose(given), values_of | {"mass": mass.numbers("value", 1)[0]}), extent
 
 
+def _why_not_at_rest(joint: XmlElement, kind: str) -> str:
+    limit, dynamics = joint.first("limit"), joint.first("dynamics")
+    (friction,) = [0.0] if dynamics is None else dynamics.numbers("friction", 1, "0")
+    limits = None
+    if limit is not None and kind in ("revolute", "prismatic"):
+        limits = (limit.numbers("lower", 1, "0")[0], limit.numbers("upper", 1, "0")[0])
+    return why_not_free(joint, limits, friction)
+
+
+def _driven(root: XmlElement, joints: Mapping[str, XmlElement]) -> dict[str, str]:
+    """Return the joints that a transmission of Drake's drives, and what to say of it."""
+    found = {}
+    for transmission in root.all("transmission"):
+        for part in transmission.all("joint"):
+            name = part.attributes.get("name", "")
+            if name in joints:
+                found[name] = why_driven(transmission, joints[name])
+    return found
+
+
 def _gazebo_springs(root: XmlElement) -> dict[str, float]:
     found = {}
     for element in root.all("gazebo"):
-        spring = element.first("springStiffness")
+        spring, rest = element.first("springStiffness"), element.first("springReference")
         if spring is not None and "reference" in element.attributes:
             found[element.attributes["reference"]] = spring.read("springStiffness", spring.text, 1)[0]
+            if rest is not None and rest.read("springReference", rest.text, 1)[0]:
+                rest.refuse("must be 0: the chain must be straight at rest")
     return found
+
+
+def _both_springs(gazebo: Mapping[str, float], beside: Mapping[str, float]) -> dict[str, float]:
+    for name in sorted(gazebo.keys() & beside.keys()):
+        if gazebo[name] != beside[name]:
+            raise BadModel(
+                f"springs must be the same in both places, got {gazebo[name]:g} in <gazebo> and "
+                f"{beside[name]:g} in the file beside for joint {shown(name)}"
+            )
+    return {**gazebo, **beside}
