@@ -29,6 +29,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except BrokenPipeError:
         # The reader, such as `head`, has seen enough; Python would complain again when it closes stdout.
         sys.stdout = None
+    except OSError as error:
+        sys.stdout = None
+        sys.stderr.write(f"beammodes: the answer cannot be written: {error.strerror or error}\n")
+        return 2
     return 0 if answer.get("meets", True) else 1
 
 

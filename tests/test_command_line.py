@@ -15,7 +15,11 @@ from typing import Any
 import pytest
 
 from beammodes.__main__ import main
+from beammodes.chains.chain import Chain
 from beammodes.command_line.command_list import COMMANDS
+from beammodes.dynamics.damping_ratio import joint_dampers
+from beammodes.exporters.export import export_chain
+from beammodes.problem.beam import Beam
 
 BEAM = ["--length", "1.2", "--ei", "85", "--rho-a", "0.62"]
 # One valid call of every command.
@@ -442,6 +446,40 @@ def test_export(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
 
 
 AUDITED = ["--length", "1.2", "--ei", "85", "--rho-a", "0.62"]
+
+
+def test_export_about_both_axes_with_a_damping_ratio(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    call = ["export", "clamped-free", "--segments", "4", *BEAM, "--output"]
+    more = ["--ei-across", "340", "--damping-ratio", "0.02"]
+    assert Ran([*call, str(tmp_path / "both.xml"), *more], capsys).code == 0
+    chain, across = (Chain(Beam(1.2, stiffness, 0.62), "clamped-free", 4) for stiffness in (85.0, 340.0))
+    export_chain(chain, tmp_path / "same.xml", second=across, damping=joint_dampers(chain, 0.02))
+    assert (tmp_path / "both.xml").read_bytes() == (tmp_path / "same.xml").read_bytes()
+    for options, message in (
+        (["both.sdf", "--ei-across", "340"], "--ei-across must be left out for sdf files"),
+        (["x.xml", "--ei-across", "-3"], "--ei-across must be greater than 0, got -3"),
+        (["x.xml", "--damping-ratio", "0"], "--damping-ratio must be greater than 0, got 0"),
+        (["x.xml", "--damping-ratio", "1", "--stiffness-damping", "1"], "without --stiffness-damping"),
+    ):
+        ran = Ran([*call, str(tmp_path / options[0]), *options[1:]], capsys)
+        assert ran.code == 2 and message in ran.err and ran.err.count("\n") == 1
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["both.xml", "same.xml"]
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="no device that is always full")
+def test_a_full_disk_is_told_in_one_line() -> None:
+    with open("/dev/full", "w") as full:
+        ran = subprocess.run(
+            [sys.executable, "-m", "beammodes", *CALLS["springs"]],
+            stdout=full,
+            stderr=subprocess.PIPE,
+            text=True,
+            check=False,
+        )
+    assert ran.returncode == 2
+    assert ran.stderr == "beammodes: the answer cannot be written: No space left on device\n"
 
 
 def exported(rule: str, folder: Path, capsys: pytest.CaptureFixture[str], *more: str) -> str:

@@ -237,7 +237,7 @@ def _from_csv(place: Path, length: float) -> _Read:
     try:
         chain = read_chain_csv(place)
     except ValueError as error:
-        raise BadModel(str(error).removeprefix(f"{place}: ")) from None
+        raise BadModel(str(error).removeprefix(str(place)).lstrip(":, ")) from None
     columns = (chain.length, chain.mass, chain.centre, chain.rotary_inertia)
     pieces = tuple(Piece(*row) for row in zip(*(column.tolist() for column in columns), strict=True))
     springs = tuple((f"hinge {i}", value) for i, value in enumerate(chain.joint_stiffness.tolist()))

@@ -37,6 +37,7 @@ def in_flags(message: str) -> str:
         "axial_force must": "--axial-force must",
         "say by boundary": "say by --boundary",
         "force=True": "--force",
+        "second must": "--ei-across must",
     }
     for name, flag in flags.items():
         message = message.replace(name, flag)
@@ -117,7 +118,12 @@ def export_options(sub: Options) -> None:
     sub.add_argument("--name", default="chain", help="prefix of all names in the file (default: chain)")
     sub.add_argument("--fragment", action="store_true", help="bodies only, to include in a model (MJCF)")
     sub.add_argument("--timestep", type=_number, metavar="h", help="time step [s] (default: safe, accurate)")
-    sub.add_argument("--integrator", default="RK4", help="MuJoCo's RK4, Euler or implicitfast (default: RK4)")
+    text = "MuJoCo's RK4, Euler, implicit or implicitfast (default: RK4)"
+    sub.add_argument("--integrator", default="RK4", help=text)
+    text = "EI of bending along y [N m²]: hinges about both axes (MJCF)"
+    sub.add_argument("--ei-across", type=_number, metavar="X", help=text)
+    text = "dampers that give the first mode this ratio, 0.01 is one percent of critical"
+    sub.add_argument("--damping-ratio", type=_number, metavar="z", help=text)
     sub.add_argument("--stiffness-damping", type=_number, default=0.0, metavar="b", help="dampers b k [s]")
     sub.add_argument("--force", action="store_true", help="overwrite existing files")
 

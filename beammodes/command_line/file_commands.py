@@ -6,11 +6,14 @@ import argparse
 import math
 from typing import TYPE_CHECKING, Any
 
+from beammodes.checks import positive_real
 from beammodes.command_line.commands import Answer, beam_of, chain_of
 from beammodes.command_line.text_tables import frequency_table, number, percents, text_table, typed_in
 
 if TYPE_CHECKING:
     from beammodes.auditing.audit import Audit, Suggestion
+    from beammodes.chains.chain import Chain
+    from beammodes.dynamics.damping import Damping
 
 __all__ = ["answer_audit", "answer_export"]
 
@@ -20,23 +23,38 @@ _SHOWN_HINGES = 12
 
 def answer_export(options: argparse.Namespace) -> Answer:
     """Write a chain to a file for a simulator, and answer which files were written."""
-    from beammodes.dynamics.damping import Damping
     from beammodes.exporters.export import export_chain
 
-    damping = Damping(stiffness=options.stiffness_damping) if options.stiffness_damping else None
+    chain = chain_of(options)
+    across = None
+    if options.ei_across is not None:
+        stiffness = positive_real("--ei-across", options.ei_across)
+        across = chain_of(argparse.Namespace(**vars(options) | {"ei": stiffness}))
     written = export_chain(
-        chain_of(options),
+        chain,
         options.output,
         format=options.format,
         name=options.name,
         fragment=options.fragment,
-        damping=damping,
+        second=across,
+        damping=_damping(options, chain),
         timestep=options.timestep,
         integrator=options.integrator,
         force=options.force,
     )
     names = [str(path) for path in written]
     return {"files": names}, "\n".join(names)
+
+
+def _damping(options: argparse.Namespace, chain: Chain) -> Damping | None:
+    from beammodes.dynamics.damping import Damping
+    from beammodes.dynamics.damping_ratio import joint_dampers
+
+    if options.damping_ratio is not None:
+        if options.stiffness_damping:
+            raise ValueError("--damping-ratio must be given without --stiffness-damping, which it sets")
+        return joint_dampers(chain, positive_real("--damping-ratio", options.damping_ratio))
+    return Damping(stiffness=options.stiffness_damping) if options.stiffness_damping else None
 
 
 def answer_audit(options: argparse.Namespace) -> Answer:
