@@ -101,8 +101,19 @@ BARE = nested(4, ROD + '<joint axis="0 1 0"/>', ROD + '<joint axis="0 1 0"/>')
 TWICE = """<default><joint stiffness="100"/><default class="c"/></default><default><joint stiffness="200"/>
   </default>"""
 
+CHAIN = nested(4, MIDDLE, MIDDLE).replace('pos="0 0 0"', 'pos="0.05 0 0"')
+HUB = '<geom size="0.05"/>'
+PIVOT = '<joint axis="0 0 1" pos="{} 0" stiffness="{}"/>'
+RISE = '<joint type="slide" axis="0 1 0" stiffness="100"/>'
+
 MODELS = {
     "cable": cable(),
+    "a pivot where the first spring is": world(f"<body>{PIVOT.format('0 0', 0)}{HUB}{CHAIN}</body>"),
+    "a pivot before the first spring": world(f"<body>{PIVOT.format('-0.2 0', 0)}{HUB}{CHAIN}</body>"),
+    "a hub on springs": world(f"<body>{RISE}{PIVOT.format('0 0', 30)}{HUB}{CHAIN}</body>"),
+    "a hub on springs, turning before itself": world(
+        f"<body>{RISE}{PIVOT.format('-0.03 0', 30)}{HUB}{CHAIN}</body>"
+    ),
     "defaults in two places": world(BARE.replace("<joint", '<joint class="c"', 1), TWICE),
     "a spring's angle away from 0": world(
         nested(4, ROD + HINGE, ROD + HINGE.replace("/>", ' ref="20" springref="20" range="10 90"/>'))
@@ -283,6 +294,7 @@ REFUSED = {
     "mass off the line": (ROD.replace("0 0 0 ", "0 0 0.01 ") + HINGE, "centre of mass on the line"),
     "a bend": (ROD + HINGE.replace("/>", ' pos="0 0 0.02"/>'), "on one straight line"),
     "a fold": (ROD + HINGE.replace("/>", ' pos="-0.2 0 0"/>'), "further along the chain"),
+    "an oblique second hinge": (ROD + HINGE + HINGE.replace("0 1 0", "0 1 1"), "must be at right angles"),
     "a servo": (ROD + HINGE.replace("/>", ' name="servo"/>'), "must not act on a hinge"),
 }
 
@@ -398,6 +410,10 @@ def test_the_fluid_around_is_noted(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("text", "message"),
     [
+        (world(f"<body>{PIVOT.format('0 0.2', 0)}{HUB}{CHAIN}</body>"), "must be on the line of the chain's"),
+        (world(f"<body>{PIVOT.format('0.02 0', 0)}{HUB}{CHAIN}</body>"), "at its beginning or before"),
+        (world(f"<body>{RISE}{RISE}{HUB}{CHAIN}</body>"), "as joint 1 .* one too many"),
+        (world(CHAIN.replace("0 0 1", "1 0 0")), "twist is not judged"),
         (world(f"<frame>{nested(3, ROD + HINGE, ROD + HINGE)}</frame>"), "line 1: <frame> is left out"),
         ('<mujoco><include file="model.xml"/><worldbody/></mujoco>', r"line 1: <include> must be left out"),
         ("<mujoco><worldbody/></mujoco>", "must have a hinge with a spring, got 0 bodies"),

@@ -67,6 +67,10 @@ def frame_of(path: HingePath, axis: Array) -> Frame:
     along = along - (along @ axis) * axis
     size = float(np.linalg.norm(along))
     if size < 1e-12:
+        if np.linalg.norm(hinges[-1].position - origin) > 1e-12:
+            raise BadModel(
+                f"hinge {hinges[-1].name} must not turn about the chain's own line: twist is not judged"
+            )
         raise BadModel(f"hinges {hinges[0].name} and {hinges[-1].name} must be apart, along a straight line")
     along = along / size
     places = tuple(float((hinge.position - origin) @ along) for hinge in hinges)
@@ -117,9 +121,11 @@ def root_support(root: Group, frame: Frame) -> RootSupport | None:
             found = replace(found, across=0.0, turning=0.0)
         elif joint.kind == "slide" and abs(joint.axis @ frame.across) > PARALLEL:
             _check_parallel(joint, frame.across)
+            _check_only(found.slide, joint)
             found = replace(found, across=joint.stiffness, slide=joint)
         elif joint.kind == "hinge" and abs(joint.axis @ frame.axis) > PARALLEL:
             _check_parallel(joint, frame.axis)
+            _check_only(found.hinge, joint)
             found = replace(found, turning=joint.stiffness, hinge=joint)
     return found
 
@@ -127,3 +133,8 @@ def root_support(root: Group, frame: Frame) -> RootSupport | None:
 def _check_parallel(joint: ModelJoint, direction: Array) -> None:
     if np.linalg.norm(np.cross(joint.axis, direction)) > PARALLEL:
         raise BadModel(f"joint {joint.name} must be along or across the chain, got an oblique axis")
+
+
+def _check_only(before: ModelJoint | None, joint: ModelJoint) -> None:
+    if before is not None:
+        raise BadModel(f"joint {joint.name} must not move the chain as {before.name} does: one too many")

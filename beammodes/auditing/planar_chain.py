@@ -19,7 +19,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from beammodes.auditing.body_tree import Group
+from beammodes.auditing.body_tree import Group, ModelJoint
 from beammodes.auditing.bounded_xml import BadModel
 from beammodes.auditing.far_ties import FarEnd
 from beammodes.auditing.hinge_line import OFF_LINE, Frame, RootSupport, moves_alone, root_support
@@ -51,7 +51,7 @@ def planar_chain(path: HingePath, frame: Frame, far: FarEnd, length: float) -> P
     root = root_support(path.root, frame)
     moves = root is not None
     span = frame.places[-1] - frame.places[0]
-    starts = _starts(path.root, frame) if moves else _stubs(path.root, frame)
+    starts = _stubs(path.root, frame) if root is None else _starts(path.root, frame, root)
     ends = _lengths(path.groups[-1], frame, frame.places[-1], 1.0)
     if far.place is not None:
         ends = [far.place - frame.places[-1]]
@@ -124,10 +124,23 @@ def _piece(group: Group | None, frame: Frame, start: float, end: float) -> Piece
     return Piece(end - start, inertial.mass, frame.place(inertial.centre) - start, about)
 
 
-def _starts(root: Group, frame: Frame) -> list[float]:
-    """Return what the length of a first piece that moves may be: from its joints on, or as `_lengths`."""
-    joints = [-frame.place(joint.position) for joint in root.joints if joint.kind in ("hinge", "slide")]
+def _starts(root: Group, frame: Frame, support: RootSupport) -> list[float]:
+    """Return what the length of a first piece that moves may be: from its hinge on, or as `_lengths`."""
+    if support.hinge is not None:
+        return [_pivot(support.hinge, frame)]
+    joints = [-frame.place(joint.position) for joint in root.joints if joint.kind == "slide"]
     return [*(value for value in joints if value >= 0), *_lengths(root, frame, 0.0, -1.0)]
+
+
+def _pivot(hinge: ModelJoint, frame: Frame) -> float:
+    """Return how far before the first spring the hinge is on which the chain turns as a whole."""
+    start = -frame.place(hinge.position)
+    spacing = frame.spacing or 1.0
+    if start < -OFF_LINE * spacing or frame.off_line(hinge.position) > OFF_LINE * spacing:
+        raise BadModel(
+            f"hinge {hinge.name} must be on the line of the chain's hinges, at its beginning or before"
+        )
+    return max(start, 0.0)
 
 
 def _lengths(group: Group, frame: Frame, hinge: float, way: float) -> list[float]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -42,7 +43,15 @@ class HingePath:
         return self.groups[0].name
 
     def planes(self) -> list[Array]:
-        """Return the axes about which every joint of the chain bends, most often one."""
+        """Return the axes about which every joint of the chain bends, most often one.
+
+        Raises
+        ------
+        BadModel
+            If hinges of one joint are oblique to each other, so that bending about one is bending about both.
+        """
+        for group in self.groups:
+            _check_square(group)
         return [axis for axis in _spring_axes(self.groups[0]) if all(_hinge(g, axis) for g in self.groups)]
 
     def hinges(self, axis: Array) -> list[ModelJoint]:
@@ -111,6 +120,13 @@ def _hinge(group: Group, axis: Array) -> ModelJoint | None:
         if joint.kind == "hinge" and np.linalg.norm(np.cross(joint.axis, axis)) < PARALLEL
     ]
     return found[0] if len(found) == 1 and found[0].stiffness else None
+
+
+def _check_square(group: Group) -> None:
+    for one, other in itertools.combinations(group.joints, 2):
+        cosine = abs(float(one.axis @ other.axis))
+        if PARALLEL < cosine < 1 - PARALLEL:
+            raise BadModel(f"{other.name} must be at right angles to {one.name}, got oblique hinges")
 
 
 def _shares_axis(group: Group, other: Group) -> bool:
