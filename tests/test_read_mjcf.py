@@ -106,8 +106,17 @@ HUB = '<geom size="0.05"/>'
 PIVOT = '<joint axis="0 0 1" pos="{} 0" stiffness="{}"/>'
 RISE = '<joint type="slide" axis="0 1 0" stiffness="100"/>'
 
+TETRAHEDRON = '<asset><mesh name="m" vertex="0 0 0 .1 0 0 0 .1 0 0 0 .1"/></asset>'
+SEEN = '<geom mesh="m" type="mesh" density="0"/><geom mesh="m" type="mesh" group="4"/>'
+
 MODELS = {
     "cable": cable(),
+    "meshes to look at": world(
+        nested(4, ROD + HINGE, ROD + SEEN + HINGE), f'<compiler inertiagrouprange="0 2"/>{TETRAHEDRON}'
+    ),
+    "a free joint takes no defaults": world(
+        FREE, '<default><joint stiffness="70" armature="0.1"/></default>'
+    ).replace('stiffness="200"', 'stiffness="200" armature="0"'),
     "a pivot where the first spring is": world(f"<body>{PIVOT.format('0 0', 0)}{HUB}{CHAIN}</body>"),
     "a pivot before the first spring": world(f"<body>{PIVOT.format('-0.2 0', 0)}{HUB}{CHAIN}</body>"),
     "a hub on springs": world(f"<body>{RISE}{PIVOT.format('0 0', 30)}{HUB}{CHAIN}</body>"),
@@ -414,6 +423,10 @@ def test_the_fluid_around_is_noted(tmp_path: Path) -> None:
         (world(f"<body>{PIVOT.format('0.02 0', 0)}{HUB}{CHAIN}</body>"), "at its beginning or before"),
         (world(f"<body>{RISE}{RISE}{HUB}{CHAIN}</body>"), "as joint 1 .* one too many"),
         (world(CHAIN.replace("0 0 1", "1 0 0")), "twist is not judged"),
+        (
+            world(FREE.replace("<freejoint", '<joint type="free" stiffness="3"')),
+            "must have no spring, or be a <free",
+        ),
         (world(f"<frame>{nested(3, ROD + HINGE, ROD + HINGE)}</frame>"), "line 1: <frame> is left out"),
         ('<mujoco><include file="model.xml"/><worldbody/></mujoco>', r"line 1: <include> must be left out"),
         ("<mujoco><worldbody/></mujoco>", "must have a hinge with a spring, got 0 bodies"),

@@ -222,3 +222,11 @@ def test_a_fragment_and_a_chain_of_two_axes_are_known_again(case: str, tmp_path:
         assert "gregory" in found.remark
         due = frequency_error(case, segments=6, mode=[1, 2, 3], rule="gregory")
         np.testing.assert_allclose(found.errors, due, atol=2e-8)
+
+
+def test_a_file_is_named_once_in_a_refusal(tmp_path: Path) -> None:
+    path = tmp_path / "empty.csv"
+    path.write_text("")
+    with pytest.raises(ValueError, match="must have one line") as caught:
+        audit_file(path, BEAM)
+    assert str(caught.value).count("empty.csv") == 1

@@ -23,7 +23,7 @@ def matter_of(settings: Settings, element: XmlElement, class_name: str) -> tuple
     for child in element.all("geom"):
         own = settings.with_defaults(child, "geom", class_name)
         kind = "mesh" if "mesh" in own.attributes else own.attributes.get("type", "sphere")
-        if kind in _MASSLESS or (own.attributes.get("mass") == "0" and kind not in _SIZES):
+        if kind in _MASSLESS or (kind not in _SIZES and not _has_mass(settings, own)):
             continue
         if kind not in _SIZES or own.attributes.get("shellinertia") == "true":
             why = f"{own.where} must be a {', '.join(_SIZES)}, filled, or have its body's mass in <inertial>"
@@ -38,6 +38,11 @@ def matter_of(settings: Settings, element: XmlElement, class_name: str) -> tuple
     if settings.inertia_from_geometry == "false":
         return joined([]), extent, ""
     return joined(parts), extent, why
+
+
+def _has_mass(settings: Settings, geom: XmlElement) -> bool:
+    said = "mass" if "mass" in geom.attributes else "density"
+    return settings.counts(geom) and geom.numbers(said, 1, "1000")[0] > 0
 
 
 def _given(settings: Settings, element: XmlElement) -> Inertial:

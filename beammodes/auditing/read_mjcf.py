@@ -102,15 +102,17 @@ def _joints(
     reader: _Reader, element: XmlElement, pose: Pose, class_name: str, body: str
 ) -> Iterator[ModelJoint]:
     for i, child in enumerate(element.all("joint", "freejoint")):
-        own = reader.settings.with_defaults(child, "joint", class_name)
-        kind = "free" if child.tag == "freejoint" else own.attributes.get("type", "hinge")
+        own, kind = child, "free"
+        if child.tag == "joint":
+            own = reader.settings.with_defaults(child, "joint", class_name)
+            kind = own.attributes.get("type", "hinge")
         name = own.attributes.get("name", f"joint {i + 1} of {body}")
         axis = np.array(own.numbers("axis", 3, "0 0 1"))
         size = float(np.linalg.norm(axis))
         if not size:
             child.refuse("must have an axis that is not zero")
         position = pose.point(np.array(own.numbers("pos", 3, "0 0 0")))
-        stiffness = linear_stiffness(own) if kind in ("hinge", "slide") else 0.0
+        stiffness = linear_stiffness(own)
         refusal = _why_not(reader.settings, own, kind, stiffness) or reader.servos.get(name, "")
         yield ModelJoint(name, kind, pose.rotation @ (axis / size), position, stiffness, refusal)
 
@@ -118,6 +120,8 @@ def _joints(
 def _why_not(settings: Settings, joint: XmlElement, kind: str, stiffness: float) -> str:
     if kind not in ("hinge", "slide", "free"):
         return f"{joint.where} must be a hinge, got type {kind!r}: {_BALL}"
+    if kind == "free" and stiffness:
+        return f"{joint.where} must have no spring, or be a <freejoint>, which takes no defaults"
     if joint.numbers("armature", 1, "0")[0]:
         return f"{joint.where} must have no armature, which is inertia that no beam has"
     if joint.numbers("frictionloss", 1, "0")[0]:
