@@ -478,3 +478,10 @@ def test_a_tendon_that_is_no_end_is_refused(tmp_path: Path) -> None:
     text = world(nested(2, ROD + named[0], ROD + named[1])).replace("</mujoco>", tendon)
     with pytest.raises(ValueError, match="tendon t must be the deflection or the rotation"):
         audit_file(write(tmp_path, text), BEAM)
+
+
+def test_a_plane_in_which_the_chain_has_no_hinges_is_refused(tmp_path: Path) -> None:
+    path = write(tmp_path, world(nested(4, ROD + HINGE, ROD + HINGE)))
+    assert audit_file(path, BEAM, plane="z").errors[0] == audit_file(path, BEAM).errors[0]
+    with pytest.raises(ValueError, match="plane must be one of z, got 'y'"):
+        audit_file(path, BEAM, plane="y")

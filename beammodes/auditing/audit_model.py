@@ -158,7 +158,7 @@ def _read(
     planes = {_label(frame): frame for frame in (frame_of(path, axis) for axis in path.planes())}
     if not planes:
         raise BadModel(f"hinges of the chain at {path.name} must be parallel")
-    if plane is not None and len(planes) > 1:
+    if plane is not None:
         frame = planes[choice("plane", plane, planes)]
     else:
         frame = min(planes.values(), key=lambda each: _distance(each, beam))
