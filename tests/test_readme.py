@@ -11,6 +11,9 @@ import pytest
 
 import beammodes as bm
 from beammodes.__main__ import main
+from beammodes.dynamics.step_limits import SAFE_CONSTANT, accuracy_limit
+from beammodes.dynamics.step_trials import variable_step_cost
+from studies.step_size_data import OUTPUTS
 
 ROOT = Path(__file__).parent.parent
 README = (ROOT / "README.md").read_text(encoding="utf-8")
@@ -83,3 +86,14 @@ def test_numbers_in_the_text_are_computed_ones() -> None:
         assert int(segments) == bm.segments_needed("clamped-free", 0.01, 3, rule)
     exact = bm.frequency_error("clamped-free", segments=10**9, mode=1)
     assert f"{exact:.5e}" in README
+
+
+def test_the_steps_in_the_text_are_computed_ones() -> None:
+    accurate = [f"{accuracy_limit(integrator):.4f}" for integrator in ("rk4", "midpoint")]
+    assert re.findall(r"(0\.\d+)/K_n", README) == accurate
+    safe = re.findall(r"(0\.\d+)/N²", README)
+    assert safe and set(safe) == {f"{SAFE_CONSTANT:.3f}"}
+    step = bm.published_time_step(bm.Beam.unit(), modes=1)
+    chain = bm.Chain(bm.Beam.unit(), "clamped-free", segments=12)
+    cost = variable_step_cost(chain, step, OUTPUTS, tolerance=0.001)
+    assert f"{cost.steps:.0f} for twelve segments and one mode at a tolerance of 0.001" in README
