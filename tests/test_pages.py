@@ -1,4 +1,4 @@
-"""The pages for users of each simulator: their code runs, their numbers are computed, their links exist."""
+"""The pages: their code runs, their numbers are computed, their links exist."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ import re
 import shlex
 import xml.etree.ElementTree as ElementTree
 from collections.abc import Callable, Sequence
+from fractions import Fraction
 from functools import partial
 from pathlib import Path
 
@@ -18,6 +19,7 @@ from numpy.typing import NDArray
 
 import beammodes as bm
 from beammodes.__main__ import main
+from beammodes.accuracy.law import end_defects
 
 pytest.importorskip("skfem")
 
@@ -25,7 +27,9 @@ from studies.largest_errors import element_errors
 from studies.tool_layouts import adams_link_errors, flex_errors
 
 ROOT = Path(__file__).parent.parent
-PAGES = sorted((ROOT / "beammodes" / "pages").glob("*.md"))
+EVERY = sorted((ROOT / "beammodes" / "pages").glob("*.md"))
+#: Pages for users of a simulator; the others are about the project itself.
+PAGES = [page for page in EVERY if page.stem in ("adams_working_model", "drake_gazebo", "mujoco", "simscape")]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
 EVERY_PAGE = pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
 ENGINES = {"mujoco", "pydrake"}
@@ -45,7 +49,7 @@ def blocks(source: str, language: str) -> list[str]:
     return re.findall(rf"```{language}\n(.*?)```", source, flags=re.DOTALL)
 
 
-PYTHON = [(page.stem, block) for page in PAGES for block in blocks(text(page), "python")]
+PYTHON = [(page.stem, block) for page in EVERY for block in blocks(text(page), "python")]
 SHELL = [
     (page.stem, line)
     for page in PAGES
@@ -55,9 +59,10 @@ SHELL = [
 ]
 
 
-def test_there_are_four_pages_with_code_to_run() -> None:
-    assert [page.stem for page in PAGES] == ["adams_working_model", "drake_gazebo", "mujoco", "simscape"]
-    assert {stem for stem, _ in PYTHON} == {stem for stem, _ in SHELL} == {page.stem for page in PAGES}
+def test_there_are_four_pages_for_simulators_with_code_to_run() -> None:
+    assert len(PAGES) == 4
+    assert {stem for stem, _ in SHELL} == {page.stem for page in PAGES}
+    assert {stem for stem, _ in PYTHON} == {page.stem for page in PAGES} | {"theory"}
 
 
 @pytest.mark.filterwarnings("ignore:.*SWIG|.*pydrake|.*numpy:DeprecationWarning")
@@ -67,7 +72,9 @@ def test_python_blocks_run(stem: str, block: str, tmp_path: Path, monkeypatch: p
         if importlib.util.find_spec(engine) is None:
             pytest.skip(f"{engine} is not installed")
     monkeypatch.chdir(tmp_path)
-    test = doctest.DocTestParser().get_doctest(block, {}, stem, stem, 0)
+    # On the theory's page `import beammodes as bm` stands in one block only.
+    given = {"bm": bm} if stem == "theory" else {}
+    test = doctest.DocTestParser().get_doctest(block, given, stem, stem, 0)
     assert test.examples
     assert doctest.DocTestRunner(optionflags=doctest.NORMALIZE_WHITESPACE).run(test).failed == 0
 
@@ -159,13 +166,53 @@ def test_the_table_says_what_the_code_computes(page: Path) -> None:
         assert falls == POWERS[order], layout
 
 
-@EVERY_PAGE
+@pytest.mark.parametrize("page", EVERY, ids=lambda page: page.stem)
 def test_links_and_pictures_exist(page: Path) -> None:
     targets = re.findall(r"\]\(([^)#]+)\)", text(page))
-    assert "../../figures/simulators.svg" in targets
+    assert ("../../figures/simulators.svg" in targets) == (page in PAGES)
     for target in targets:
         assert (page.parent / target).is_file(), target
     assert f"(beammodes/pages/{page.name})" in README
+
+
+def test_links_within_the_theory_lead_to_its_headings() -> None:
+    headings = re.findall(r"^## (.*)$", named("theory"), flags=re.MULTILINE)
+    anchors = [re.sub(r"[^\w -]", "", heading).lower().replace(" ", "-") for heading in headings]
+    assert re.findall(r"\]\(#([^)]+)\)", named("theory")) == anchors
+
+
+def test_the_errors_of_the_report_on_the_theory_page_are_computed_ones() -> None:
+    rows = re.findall(r"^\| (\d+) \|((?: *[-.\d]* \|){6})$", named("theory"), flags=re.MULTILINE)
+    assert len(rows) == 5
+    for segments, cells in rows:
+        for index, cell in enumerate(cells.split("|")[:6]):
+            boundary = "clamped-free" if index < 3 else "clamped-clamped"
+            error = bm.frequency_error(boundary, segments=int(segments), mode=index % 3 + 1)
+            assert cell.strip() == ("" if math.isnan(error) else f"{100 * error:.3f}")
+
+
+def test_the_layouts_on_the_theory_page_are_the_rules() -> None:
+    rows = re.findall(r"^\| `(\w+)` \|.* \| (\S+) % \| (\d) \|$", named("theory"), flags=re.MULTILINE)
+    assert len(rows) == 7
+    for name, error, order in rows:
+        assert f"{error} %" == percent(_rule_errors(name, [10])[0])
+        assert int(order) == bm.error_law("clamped-free", 1, name).order
+
+
+def test_what_is_left_at_a_wall_on_the_theory_page_is_what_the_law_has() -> None:
+    left = {
+        name: [tuple(pair) for pair in end_defects(bm.RULES[name], bm.ENDS["clamped"])]
+        for name in ("naive", "double_wall", "mitiguy", "gregory2", "gregory")
+    }
+    nothing = (0, 0)
+    assert left["naive"][0] == (Fraction(1, 2), 0)
+    assert left["double_wall"][:2] == [nothing, (Fraction(-1, 12), 0)]
+    assert left["mitiguy"][:2] == [(0, Fraction(-1, 6)), (Fraction(-1, 12), 0)]
+    assert left["gregory2"][:3] == [nothing, nothing, (Fraction(1, 24), 0)]
+    assert left["gregory"] == [nothing, nothing, nothing, (Fraction(-19, 720), 0)]
+    table = named("theory").partition("what is left")[2]
+    for words in ("½ h f", "-h² f'/12 |", "-h² (f'/12 + f/6)", "h³ f''/24", "-19 h⁴ f'''/720"):
+        assert words in table
 
 
 @EVERY_PAGE
