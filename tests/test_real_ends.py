@@ -15,11 +15,13 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from beammodes.accuracy.buckling import buckling_load
+from beammodes.accuracy.errors import frequency_error
 from beammodes.chains.chain import Chain
 from beammodes.chains.rules import RULES
 from beammodes.equations.coordinates import coordinate_names
 from beammodes.equations.numeric import compile_equations
 from beammodes.equations.symbolic import equations_of_motion, symbolic_energies
+from beammodes.exact.beam_theory import euler_bernoulli
 from beammodes.problem.beam import Beam
 from beammodes.problem.ends import ENDS, Boundary, End
 from beammodes.problem.loading import Load
@@ -461,3 +463,38 @@ def test_chains_reach_the_beam_at_the_declared_order(name: str, rule: str) -> No
     scaled = errors * sizes**order
     assert errors[2:].max() > 1e-11
     assert (scaled[3] < 2**0.5 * scaled[:3].max(axis=0)).all()
+
+
+# --- A body on the last segment ---------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("rule", RULES)
+@pytest.mark.parametrize("body", [{"rotary_inertia": 1e-9}, {"offset": 1e-9}, {}], ids=str)
+@pytest.mark.parametrize("word", ["clamped", "free", "pinned"])
+def test_a_body_on_the_last_segment_leaves_no_jump(rule: str, body: dict[str, float], word: str) -> None:
+    """As inertia and offset vanish the chain is that of a point mass: as many hinges, and no other error."""
+    own = {"mass": 0.5, **body}
+    point, carried = (word, End(mass=0.5)), (word, End(**own, on_segment=True))
+    for segments in (3, 12):
+        one, other = (Chain(Beam.unit(), pair, segments, rule) for pair in (point, carried))
+        assert one.joint_stiffness.tolist() == other.joint_stiffness.tolist()
+        was, now = (
+            frequency_error(Boundary.of(pair), segments=segments, mode=np.arange(1, 4), rule=rule)
+            for pair in (point, carried)
+        )
+        # J = 1e-9 has J θ²/m y² of the body's energy; the slopes θ of three modes stay below 1e2 y.
+        np.testing.assert_allclose(now, was, atol=1e-4)
+
+
+@pytest.mark.parametrize("rule", RULES)
+def test_both_layouts_of_a_body_have_the_same_limit(rule: str) -> None:
+    """With or without a hinge of its own, and for both solvers, errors fall with N to the one beam's."""
+    own = {"mass": 0.4, "rotary_inertia": 0.02, "offset": 0.03}
+    for on_segment in (False, True):
+        pair = Boundary.of(("clamped", End(**own, on_segment=on_segment)))
+        errors = np.array([frequency_error(pair, segments=n, mode=1, rule=rule) for n in (100, 10**4, 10**5)])
+        exact = euler_bernoulli(Beam.unit(), pair, 1).angular_frequency
+        omega = solve_modes(linearize(Chain(Beam.unit(), pair, 100, rule)), 1).angular_frequency
+        np.testing.assert_allclose(omega / exact - 1, errors[0], atol=1e-11)
+        order = RULES[rule].declared_order(pair)
+        assert abs(errors[2]) < 1e-13 or abs(math.log10(abs(errors[1] / errors[2])) - order) < 0.1

@@ -59,7 +59,10 @@ def test_unknown_words_are_no_ends(text: str) -> None:
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("free(mas=1)", r'number of an end must be one of .*offset, got \'mas\' \(did you mean "mass"\?\)'),
+        (
+            "free(mas=1)",
+            r'number of an end must be one of .*offset, on_segment, got \'mas\' \(did you mean "mass"\?\)',
+        ),
         ("free(mass)", "mass must be a number, got ''"),
         ("free(mass=heavy)", "mass must be a number, got 'heavy'"),
         ("free(mass=nan)", "mass must be finite, got nan"),
@@ -188,3 +191,20 @@ def test_rigid_body_modes_are_the_null_space_of_the_supports(supports: tuple[flo
     felt = np.array([row for row, k in zip(rows, supports, strict=True) if k]).reshape(-1, 2)
     pair = Boundary(End(*supports[:2]), End(*supports[2:], 1.0, 1.0))
     assert pair.rigid_body_modes == 2 - np.linalg.matrix_rank(felt)
+
+
+def test_a_body_on_the_last_segment_is_said_and_read_and_checked() -> None:
+    end = End(mass=0.5, rotary_inertia=0.01, on_segment=True)
+    assert end.statics == "carried" and End(mass=0.5, rotary_inertia=0.01).statics == "clamped"
+    assert str(end) == "free(mass=0.5, rotary_inertia=0.01, on_segment=true)"
+    assert end_from_text(str(end)) == end
+    assert end_from_text("free(mass=0.5, rotary_inertia=0.01, on_segment=false)") == End(0, 0, 0.5, 0.01)
+    # A point mass and a plain end have nothing that turns: the word is theirs.
+    assert End(mass=0.5, on_segment=True).statics == "free" and End(on_segment=True).word == "free"
+    assert End(rotational_stiffness=3.0, on_segment=True).statics == "carried"
+    with pytest.raises(ValueError, match=r"^on_segment must be False where the end holds the rotation"):
+        End(math.inf, math.inf, on_segment=True)
+    with pytest.raises(TypeError, match=r"^on_segment must be True or False, got 1"):
+        End(mass=0.5, on_segment=1)  # type: ignore[arg-type]
+    with pytest.raises(ValueError, match=r"^on_segment must be one of true, false, got \"?'?yes"):
+        end_from_text("free(mass=0.5, on_segment=yes)")

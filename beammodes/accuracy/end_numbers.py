@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import fields, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -15,7 +15,7 @@ from beammodes.checks import choice, shown
 from beammodes.problem.beam import Beam
 from beammodes.problem.ends import Boundary
 from beammodes.problem.loading import Load
-from beammodes.problem.supports import End
+from beammodes.problem.supports import NUMBERS_OF_END, End
 
 __all__ = ["NUMBERS", "EndNumbers", "in_beam_units", "load_in_beam_units", "with_numbers"]
 
@@ -29,7 +29,7 @@ _UNITS = {
 
 #: What may be a dimension, and its unit in a table for L = EI = ρA = 1.
 NUMBERS: dict[str, str] = {
-    **{f"{side}_{f.name}": _UNITS[f.name] for side in ("left", "right") for f in fields(End)},
+    **{f"{side}_{name}": _UNITS[name] for side in ("left", "right") for name in NUMBERS_OF_END},
     "axial_force": "EI / L^2",
     "spin_rate": "sqrt(EI / (rhoA L^4))",
     "hub_radius": "L",
@@ -114,7 +114,7 @@ def in_beam_units(boundary: Boundary, beam: Beam) -> Boundary:
     for end in (boundary.left, boundary.right):
         mass, inertia, offset = units.body(end.mass, end.rotary_inertia, end.offset)
         supports = (units.support(end.translational_stiffness, 2), units.support(end.rotational_stiffness, 0))
-        ends.append(End(*map(float, (*supports, mass, inertia, offset))))
+        ends.append(End(*map(float, (*supports, mass, inertia, offset)), on_segment=end.on_segment))
     return Boundary(*ends)
 
 

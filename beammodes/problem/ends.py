@@ -163,7 +163,7 @@ def _code(value: BoundaryLike) -> int:
 def _firmness(end: End) -> tuple[float | Fraction, ...]:
     """Return a key that sorts the firmer end first: clamped, pinned, guided, free among the plain ones."""
     supports = (-end.translational_stiffness, -end.rotational_stiffness)
-    return (*supports, end.mass, end.rotary_inertia, end.offset)
+    return (*supports, end.mass, end.rotary_inertia, end.offset, end.on_segment)
 
 
 def _split(value: str) -> tuple[str, ...]:

@@ -4,13 +4,17 @@ from __future__ import annotations
 
 import math
 import re
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
 
 from beammodes.checks import choice, real, shown
 
-__all__ = ["ENDS", "End", "end_from_text"]
+__all__ = ["ENDS", "NUMBERS_OF_END", "End", "end_from_text"]
+
+#: The numbers of an `End`, in its order.
+NUMBERS_OF_END = ("translational_stiffness", "rotational_stiffness", "mass", "rotary_inertia", "offset")
+_SUPPORTS = NUMBERS_OF_END[:2]
 
 
 @dataclass(frozen=True)
@@ -38,11 +42,16 @@ class End:
         J of that body about its centre of mass.
     offset : float [m]
         a, how far beyond the end, along the beam and outward, the body's centre of mass lies.
+    on_segment : bool
+        Where a chain puts the body and the rotational spring of an end that may turn; the beam is the same.
+        False: behind a hinge of the end's own, with the springs of a clamped end. True: on the outermost
+        segment itself, without a hinge, as a gripper is welded to a robot's last link. See `statics`.
 
     Raises
     ------
     TypeError, ValueError
-        If a number is not real, is negative (`offset` may be), or is not finite (stiffnesses may be).
+        If a number is not real, is negative (`offset` may be), or is not finite (stiffnesses may be), if
+        `on_segment` is not a bool, or is True where the end holds the rotation.
 
     Examples
     --------
@@ -50,6 +59,8 @@ class End:
     True
     >>> print(End(mass=0.5, offset=0.1))
     free(mass=0.5, offset=0.1)
+    >>> End(mass=0.5, offset=0.1).statics, End(mass=0.5, offset=0.1, on_segment=True).statics
+    ('clamped', 'carried')
     """
 
     translational_stiffness: float | Fraction = 0.0
@@ -57,19 +68,27 @@ class End:
     mass: float | Fraction = 0.0
     rotary_inertia: float | Fraction = 0.0
     offset: float | Fraction = 0.0
+    on_segment: bool = False
 
     def __post_init__(self) -> None:
-        for field in fields(self):
-            value = getattr(self, field.name)
-            held = field.name.endswith("stiffness") and isinstance(value, float) and value == math.inf
-            number = math.inf if held else real(field.name, value)
+        for name in NUMBERS_OF_END:
+            value = getattr(self, name)
+            held = name.endswith("stiffness") and isinstance(value, float) and value == math.inf
+            number = math.inf if held else real(name, value)
             if value and not number:
-                raise ValueError(f"{field.name} must be within the range of floats, got {shown(value)}")
-            if number < 0.0 and field.name != "offset":
-                raise ValueError(f"{field.name} must not be negative, got {shown(value)}")
+                raise ValueError(f"{name} must be within the range of floats, got {shown(value)}")
+            if number < 0.0 and name != "offset":
+                raise ValueError(f"{name} must not be negative, got {shown(value)}")
             # A minus sign on zero would make two names of one end.
             kept = value if isinstance(value, Fraction) else number + 0.0
-            object.__setattr__(self, field.name, kept)
+            object.__setattr__(self, name, kept)
+        if not isinstance(self.on_segment, bool):
+            raise TypeError(f"on_segment must be True or False, got {shown(self.on_segment)}")
+        if self.on_segment and self.holds_rotation:
+            raise ValueError(
+                "on_segment must be False where the end holds the rotation, got True: the rule rigid_stub "
+                "holds the outermost segment itself"
+            )
 
     @property
     def holds_deflection(self) -> bool:
@@ -110,20 +129,35 @@ class End:
     def statics(self) -> str:
         """The word whose rule applies here: by what the beam can feel at this end.
 
-        "pinned" or "free" where it feels no moment (nothing resists rotation), "guided" where the rotation
-        is held and it feels no shear force, "clamped" everywhere else: a rule's clamped springs then sit
-        between the beam and the body or support. So a rule jumps as a rotational stiffness or a rotary
-        inertia goes to zero. The wall's spring, in series with what vanishes, follows continuously; the other
+        ========  =======================================  ==========================================
+        word      what the beam feels                      what a chain has there
+        ========  =======================================  ==========================================
+        pinned    no moment, the deflection held           no hinge at the end
+        free      no moment, the deflection not held       no hinge at the end
+        guided    the rotation held, no shear force        the rule's guided weights
+        clamped   everything else                          a hinge at the end, the rule's clamped weights
+        carried   as clamped, but `on_segment`             no hinge at the end, the rule's carried weights
+        ========  =======================================  ==========================================
+
+        So a rotational stiffness or a rotary inertia that goes to zero, behind a hinge of its own, leaves a
+        jump. The wall's spring, in series with what vanishes, follows continuously; the other
         springs that a rule changes near an end do not, so `gregory` jumps by about its own error (2.5e-5 in
         the first frequency of ten segments) and other corrected rules by theirs. And as an inertia vanishes
         on its wall spring, the chain's highest frequency grows beyond bounds and its stable time step falls
-        to zero: leave out an inertia that does not matter.
+        to zero.
+        With `on_segment` there is no jump, no additional hinge and no additional frequency: as the inertia
+        and the offset vanish, the chain becomes that of a point mass. Its price is the moment that the body
+        puts on the end: no hinge stands for the last half segment there. A body whose moment acts like its
+        inertia force at less than about one segment beyond the end (a box that is smaller than a segment)
+        is served well; for a flywheel the error is of order 1, and a hinge of its own is better.
         As the translational spring of a guided end vanishes the wall's spring jumps to the guided one: up
         to there the error has the rule's order at clamped ends.
         """
         mass, inertia, offset = self.moving_body
         if not self.rotational_stiffness and not inertia and not (mass and offset):
             return "pinned" if self.holds_deflection else "free"
+        if self.on_segment:
+            return "carried"
         shearless = self.holds_rotation and not self.translational_stiffness and not mass
         return "guided" if shearless else "clamped"
 
@@ -132,7 +166,8 @@ class End:
         return _WORDS[self.holds_deflection, self.holds_rotation]
 
     def __str__(self) -> str:
-        numbers = [f"{f.name}={float(getattr(self, f.name))!r}" for f in fields(self) if self._tells(f.name)]
+        numbers = [f"{name}={float(getattr(self, name))!r}" for name in NUMBERS_OF_END if self._tells(name)]
+        numbers += ["on_segment=true"] if self.on_segment else []
         return f"{self._held}({', '.join(numbers)})" if numbers else self._held
 
     def _tells(self, name: str) -> bool:
@@ -160,8 +195,8 @@ def end_from_text(text: str) -> End | None:
 
     Examples
     --------
-    >>> end_from_text("free(mass=0.5)")
-    End(translational_stiffness=0.0, rotational_stiffness=0.0, mass=0.5, rotary_inertia=0.0, offset=0.0)
+    >>> end_from_text("free(mass=0.5)") == End(mass=0.5)
+    True
     """
     match = re.fullmatch(r"\s*([a-z]+)\s*(?:\(([^()]*)\))?\s*", text.lower())
     word = _ALIASES.get(match[1], match[1]) if match else ""
@@ -172,18 +207,17 @@ def end_from_text(text: str) -> End | None:
     seen: set[str] = set()
     for part in (match[2] or "").split(",") if match[2] else []:
         name, _, value = (piece.strip() for piece in part.partition("="))
-        choice("number of an end", name, _NUMBERS)
+        choice("number of an end", name, (*NUMBERS_OF_END, "on_segment"))
         if name in seen:
             raise ValueError(f"{name} of an end must be given once, got {shown(text)}")
         seen.add(name)
         if name in _SUPPORTS and numbers[name]:
             raise ValueError(f"{name} of a {word} end must be left out, got {shown(part.strip())}")
+        if name == "on_segment":
+            numbers[name] = choice("on_segment", value, ("true", "false")) == "true"
+            continue
         try:
             numbers[name] = float(value)
         except ValueError:
             raise ValueError(f"{name} must be a number, got {shown(value)}") from None
     return End(**numbers)
-
-
-_NUMBERS = tuple(field.name for field in fields(End))
-_SUPPORTS = _NUMBERS[:2]
