@@ -2,44 +2,60 @@
 
 from __future__ import annotations
 
-import json
 import sys
 from collections.abc import Sequence
-
-from beammodes.command_line.command_options import in_flags
-from beammodes.command_line.command_parser import parse
 
 __all__ = ["main"]
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run the command line and return its exit code.
+    """Run the command line and return its exit code; `shell.EXIT_CODES` says what each means.
 
-    0; 1 if an audit's tolerance is not met; 2 for bad usage or a mode that does not exist.
+    Without arguments it is those of the process, whose signals and warnings it then takes over, too.
     """
-    options = parse(sys.argv[1:] if arguments is None else arguments)
     try:
+        from beammodes.command_line import shell
+
+        try:
+            if arguments is None:
+                shell.as_a_process()
+            return _answered(sys.argv[1:] if arguments is None else arguments)
+        except BaseException as error:
+            return shell.after_failure(error)
+        finally:
+            shell.INTERRUPTS.ignore()
+    except KeyboardInterrupt:
+        # It came before the line above could listen.
+        if sys.stderr is not None:
+            sys.stderr.write("beammodes: interrupted: nothing was begun\n")
+        return 130
+
+
+def _answered(arguments: Sequence[str]) -> int:
+    """Answer, and return the exit code."""
+    from beammodes.command_line import shell
+
+    code = 0
+    try:
+        try:
+            from beammodes.command_line.command_parser import parse
+
+            options = parse(arguments)
+        except SystemExit as stop:
+            # Help was asked for, or argparse has told what is wrong.
+            return shell.NO_ANSWER if stop.code else 0
         answer, text = options.command(options)
-        output = json.dumps(answer, allow_nan=False) if options.json else text
-    except (TypeError, ValueError, OSError) as error:
-        sys.stderr.write(f"beammodes: {in_flags(_said(error))}\n")
-        return 2
-    try:
-        print(output, flush=True)
-    except BrokenPipeError:
-        # The reader, such as `head`, has seen enough; Python would complain again when it closes stdout.
-        sys.stdout = None
-    except OSError as error:
-        sys.stdout = None
-        sys.stderr.write(f"beammodes: the answer cannot be written: {error.strerror or error}\n")
-        return 2
-    return 0 if answer.get("meets", True) else 1
+        if shell.INTERRUPTS.count:
+            return shell.interrupted()
+        code = 0 if answer.get("meets", True) else shell.NOT_MET
+        if options.json:
+            import json
 
-
-def _said(error: Exception) -> str:
-    if isinstance(error, OSError) and error.filename and error.strerror:
-        return f"{error.strerror[0].lower()}{error.strerror[1:]}: {error.filename}"
-    return str(error)
+            text = json.dumps(answer, allow_nan=False)
+        shell.put(f"{text}\n", sys.stdout)
+    except shell.Unwritable as error:
+        return shell.unwritable(error, code)
+    return code
 
 
 if __name__ == "__main__":

@@ -27,6 +27,7 @@ from beammodes.command_line.commands import (
     answer_time_step,
 )
 from beammodes.command_line.file_commands import answer_audit, answer_export
+from beammodes.command_line.shell import EXIT_CODES
 
 __all__ = ["COMMANDS", "Command", "help_text"]
 
@@ -127,7 +128,8 @@ _FOOT = """
 
 Lengths, stiffnesses and masses are in SI, or in any consistent units. Errors are those of natural frequencies
 against the exact Euler-Bernoulli beam, with their sign: negative is too low.
-exit codes: 0 done; 1 audit: the tolerance is not met; 2 bad input, told in one line
+exit codes:
+{codes}
 options: --json for scripts; --version; beammodes COMMAND --help for all options of a command
 """
 
@@ -141,4 +143,5 @@ def help_text() -> str:
             lines += [f"    {command.name:13}{command.question}"]
     lines += ["", "examples:"]
     lines += [f"  {command.example}" for command in COMMANDS]
-    return _HEAD + "\n".join(lines) + _FOOT
+    codes = "\n".join(f"    {code:<4} {says}" for code, says in EXIT_CODES.items())
+    return _HEAD + "\n".join(lines) + _FOOT.format(codes=codes)

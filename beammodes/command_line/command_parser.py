@@ -4,19 +4,26 @@ from __future__ import annotations
 
 import argparse
 import difflib
+import sys
 from collections.abc import Sequence
-from typing import NoReturn
+from typing import Any, NoReturn
 
 from beammodes import __version__
 from beammodes.command_line.command_list import COMMANDS, Command, help_text
 from beammodes.command_line.command_options import BOUNDARY
 from beammodes.command_line.commands import answer_recommend
 from beammodes.command_line.file_commands import answer_audit
+from beammodes.command_line.shell import put, tell_all
 
 __all__ = ["parse"]
 
 
 class _Parser(argparse.ArgumentParser):
+    def _print_message(self, message: str, file: Any = None) -> None:
+        # argparse itself passes over what cannot be written, and fails where the encoding lacks a character.
+        if message:
+            put(message, file) if file is not None and file is sys.stdout else tell_all(message)
+
     def error(self, message: str) -> NoReturn:
         self.exit(2, f"{self.prog}: {message} (see {self.prog} --help)\n")
 

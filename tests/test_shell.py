@@ -1,0 +1,315 @@
+"""What the shell is owed by every command: any encoding, one line for a failure, clear exit codes."""
+
+from __future__ import annotations
+
+import ast
+import json
+import os
+import re
+import shlex
+import signal
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+import beammodes
+from beammodes.__main__ import main
+from beammodes.command_line import command_list, shell
+from beammodes.command_line.command_list import COMMANDS
+
+POSIX = pytest.mark.skipif(os.name != "posix", reason="signals and pipes of POSIX")
+ENCODINGS = {
+    "utf-8": {"PYTHONIOENCODING": "utf-8"},
+    "cp1252": {"PYTHONIOENCODING": "cp1252"},
+    "latin-1": {"PYTHONIOENCODING": "latin-1"},
+    "cp437": {"PYTHONIOENCODING": "cp437"},
+    "ascii": {"PYTHONIOENCODING": "ascii"},
+    "utf-16": {"PYTHONIOENCODING": "utf-16"},
+    "C": {"PYTHONUTF8": "0", "LC_ALL": "C", "PYTHONCOERCECLOCALE": "0"},
+}
+#: Runs a command line as `python -m beammodes` does, after lines of the test's own.
+AS_MAIN = "import runpy; runpy.run_module('beammodes', run_name='__main__', alter_sys=True)"
+
+
+def process(
+    arguments: list[str],
+    folder: Path,
+    before: str = "",
+    settings: dict[str, str] | None = None,
+    **options: Any,
+) -> subprocess.CompletedProcess[bytes]:
+    """Run `python -m beammodes` in a process of its own, `before` first."""
+    start = ["-m", "beammodes"] if not before else ["-c", f"{before}\n{AS_MAIN}"]
+    plain = {key: value for key, value in os.environ.items() if not key.startswith(("PYTHON", "LC_", "LANG"))}
+    return subprocess.run(
+        [sys.executable, *start, *arguments],
+        **{"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, **options},
+        cwd=folder,
+        env=plain | (settings or {}),
+        timeout=120,
+        check=False,
+    )
+
+
+def in_folder(folder: Path) -> Path:
+    """A folder with the file that the examples read."""
+    from beammodes.chains.chain import Chain
+    from beammodes.exporters.export import export_chain
+    from beammodes.problem.beam import Beam
+
+    export_chain(Chain(Beam(1.2, 85.0, 0.62), "clamped-free", 10, "rigid_stub"), folder / "beam.xml")
+    return folder
+
+
+def one_line(text: bytes) -> str:
+    said = text.decode()
+    assert said.startswith("beammodes") and said.count("\n") == 1 and said.endswith("\n"), said
+    return said
+
+
+@pytest.mark.parametrize("name", ENCODINGS)
+def test_help_and_errors_in_every_encoding(name: str, tmp_path: Path) -> None:
+    for arguments in (["--help"], ["springs", "--help"]):
+        ran = process(arguments, tmp_path, settings=ENCODINGS[name])
+        assert (ran.returncode, ran.stderr) == (0, b"")
+        text = ran.stdout.decode(name if name != "C" else "ascii")
+        assert "\\x" not in text and "\\u" not in text and "?" * 2 not in text
+        if arguments == ["springs", "--help"]:
+            assert "N m²" in text or "N m^2" in text
+    ran = process(["springs", "clamped-frée", "--segments", "3"], tmp_path, settings=ENCODINGS[name])
+    assert ran.returncode == 2 and ran.stdout == b"" and b"Traceback" not in ran.stderr
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ENCODINGS)
+@pytest.mark.parametrize("command", COMMANDS, ids=lambda command: command.name)
+def test_every_command_in_every_encoding(command: Any, name: str, tmp_path: Path) -> None:
+    arguments = [*shlex.split(command.example)[1:], *(["--force"] if command.name == "export" else [])]
+    for call in (arguments, [*arguments, "--json"], [command.name, "--help"]):
+        ran = process(call, in_folder(tmp_path), settings=ENCODINGS[name])
+        expected = 1 if command.name == "audit" and "--help" not in call else 0
+        assert (ran.returncode, ran.stderr) == (expected, b""), call
+        assert "\\x" not in ran.stdout.decode(name if name != "C" else "ascii")
+
+
+def said_in(tree: ast.Module) -> set[str]:
+    """All characters beyond ASCII in strings that are not docstrings."""
+    documented = (ast.Module, ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef)
+    docstrings = {
+        id(node.body[0].value)
+        for node in ast.walk(tree)
+        if isinstance(node, documented) and node.body and isinstance(node.body[0], ast.Expr)
+    }
+    strings = (
+        node for node in ast.walk(tree) if isinstance(node, ast.Constant) and id(node) not in docstrings
+    )
+    return {c for node in strings if isinstance(node.value, str) for c in node.value if ord(c) > 126}
+
+
+@pytest.mark.parametrize(
+    "encoding", ["ascii", "cp1252", "latin-1", "cp437", "koi8-r", "cp037", "shift_jis", "utf-16"]
+)
+def test_all_that_the_package_may_say_is_readable_in_every_encoding(encoding: str) -> None:
+    paths = Path(beammodes.__file__).parent.rglob("*.py")
+    said = set().union(*(said_in(ast.parse(path.read_text(encoding="utf-8"))) for path in paths))
+    assert {"²", "ρ", "√"} <= said
+    for character in sorted(said):
+        plain = shell.readable(character, encoding)
+        assert plain == character or (plain.isascii() and "\\" not in plain and "?" not in plain)
+
+
+def test_what_no_encoding_holds_is_spelled_out() -> None:
+    assert shell.readable("a\udc80b", "utf-8") == "a\\udc80b"  # a file's name that is no UTF-8
+    assert shell.readable("\N{SNOWMAN}", "cp1252") == "\\u2603"
+    assert shell.readable("√(EI/ρA L⁴)", "ascii") == "sqrt(EI/rhoA L^4)"
+    assert shell.readable("ρ", None) == "ρ" and shell.readable("ρ", "no such encoding") == "ρ"
+
+
+FAULTS = {
+    "AttributeError('none')": shell.FAULT,
+    "ZeroDivisionError('division by zero')": shell.FAULT,
+    "RecursionError('too deep')": shell.FAULT,
+    "AssertionError": shell.FAULT,
+    "KeyError('x')": shell.FAULT,
+    "UnicodeEncodeError('ascii', 'x', 0, 1, 'none')": shell.FAULT,
+    "np.linalg.LinAlgError('singular')": shell.FAULT,
+    "RuntimeWarning('overflow')": shell.FAULT,
+    "MemoryError": shell.NO_ANSWER,
+    "ValueError('x must be 1,\\ngot 2')": shell.NO_ANSWER,
+    "TypeError('x must be 1')": shell.NO_ANSWER,
+    "FileNotFoundError(2, 'No such file', 'a')": shell.NO_ANSWER,
+}
+
+
+@pytest.mark.parametrize("fault", FAULTS)
+@pytest.mark.parametrize("command", COMMANDS, ids=lambda command: command.name)
+def test_no_failure_has_the_exit_code_of_a_tolerance_not_met(
+    command: Any, fault: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    import numpy as np
+
+    def fails(_: object) -> Any:
+        raise eval(fault, {"np": np})  # one of the table above
+
+    parsed = command_list.argparse.Namespace(command=fails, json=False)
+    monkeypatch.setattr("beammodes.command_line.command_parser.parse", lambda _: parsed)
+    assert main([command.name]) == FAULTS[fault]
+    said = one_line(capsys.readouterr().err.encode())
+    assert ("please report what it prints with BEAMMODES_DEBUG=1" in said) == (FAULTS[fault] == shell.FAULT)
+    monkeypatch.setenv("BEAMMODES_DEBUG", "1")
+    assert main([command.name]) == FAULTS[fault]
+    err = capsys.readouterr().err
+    assert "Traceback" in err and "in fails" in err
+
+
+def test_the_exit_codes_are_in_the_help() -> None:
+    for code, says in shell.EXIT_CODES.items():
+        assert re.search(rf"^    {code} +{re.escape(says)}$", command_list.help_text(), re.MULTILINE)
+
+
+INTERRUPT = "import os, signal; stop = lambda: os.kill(os.getpid(), signal.SIGINT)\n"
+#: Sends the process SIGINT when it imports a module, as often as is said.
+AT_IMPORT = (
+    INTERRUPT
+    + """
+import sys
+class At:
+    left = {times}
+    def find_spec(self, name, path=None, target=None):
+        while At.left and name == {module!r}:
+            At.left -= 1
+            stop()
+sys.meta_path.insert(0, At())
+"""
+)
+#: Sends SIGINT from inside a function, once or more, and may make another error of it, as CasADi does.
+INSIDE = (
+    INTERRUPT
+    + """
+import importlib
+home, name = {place!r}.rsplit(".", 1)
+home = importlib.import_module(home)
+whole = getattr(home, name)
+def called(*args, **kwargs):
+    for _ in range({times}):
+        try:
+            stop()
+        except KeyboardInterrupt:
+            if {swallowed!r} == "error":
+                raise NotImplementedError("wrong number or type of arguments") from None
+            if {swallowed!r} == "no":
+                raise
+    return whole(*args, **kwargs)
+setattr(home, name, called)
+"""
+)
+
+
+def interrupted(ran: subprocess.CompletedProcess[bytes]) -> None:
+    assert (ran.returncode, ran.stdout) == (130, b""), ran.stderr
+    assert "interrupted" in one_line(ran.stderr)
+
+
+@POSIX
+@pytest.mark.parametrize("times", [1, 2])
+@pytest.mark.parametrize(
+    "module",
+    [
+        "beammodes.command_line.shell",
+        "beammodes.command_line.command_parser",
+        "argparse",
+        "numpy",
+        "numpy.linalg",
+        "beammodes.closed_form.lookup",
+        "beammodes.problem.ends",
+    ],
+)
+def test_an_interrupt_during_imports(module: str, times: int, tmp_path: Path) -> None:
+    call = ["error", "clamped-free", "--segments", "6"]
+    if module.endswith("shell") and times == 2:
+        pytest.skip("nothing listens yet: Python itself takes both")
+    interrupted(process(call, tmp_path, AT_IMPORT.format(module=module, times=times)))
+
+
+@POSIX
+@pytest.mark.parametrize("times", [1, 2, 3])
+@pytest.mark.parametrize("swallowed", ["no", "error", "yes"])
+def test_an_interrupt_however_a_library_takes_it(swallowed: str, times: int, tmp_path: Path) -> None:
+    place = "beammodes.chains.chain.Chain"
+    before = INSIDE.format(place=place, times=times, swallowed=swallowed)
+    interrupted(process(["springs", "clamped-free", "--segments", "6"], tmp_path, before))
+
+
+@POSIX
+@pytest.mark.parametrize("command", COMMANDS, ids=lambda command: command.name)
+def test_every_command_can_be_interrupted(command: Any, tmp_path: Path) -> None:
+    before = INSIDE.format(place="beammodes.problem.ends.Boundary.of", times=2, swallowed="no")
+    before = before.replace(
+        "importlib.import_module(home)", "importlib.import_module('beammodes.problem.ends').Boundary"
+    )
+    folder = in_folder(tmp_path)
+    kept = (folder / "beam.xml").read_bytes()
+    interrupted(process(shlex.split(command.example)[1:], folder, before))
+    assert [path.name for path in folder.iterdir()] == ["beam.xml"]
+    assert (folder / "beam.xml").read_bytes() == kept
+
+
+@POSIX
+def test_a_process_that_ignores_interrupts_is_not_interrupted(tmp_path: Path) -> None:
+    # nohup and shells start background commands so.
+    before = "import signal; signal.signal(signal.SIGINT, signal.SIG_IGN)\n" + INSIDE.format(
+        place="beammodes.chains.chain.Chain", times=3, swallowed="no"
+    )
+    ran = process(["springs", "clamped-free", "--segments", "3"], tmp_path, before)
+    assert (ran.returncode, ran.stderr) == (0, b"") and ran.stdout.startswith(b"hinge")
+
+
+@POSIX
+@pytest.mark.parametrize("command", COMMANDS, ids=lambda command: command.name)
+@pytest.mark.parametrize("flags", [[], ["--json"], ["--help"]])
+def test_every_command_without_a_reader_is_quiet(command: Any, flags: list[str], tmp_path: Path) -> None:
+    reading, writing = os.pipe()
+    os.close(reading)
+    calls = [*shlex.split(command.example)[1:], *flags, *(["--force"] if command.name == "export" else [])]
+    ran = process(calls, in_folder(tmp_path), stdout=writing)
+    os.close(writing)
+    assert (ran.returncode, ran.stderr) == (int(command.name == "audit" and flags != ["--help"]), b"")
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="no device that is always full")
+@pytest.mark.parametrize("command", COMMANDS, ids=lambda command: command.name)
+def test_every_command_on_a_full_disk_and_a_closed_stdout(command: Any, tmp_path: Path) -> None:
+    call = shlex.split(command.example)[1:]
+    more = ["--force"] if command.name == "export" else []
+    folder = in_folder(tmp_path)
+    with open("/dev/full", "wb") as full:
+        for arguments in ([*call, *more], [command.name, "--help"]):
+            ran = process(arguments, folder, stdout=full)
+            assert ran.returncode == 2 and "No space left" in one_line(ran.stderr)
+        nothing = process([*call, *more], folder, stdout=full, stderr=full)
+        assert nothing.returncode == 2
+    words = shlex.join([sys.executable, "-m", "beammodes", *call, *more])
+    closed = subprocess.run(["sh", "-c", f"{words} >&-"], cwd=folder, stderr=subprocess.PIPE, check=False)
+    assert closed.returncode == 2 and "standard output is closed" in one_line(closed.stderr)
+    assert subprocess.run(["sh", "-c", f"{words} >&- 2>&-"], cwd=folder, check=False).returncode == 2
+
+
+def test_warnings_are_one_line_each(tmp_path: Path) -> None:
+    before = "import warnings, beammodes.chains.chain as c\nwhole = c.Chain\n"
+    before += "c.Chain = lambda *a, **k: (warnings.warn('first\\nsecond'), whole(*a, **k))[1]"
+    ran = process(["springs", "clamped-free", "--segments", "3"], tmp_path, before)
+    assert ran.returncode == 0 and one_line(ran.stderr) == "beammodes: UserWarning: first second\n"
+
+
+def test_in_another_program_the_signals_and_warnings_are_left_alone(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    import warnings
+
+    before = signal.getsignal(signal.SIGINT), warnings.showwarning
+    assert main(["error", "clamped-free", "--segments", "6", "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["segments"] == 6
+    assert (signal.getsignal(signal.SIGINT), warnings.showwarning) == before
