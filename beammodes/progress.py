@@ -52,6 +52,11 @@ class ProgressLine:
         self.stream.write(f"\r{self.text(done, total)}\x1b[K" + ("\n" if done == total else ""))
         self.stream.flush()
 
+    def say(self, text: str) -> None:
+        """Write one more line below."""
+        self.stream.write(f"{self.label}: {text}\n")
+        self.stream.flush()
+
     def text(self, done: int, total: int) -> str:
         """Return the line."""
         now = self.clock()

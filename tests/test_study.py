@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import decimal
 import math
 from dataclasses import dataclass
 from fractions import Fraction
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -244,11 +246,30 @@ def test_cases_without_an_answer_are_nan_and_say_why() -> None:
         boundary="clamped-free", segments=[3, 4], mode=1, axial_force=[-2.0, -3.0], compute="relative_error"
     ).run()
     assert np.isnan(table.relative_error).values.tolist() == [[False, True], [False, True]]
-    assert "buckl" in table.refused
-    assert (
-        bm.Study.grid(boundary="clamped-free", segments=3, mode=1, compute="relative_error").run().refused
-        == ""
-    )
+    assert "buckl" in table.reasons and table.failed_cases == 2
+    said = table.reason.values
+    assert said[:, 0].tolist() == ["", ""] and all("buckl" in text for text in said[:, 1])
+    plain = bm.Study.grid(boundary="clamped-free", segments=3, mode=1, compute="relative_error").run()
+    assert (plain.reasons, plain.failed_cases) == ("", 0) and "reason" not in plain
+
+
+def test_one_bad_point_takes_no_answer_from_those_beside_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    # One call of the closed form serves all points that differ in N alone.
+    real = bm.frequency_error
+
+    def fails_at_seven(*given: object, **named: Any) -> Any:
+        if 7 in np.asarray(named["segments"]):
+            raise ZeroDivisionError("by seven")
+        return real(*given, **named)
+
+    grid = {"boundary": "clamped-free", "segments": range(5, 10), "mode": [1, 2], "compute": "relative_error"}
+    whole = bm.Study.grid(**grid).run()
+    monkeypatch.setattr("beammodes.batch.cases.frequency_error", fails_at_seven)
+    table = bm.Study.grid(**grid).run()
+    assert table.reason.values.tolist() == ["", "", "ZeroDivisionError: by seven", "", ""]
+    others = [0, 1, 3, 4]
+    assert np.isnan(table.relative_error[2]).all()
+    np.testing.assert_allclose(table.relative_error[others], whole.relative_error[others], rtol=1e-12)
 
 
 def test_a_section_that_cannot_exist_has_no_errors_either() -> None:
@@ -256,7 +277,7 @@ def test_a_section_that_cannot_exist_has_no_errors_either() -> None:
         **TUBE, wall=[0.001, 0.006], boundary="clamped-free", segments=3, mode=1, compute="relative_error"
     ).run()
     assert np.isnan(table.relative_error).values.tolist() == [False, True]
-    assert "wall" in table.refused
+    assert "wall" in table.reasons
 
 
 def test_rules_that_differ_in_late_digits_or_numbers_are_told_apart() -> None:
@@ -296,15 +317,69 @@ def test_a_function_must_return_a_number() -> None:
     ]
 
 
-def broken(case: bm.Case) -> float:
-    raise ZeroDivisionError(str(case.segments))
+FAILURES: list[Exception] = [
+    ValueError("no such beam"),
+    ZeroDivisionError("float division by zero"),
+    OverflowError("too large"),
+    FloatingPointError("underflow"),
+    decimal.InvalidOperation("NaN"),
+    IndexError("mode 9"),
+    RuntimeError("no convergence\nafter 50 steps"),
+    np.linalg.LinAlgError("singular"),
+]
 
 
-def test_a_function_that_fails_stops_the_study_and_names_the_case() -> None:
+@pytest.mark.parametrize("store", [False, True])
+@pytest.mark.parametrize("error", FAILURES, ids=lambda error: type(error).__name__)
+def test_one_bad_point_does_not_stop_a_study(tmp_path: Path, error: Exception, store: bool) -> None:
+    def fails_once(case: bm.Case) -> float:
+        if case.segments == 4:
+            raise error
+        return float(case.segments)
+
+    study = bm.Study.grid(boundary="clamped-free", segments=range(2, 8), compute=fails_once, chunk=2)
+    table = study.run(store=tmp_path if store else None)
+    np.testing.assert_array_equal(table.fails_once, [2, 3, np.nan, 5, 6, 7])
+    assert table.failed_cases == 1 and table.complete == 1
+    # What an error says of itself, behind its name unless it is a plain ValueError.
+    name = "" if type(error) is ValueError else f"{type(error).__name__}: "
+    expected = name + str(error).replace("\n", " ")
+    assert table.reason.values.tolist() == ["", "", expected, "", "", ""]
+    if store:
+        assert bm.open_study(tmp_path).identical(table)
+
+
+def test_the_closing_line_says_how_many_points_failed(capsys: pytest.CaptureFixture[str]) -> None:
+    def fails(case: bm.Case) -> float:
+        return 1.0 / (case.segments - 3)
+
+    study = bm.Study.grid(boundary="clamped-free", segments=[2, 3, 4], compute=fails)
+    study.run(progress=True)
+    said = capsys.readouterr().err.splitlines()
+    assert said[-1] == "study: 1 of 3 cases have no answer: ZeroDivisionError: float division by zero"
+    bm.Study.grid(boundary="clamped-free", segments=[2, 4], compute=fails).run(progress=True)
+    assert "no answer" not in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("error", [NameError, TypeError, AttributeError, ImportError, MemoryError])
+def test_a_faulty_function_stops_the_study_and_names_the_case(error: type[Exception]) -> None:
+    def broken(case: bm.Case) -> float:
+        raise error(str(case.segments))
+
     study = bm.Study.grid(boundary="clamped-free", segments=[7], compute=broken)
-    with pytest.raises(ZeroDivisionError, match="7") as caught:
+    with pytest.raises(error, match="7") as caught:
         study.run()
     assert any("segments" in note for note in caught.value.__notes__)
+
+
+@pytest.mark.parametrize("name", [*AXES, *QUANTITIES, "point", "sample", "case", "reason"])
+def test_a_function_under_a_taken_name_is_refused_at_once(name: str) -> None:
+    def own(case: bm.Case) -> float:
+        return float(case.segments)
+
+    own.__name__ = own.__qualname__ = name
+    with pytest.raises(ValueError, match=f"compute must be .* names of their own, got {name}, which is"):
+        bm.Study.grid(boundary="clamped-free", segments=[2, 3], compute=own)
 
 
 GOOD = {"boundary": "clamped-free", "segments": 5, "mode": 1, "compute": "relative_error"}
@@ -323,8 +398,8 @@ GOOD = {"boundary": "clamped-free", "segments": 5, "mode": 1, "compute": "relati
         ({"compute": "relative_eror"}, 'did you mean "relative_error"'),
         ({"compute": []}, "compute must name at least one"),
         ({"compute": ["relative_error"] * 2}, "each quantity once"),
-        ({"compute": lambda _: 1.0}, "a module defines by def"),
-        ({"compute": math.sqrt}, "a module defines by def"),
+        ({"compute": lambda _: 1.0}, "functions that def makes"),
+        ({"compute": math.sqrt}, "functions that def makes"),
         ({"compute": 3}, "compute must be one of"),
         ({"right_mass": [0.1, math.nan]}, "right_mass: mass must be finite"),
         ({"right_mass": -0.1}, "right_mass: mass must not be negative"),

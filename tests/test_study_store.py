@@ -199,11 +199,184 @@ def test_another_order_or_version_is_refused(tmp_path: Path, monkeypatch: pytest
         study().run(store=tmp_path)
 
 
-def test_a_changed_function_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    bm.Study.grid(boundary="free-free", segments=[3], compute=slow).run(store=tmp_path)
-    monkeypatch.setattr("inspect.getsource", lambda _: "def slow(case): return 2.0")
-    with pytest.raises(ValueError, match="compute, slow, source is"):
-        bm.Study.grid(boundary="free-free", segments=[3], compute=slow).run(store=tmp_path)
+def other(folder: Path, **changes: Any) -> list[Path]:
+    """The chunks' files of another study's store, in order."""
+    study(**changes).run(store=folder)
+    return sorted(folder.glob("chunk-*.nc"))
+
+
+@pytest.mark.parametrize(
+    "changes", [{"rule": "gregory"}, {"segments": range(2, 22)}, {"mode": [2, 3]}, {"chunk": 5}], ids=str
+)
+def test_a_chunk_of_another_study_is_not_read(tmp_path: Path, calls: list[Any], changes: Any) -> None:
+    folder = tmp_path / "store"
+    whole = study().run(store=folder)
+    before = names(folder)
+    foreign = other(tmp_path / "other", **changes)[6]
+    (folder / before[6]).unlink()
+    (folder / foreign.name).write_bytes(foreign.read_bytes())
+    with pytest.warns(UserWarning, match=r"chunk-000000006.* is a chunk of another study$"):
+        found = bm.open_study(folder)
+    assert found.finished_cases == 36
+    calls.clear()
+    with pytest.warns(
+        UserWarning, match=r"another study, and computed again; the file is now .*\.nc\.aside$"
+    ):
+        again = study().run(store=folder)
+    assert again.identical(whole) and names(folder) == before and len(calls) == 1
+    assert (folder / f"{foreign.name}.aside").read_bytes() == foreign.read_bytes()
+    assert study().run(store=folder).identical(whole)  # without a warning
+
+
+def test_two_chunks_that_were_swapped_are_not_read(tmp_path: Path) -> None:
+    whole = study().run(store=tmp_path)
+    before = names(tmp_path)
+    old = [tmp_path / before[k] for k in (2, 5)]
+    data = [path.read_bytes() for path in old]
+    new = [old[k].with_name(old[k].name[:16] + old[1 - k].name[16:]) for k in (0, 1)]
+    for k in (0, 1):
+        old[k].unlink()
+        new[k].write_bytes(data[1 - k])
+    with pytest.warns(UserWarning, match="another's name") as caught:
+        assert bm.open_study(tmp_path).finished_cases == 32
+    said = {str(warning.message) for warning in caught}
+    assert said == {
+        f"{new[0].name} is chunk 5 under another's name",
+        f"{new[1].name} is chunk 2 under another's name",
+    }
+    with pytest.warns(UserWarning, match="computed again"):
+        assert study().run(store=tmp_path).identical(whole)
+    assert names(tmp_path) == before
+
+
+def test_a_changed_definition_file_is_found_out(tmp_path: Path) -> None:
+    study().run(store=tmp_path)
+    path = tmp_path / "study.json"
+    text = path.read_text()
+    for old, new in (("mitiguy", "gregory"), ('"chunk": 4', '"chunk": 5'), ("clamped-free", "free-free")):
+        assert old in text
+        path.write_text(text.replace(old, new))
+        for use in (bm.open_study, lambda folder: study().run(store=folder)):
+            with pytest.raises(
+                ValueError, match=r"readable study\.json.* its digest is not that of its defin"
+            ):
+                use(tmp_path)
+    path.write_text(text)
+    assert bm.open_study(tmp_path).complete == 1
+
+
+LIMIT = 2.0
+TABLE = {"a": [1.0, 2.0], "b": np.arange(3.0)}
+
+
+class Law:
+    """A class that a function names."""
+
+    factor = 2.0
+
+    def value(self, case: bm.Case) -> float:
+        return self.factor * case.segments
+
+
+def helper(case: bm.Case, factor: float = 1.0) -> float:
+    return factor * case.segments + LIMIT + TABLE["a"][0]
+
+
+def own(case: bm.Case) -> float:
+    return helper(case) + Law().value(case)
+
+
+TEXT = """
+LIMIT, SIZES = 2.0, [1.0, 2.0]
+
+def make(factor):
+    def own(case, power=1):
+        if case.segments in {3, 4}:
+            return helper(case) ** power
+        return factor * case.segments + max(row * LIMIT for row in SIZES)
+    return own
+
+def helper(case):
+    return case.segments + 1.0
+
+own = make(2.0)
+"""
+
+
+def typed(text: str) -> Any:
+    """The function `own` of a program that no file holds, as in a notebook."""
+    names: dict[str, Any] = {"__name__": "__main__"}
+    exec(text, names)
+    return names["own"]
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "what"),
+    [
+        ("LIMIT, SIZES = 2.0", "LIMIT, SIZES = 2.5", "__main__.LIMIT"),
+        ("[1.0, 2.0]", "[1.0, 3.0]", "__main__.SIZES"),
+        ("make(2.0)", "make(3.0)", "__main__.make.<locals>.own"),  # a closure
+        ("power=1", "power=2", "__main__.make.<locals>.own"),  # a default
+        ("{3, 4}", "{3, 5}", "__main__.make.<locals>.own"),  # a constant
+        ("factor * case", "factor - case", "__main__.make.<locals>.own"),  # bytecode
+        ("row * LIMIT", "row - LIMIT", "__main__.make.<locals>.own"),  # of a generator within
+        ("case.segments + 1.0", "case.segments + 1.5", "__main__.helper"),
+        ("max(", "min(", "__main__.make.<locals>.own"),
+    ],
+)
+def test_a_changed_function_is_refused(tmp_path: Path, old: str, new: str, what: str) -> None:
+    grid = {"boundary": "free-free", "segments": [3, 7]}
+    first = bm.Study.grid(**grid, compute=typed(TEXT)).run(store=tmp_path)
+    # The same text again, and with what does not run, is the same study.
+    for same in (TEXT, TEXT.replace("def helper", "\n# how stiff\n\ndef helper")):
+        assert bm.Study.grid(**grid, compute=typed(same)).run(store=tmp_path).identical(first)
+    assert TEXT.count(old) == 1
+    changed = bm.Study.grid(**grid, compute=typed(TEXT.replace(old, new)))
+    with pytest.raises(ValueError, match=f"whose compute, own, source, {what} is "):
+        changed.run(store=tmp_path)
+
+
+def test_what_runs_counts_not_the_file(monkeypatch: pytest.MonkeyPatch) -> None:
+    def digest() -> str:
+        return bm.Study.grid(boundary="free-free", segments=[3], compute=own).digest
+
+    first = digest()
+    monkeypatch.setattr("inspect.getsource", lambda _: "def own(case): return 2.0")
+    assert digest() == first
+    changes = [
+        lambda patch: patch.setattr(helper, "__defaults__", (2.0,)),
+        lambda patch: patch.setattr(helper, "__code__", (lambda _case, factor=1.0: factor).__code__),
+        lambda patch: patch.setattr(Law, "factor", 3.0),
+        lambda patch: patch.setattr(Law, "value", lambda _self, case: 2.0 * case.segments + 1.0),
+        lambda patch: patch.setitem(globals(), "LIMIT", np.float64(2.0000001)),
+        lambda patch: patch.setitem(TABLE, "a", [1.0, 2.0, 3.0]),
+        lambda patch: patch.setitem(TABLE, "b", np.arange(3.0) + 1e-12),
+    ]
+    seen = {first}
+    for change in changes:
+        with monkeypatch.context() as patch:
+            change(patch)
+            seen.add(digest())
+        assert digest() == first
+    assert len(seen) == len(changes) + 1
+
+
+def test_a_functions_digest_is_that_of_another_process() -> None:
+    # Hash seeds change the order of sets, and addresses are no part of it.
+    program = f"""
+import beammodes as bm
+TEXT = {TEXT!r}
+names = {{"__name__": "__main__"}}
+exec(TEXT, names)
+print(bm.Study.grid(boundary="free-free", segments=[3, 7], compute=names["own"]).digest)
+"""
+    ours = bm.Study.grid(boundary="free-free", segments=[3, 7], compute=typed(TEXT)).digest
+    for seed in ("1", "2"):
+        command = [sys.executable, "-c", program]
+        run = subprocess.run(
+            command, env=os.environ | {"PYTHONHASHSEED": seed}, capture_output=True, check=True
+        )
+        assert run.stdout.decode().strip() == ours
 
 
 def test_a_folder_with_other_things_is_not_a_store(tmp_path: Path) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import numbers
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -23,12 +23,16 @@ from beammodes.problem.beam import Beam
 from beammodes.problem.ends import Boundary
 from beammodes.problem.loading import Load
 
-__all__ = ["MATERIAL", "MAX_REASONS", "UNIFORM_BEAM", "Case", "Cases"]
+__all__ = ["MATERIAL", "UNIFORM_BEAM", "Case", "Cases"]
 
 Floats = NDArray[np.float64]
 
-#: Messages kept of one block.
-MAX_REASONS = 3
+#: What counts as the answer that a point has none. A TypeError, a NameError and their like are faults of a
+#: function's text, not of a point, and stop the study.
+NO_ANSWER = (ValueError, ArithmeticError, LookupError, RuntimeError)
+
+#: Characters kept of each message.
+_REASON = 300
 
 #: What makes a beam without a section, and what a section needs to make one.
 UNIFORM_BEAM = ("length", "bending_stiffness", "mass_per_length")
@@ -114,13 +118,13 @@ class Cases:
     ----------
     columns : mapping from axis names to arrays, shape (cases,)
     mode : ndarray of int, shape (1 or cases, modes)
-    refused : list of str
-        Why some numbers are NaN: the first few messages of the errors that their computation met.
+    reasons : dict from int to str
+        Why some cases' numbers are NaN: by the case's place, the message of the first error that it met.
     """
 
     columns: Mapping[str, NDArray[Any]]
     mode: NDArray[np.intp]
-    refused: list[str] = field(default_factory=list)
+    reasons: dict[int, str] = field(default_factory=dict)
 
     def __len__(self) -> int:
         return len(self.columns["segments"])
@@ -136,7 +140,7 @@ class Cases:
         return len(self), self.mode.shape[1]
 
     def each(self, function: Callable[[Case], float]) -> Floats:
-        """Return a number of every case, shape (cases,), NaN where it has none.
+        """Return a number of every case, shape (cases,), NaN where one of `NO_ANSWER` is raised.
 
         Raises
         ------
@@ -145,9 +149,9 @@ class Cases:
         """
         found = np.full(len(self), np.nan)
         for i, case in enumerate(self):
-            with self._answering(case):
+            with self._answering([i], case):
                 answer = function(case)
-                if not isinstance(answer, numbers.Real):
+                if isinstance(answer, bool) or not isinstance(answer, numbers.Real):
                     name = getattr(function, "__name__", "compute")
                     raise TypeError(f"{name} must return a real number, got {shown(answer)}")
                 found[i] = answer
@@ -176,7 +180,7 @@ class Cases:
         exact = np.full(self.shape, np.nan)
         for (pair, _, load), at in self._groups:
             wanted, place = np.unique(modes[at], return_inverse=True)
-            with self._answering():
+            with self._answering(at):
                 exact[at] = exact_frequencies(pair, wanted, load)[place].reshape(len(at), -1)
         return exact
 
@@ -185,18 +189,26 @@ class Cases:
         segments = self.columns["segments"][at, None]
         mode = self.mode if len(self.mode) == 1 else self.mode[at]
         error = np.full((len(at), self.mode.shape[1]), np.nan)
-        with self._answering():
+        try:
             error[:] = frequency_error(pair, segments=segments, mode=mode, rule=rule, load=load)
+        except NO_ANSWER:
+            if len(at) > 1:
+                # One case without an answer must not take it from those beside it.
+                return np.concatenate([self._errors(at[i : i + 1], pair, rule, load) for i in range(len(at))])
+            with self._answering(at):
+                raise
         return error
 
     @contextmanager
-    def _answering(self, case: Case | None = None) -> Iterator[None]:
-        """Let a ValueError count as the answer that there is none, and remember what it said."""
+    def _answering(self, places: Iterable[int], case: Case | None = None) -> Iterator[None]:
+        """Let an error count as the answer that these cases have none, and remember what it said."""
         try:
             yield
-        except ValueError as error:
-            if len(self.refused) < MAX_REASONS and str(error) not in self.refused:
-                self.refused.append(str(error))
+        except NO_ANSWER as error:
+            said = str(error) if type(error) is ValueError else f"{type(error).__name__}: {error}"
+            kept = "".join(letter for letter in " ".join(said.split())[:_REASON] if letter.isprintable())
+            for place in places:
+                self.reasons.setdefault(int(place), kept)
         except Exception as error:
             error.add_note("met in a study" + ("" if case is None else f", at {case}"))
             raise
@@ -222,7 +234,7 @@ class Cases:
     def _groups_by_number(self) -> list[tuple[tuple[Boundary, AnyRule, Load], NDArray[np.intp]]]:
         found: dict[tuple[Boundary, AnyRule, Load], list[int]] = {}
         for i, case in enumerate(self):
-            with self._answering(case):
+            with self._answering([i], case):
                 pair, load = case.boundary, case.load
                 if self._has_beams:
                     pair, load = in_beam_units(pair, case.beam), load_in_beam_units(load, case.beam)

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import io
-from collections.abc import Iterable
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
 from beammodes.batch.cases import Cases
-from beammodes.batch.quantities import Quantity
+from beammodes.batch.quantities import REASON, Quantity
 from beammodes.blas import one_thread
 
 __all__ = ["Evaluated", "evaluate", "evaluate_elsewhere"]
@@ -25,45 +25,67 @@ class Evaluated:
     Attributes
     ----------
     values : dict from names to arrays, shape (cases, modes) or (cases,)
-    refused : tuple of str
-        Why some are NaN.
+    reasons : dict from int to str
+        Why numbers of a case are NaN, by its place in the chunk.
     """
 
     values: dict[str, Floats]
-    refused: tuple[str, ...] = ()
+    reasons: Mapping[int, str] = field(default_factory=dict)
 
-    def to_bytes(self) -> bytes:
-        """Return a netCDF file, the same bytes whenever the numbers are the same."""
+    def to_bytes(self, study: str, number: int) -> bytes:
+        """Return a netCDF file, the same bytes whenever the numbers are the same.
+
+        Parameters
+        ----------
+        study : str
+            The digest of the study's definition.
+        number : int
+            Of the chunk.
+        """
         import h5netcdf
 
+        # Text as attributes, and whole numbers for it at the cases: arrays of strings would be of objects.
+        texts: dict[str, int] = {}
+        which = np.zeros(len(next(iter(self.values.values()))), dtype=np.int64)
+        for place, text in self.reasons.items():
+            which[place] = texts.setdefault(text, len(texts) + 1)
         whole = io.BytesIO()
         with h5netcdf.File(whole, "w") as file:
-            for name, array in self.values.items():
+            for name, array in {**self.values, REASON: which}.items():
                 dimensions = ("case", "mode")[: array.ndim]
                 for dimension, size in zip(dimensions, array.shape, strict=True):
                     if dimension not in file.dimensions:
                         file.dimensions[dimension] = size
                 file.create_variable(name, dimensions, data=array)
-            # Text of its own: an attribute of several strings would be an array of objects.
-            file.attrs["refused"] = "\n".join(reason.replace("\n", " ") for reason in self.refused)
+            file.attrs["study"], file.attrs["chunk"] = study, np.int64(number)
+            file.attrs["reasons"] = "\n".join(texts)
         return whole.getvalue()
 
     @classmethod
-    def from_bytes(cls, data: bytes) -> Evaluated:
-        """Return what `to_bytes` wrote; raises OSError or KeyError for anything else.
+    def from_bytes(cls, data: bytes) -> tuple[Evaluated, str, int]:
+        """Return what `to_bytes` wrote, the study's digest and the chunk's number.
+
+        Raises
+        ------
+        OSError, KeyError
+            If it is anything else.
 
         Examples
         --------
-        >>> chunk = Evaluated({"a": np.array([1.0, np.nan])}, ("why",))
-        >>> Evaluated.from_bytes(chunk.to_bytes()).refused
-        ('why',)
+        >>> chunk = Evaluated({"a": np.array([1.0, np.nan])}, {1: "why"})
+        >>> found, study, number = Evaluated.from_bytes(chunk.to_bytes("2f1c", 5))
+        >>> found.reasons, study, number
+        ({1: 'why'}, '2f1c', 5)
         """
         import h5netcdf
 
         with h5netcdf.File(io.BytesIO(data), "r") as file:
-            reasons = str(file.attrs["refused"])
+            study, number = str(file.attrs["study"]), int(file.attrs["chunk"])
+            texts = str(file.attrs["reasons"]).split("\n")
             values = {name: np.asarray(variable[...]) for name, variable in file.variables.items()}
-        return cls(values, tuple(reasons.split("\n")) if reasons else ())
+        which = values.pop(REASON)
+        reasons = {int(place): texts[which[place] - 1] for place in np.flatnonzero(which)}
+        return cls(values, reasons), study, number
 
 
 def evaluate(cases: Cases, quantities: Iterable[Quantity]) -> Evaluated:
@@ -94,4 +116,4 @@ def _evaluated(cases: Cases, quantities: Iterable[Quantity]) -> Evaluated:
         quantity.name: np.ascontiguousarray(quantity.compute(cases), dtype=np.float64)
         for quantity in quantities
     }
-    return Evaluated(values, tuple(cases.refused))
+    return Evaluated(values, dict(sorted(cases.reasons.items())))

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import hashlib
 import inspect
 import math
-from collections.abc import Callable, Iterable
-from contextlib import suppress
-from dataclasses import dataclass
+import types
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -16,12 +15,20 @@ from numpy.typing import NDArray
 from beammodes.accuracy.buckling import buckling_load
 from beammodes.accuracy.static_errors import STATIC_QUANTITIES, chain_static_errors
 from beammodes.batch.cases import Case, Cases
+from beammodes.batch.running_code import running_code
+from beammodes.batch.study_axes import AXES
 from beammodes.checks import choice, shown
 from beammodes.vibration.stability import highest_angular_frequency, stable_time_step
 
-__all__ = ["QUANTITIES", "Quantity", "quantities_of"]
+__all__ = ["DIMENSIONS", "QUANTITIES", "REASON", "Quantity", "quantities_of"]
 
 Floats = NDArray[np.float64]
+
+#: Dimensions of a study's dataset and of a chunk's file that are no axes.
+DIMENSIONS = ("point", "sample", "case")
+
+#: The variable that says, case by case, why numbers are NaN.
+REASON = "reason"
 
 
 @dataclass(frozen=True)
@@ -39,9 +46,9 @@ class Quantity:
         Whether every mode has its own.
     closed_form : bool
         Whether plain ends take microseconds a value, not milliseconds.
-    source : str
-        What tells one function of this name from another: nothing for those of this package, whose version
-        does.
+    source : mapping from str to str
+        As `running_code`, what tells one function of this name from another: nothing for those of this
+        package, whose version does.
     uncounted : tuple of str
         Axes that would change it in truth, and that it does not count.
     """
@@ -53,12 +60,12 @@ class Quantity:
     compute: Callable[[Cases], Floats]
     per_mode: bool = False
     closed_form: bool = False
-    source: str = ""
+    source: Mapping[str, str] = field(default_factory=dict)
     uncounted: tuple[str, ...] = ()
 
     def definition(self) -> dict[str, Any]:
         """Return what defines the quantity, in plain values for a file."""
-        return {"per_mode": self.per_mode, **({"source": self.source} if self.source else {})}
+        return {"per_mode": self.per_mode, **({"source": dict(self.source)} if self.source else {})}
 
 
 @dataclass(frozen=True)
@@ -183,8 +190,7 @@ def quantities_of(compute: object) -> tuple[Quantity, ...]:
     Raises
     ------
     TypeError, ValueError
-        If there are none, a name is unknown or met twice, or a function does not stand in a module, where
-        other processes can find it.
+        If there are none, a name is unknown or met twice, or a function has none that a dataset can use.
 
     Examples
     --------
@@ -206,15 +212,20 @@ def quantities_of(compute: object) -> tuple[Quantity, ...]:
 def _quantity(item: object) -> Quantity:
     if not callable(item):
         return QUANTITIES[choice("compute", item, QUANTITIES)]
-    name, source = getattr(item, "__qualname__", ""), ""
-    if inspect.isfunction(item):
-        with suppress(OSError, TypeError):
-            source = inspect.getsource(item)
-    if not source or not name.isidentifier() or name in QUANTITIES:
+    name = getattr(item, "__name__", "")
+    if not isinstance(item, types.FunctionType) or not name.isidentifier():
         raise ValueError(
-            "compute must name quantities, or functions that a module defines by def, under names of their "
-            f"own (no lambda, method or part of another function), got {shown(item)}"
+            "compute must name quantities, or be functions that def makes (no lambda or method), "
+            f"got {shown(item)}"
         )
-    digest = hashlib.sha256(source.encode()).hexdigest()
+    taken = {
+        **dict.fromkeys((*DIMENSIONS, REASON), "part of the dataset"),
+        **dict.fromkeys(AXES, "an axis"),
+        **dict.fromkeys(QUANTITIES, "a quantity"),
+    }
+    if name in taken:
+        raise ValueError(
+            f"compute must be functions under names of their own, got {name}, which is {taken[name]}'s name"
+        )
     label = (inspect.getdoc(item) or name.replace("_", " ")).splitlines()[0]
-    return Quantity(name, label, "", "", _Own(item), source=f"{item.__module__}.{name} {digest}")
+    return Quantity(name, label, "", "", _Own(item), source=running_code(item))

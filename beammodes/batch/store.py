@@ -2,9 +2,10 @@
 
 A chunk's file is written beside its place and moved there in one step, so it is whole or not there, whenever
 the machine or the process stops. Its name carries the digest of its bytes: a file damaged later is found out
-and its chunk computed again. Two runs that write the same chunk would write the same bytes under the same
-name, so they cannot harm each other; they would only work twice, which a lock, given back by the operating
-system however a run ends, prevents where the file system has locks.
+and its chunk computed again. In it stand the study's digest and the chunk's number: a file of another study,
+or one renamed to another number, is found out as well and set aside. Two runs that write the same chunk would
+write the same bytes under the same name, so they cannot harm each other; they would only work twice, which a
+lock, given back by the operating system however a run ends, prevents where the file system has locks.
 """
 
 from __future__ import annotations
@@ -25,11 +26,19 @@ from beammodes.batch.evaluated import Evaluated
 from beammodes.checks import shown
 from beammodes.files import write_atomically
 
-__all__ = ["Store", "difference", "locked", "made_ready"]
+__all__ = ["BadChunk", "Store", "definition_digest", "difference", "locked", "made_ready"]
 
 _DEFINITION, _LOCK = "study.json", "study.lock"
 _CHUNK = re.compile(r"chunk-(\d{9,})-([0-9a-f]{16})\.nc")
 _TEMPORARY = re.compile(r"\.(chunk-.*\.nc|study\.json)\..*")
+
+
+class BadChunk(Exception):
+    """A file under a chunk's name that is not this chunk; says what it is."""
+
+
+class ForeignChunk(BadChunk):
+    """A sound file of another study, or of another chunk."""
 
 
 @dataclass(frozen=True)
@@ -41,10 +50,13 @@ class Store:
     folder : Path
     definition : dict
         What `Study.definition` said when the folder was made.
+    digest : str
+        Of the definition; every chunk carries it.
     """
 
     folder: Path
     definition: dict[str, Any]
+    digest: str
 
     @classmethod
     def read(cls, folder: Path) -> Store:
@@ -54,18 +66,20 @@ class Store:
             raise FileNotFoundError(errno.ENOENT, f"no study is stored here, no {_DEFINITION}", str(folder))
         try:
             kept = json.loads(path.read_text("utf-8"))
-            definition = dict(kept["definition"])
+            definition, digest = dict(kept["definition"]), str(kept["digest"])
             for part in ("axes", "compute"):
                 dict(definition[part])
             int(definition["chunk"])
+            if definition_digest(definition) != digest:
+                raise ValueError("its digest is not that of its definition, so it was changed or damaged")
         except (ValueError, KeyError, TypeError) as error:
             raise ValueError(
                 f"store must have a readable {_DEFINITION}, got {shown(str(path))}: {error}"
             ) from None
-        return cls(folder, definition)
+        return cls(folder, definition, digest)
 
     @classmethod
-    def of(cls, folder: Path, definition: Mapping[str, Any], digest: str) -> Store:
+    def of(cls, folder: Path, definition: Mapping[str, Any]) -> Store:
         """Return the store of this definition, made if the folder is new or empty.
 
         Raises
@@ -75,7 +89,8 @@ class Store:
         """
         made_ready(folder)
         if not (folder / _DEFINITION).exists():
-            text = json.dumps({"digest": digest, "definition": definition}, indent=1, allow_nan=False)
+            whole = {"digest": definition_digest(definition), "definition": definition}
+            text = json.dumps(whole, indent=1, allow_nan=False)
             write_atomically(folder / _DEFINITION, lambda file: file.write(text.encode()))
         store = cls.read(folder)
         found = difference(store.definition, json.loads(json.dumps(definition)))
@@ -83,34 +98,60 @@ class Store:
             raise ValueError(f"store must be of this study, got {shown(str(folder))}, whose {found}")
         return store
 
-    def finished(self) -> dict[int, Path]:
-        """Return the files of finished chunks by number; the files' bytes are not looked at."""
-        found = {}
-        for path in sorted(self.folder.iterdir()):
+    def finished(self) -> list[tuple[int, Path]]:
+        """Return the numbers and files of finished chunks in order; the files' bytes are not looked at."""
+        found = []
+        for path in self.folder.iterdir():
             match = _CHUNK.fullmatch(path.name)
             if match:
-                found[int(match[1])] = path
-        return dict(sorted(found.items()))
+                found.append((int(match[1]), path))
+        return sorted(found)
 
     def save(self, number: int, chunk: Evaluated) -> None:
         """Keep a finished chunk."""
-        data = chunk.to_bytes()
+        data = chunk.to_bytes(self.digest, number)
         path = self.folder / f"chunk-{number:09d}-{_digest(data)}.nc"
         write_atomically(path, lambda file: file.write(data))
 
-    def load(self, path: Path) -> Evaluated | None:
-        """Return a finished chunk, or None if its file is damaged."""
+    def load(self, number: int, path: Path) -> Evaluated:
+        """Return a finished chunk.
+
+        Raises
+        ------
+        BadChunk
+            If the file is damaged, of another study or of another chunk of this one.
+        """
         data = path.read_bytes()
-        return Evaluated.from_bytes(data) if path.name.endswith(f"-{_digest(data)}.nc") else None
+        if not path.name.endswith(f"-{_digest(data)}.nc"):
+            raise BadChunk("is damaged")
+        try:
+            chunk, study, place = Evaluated.from_bytes(data)
+        except (OSError, KeyError, ValueError):
+            raise ForeignChunk("is not a file of this version") from None
+        if study != self.digest:
+            raise ForeignChunk("is a chunk of another study")
+        if place != number:
+            raise ForeignChunk(f"is chunk {place} under another's name")
+        return chunk
 
     def sound(self) -> set[int]:
-        """Return the numbers of the finished chunks; damaged files are removed, with a warning."""
+        """Return the numbers of the finished chunks.
+
+        With a warning, damaged files are removed, and those of other studies or chunks renamed.
+        """
         found = set()
-        for number, path in self.finished().items():
-            if path.name.endswith(f"-{_digest(path.read_bytes())}.nc"):
+        for number, path in self.finished():
+            try:
+                self.load(number, path)
                 found.add(number)
-            else:
-                warnings.warn(f"{path.name} is damaged, and computed again", stacklevel=4)
+            except ForeignChunk as fault:
+                aside = path.with_name(f"{path.name}.aside")
+                warnings.warn(
+                    f"{path.name} {fault}, and computed again; the file is now {aside.name}", stacklevel=4
+                )
+                path.replace(aside)
+            except BadChunk as fault:
+                warnings.warn(f"{path.name} {fault}, and computed again", stacklevel=4)
                 path.unlink()
         return found
 
@@ -169,6 +210,12 @@ def difference(kept: Mapping[str, Any], wanted: Mapping[str, Any]) -> str:
     # The order of axes is that of dimensions.
     orders = ", ".join(kept), ", ".join(wanted)
     return "" if orders[0] == orders[1] else f"order is {orders[0]} there, {orders[1]} here"
+
+
+def definition_digest(definition: Mapping[str, Any]) -> str:
+    """Return a fingerprint of a study's definition, in hexadecimal."""
+    text = json.dumps(definition, sort_keys=True, allow_nan=False)
+    return hashlib.sha256(text.encode()).hexdigest()
 
 
 @contextmanager

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
-import json
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -15,6 +13,7 @@ import numpy as np
 from beammodes.batch.cases import Cases
 from beammodes.batch.distributions import Normal, Uniform
 from beammodes.batch.quantities import Quantity, quantities_of
+from beammodes.batch.store import definition_digest
 from beammodes.batch.study_axes import Axis, axis_values
 from beammodes.batch.study_inputs import all_plain, canonical, check_complete, grid_axes, random_axis
 from beammodes.checks import shown, whole_number
@@ -86,8 +85,10 @@ class Study:
             Names of quantities: relative_error, angular_frequency, exact_angular_frequency,
             highest_angular_frequency, stable_time_step; buckling_load, exact_buckling_load, buckling_error,
             of beams at rest; tip_deflection_error, tip_rotation_error, midspan_deflection_error, without
-            other loads. A function gets a `Case`, returns one number (a ValueError counts as none), and is
-            defined in a module. Its text belongs to the study's definition, not that of what it calls.
+            other loads. A function made by def gets a `Case` and returns one number; a ValueError,
+            ArithmeticError, LookupError or RuntimeError counts as none. The code that runs belongs to the
+            study's definition, with that of the user's functions that it calls and the globals that they
+            read; what stands in no name, such as a file that it opens, does not.
         chunk : int, optional
             Points, not counting modes, computed and kept together: 5000 where the closed form of plain ends
             serves all, else 100, or fewer of many modes. It belongs to the study's definition.
@@ -212,8 +213,7 @@ class Study:
     @property
     def digest(self) -> str:
         """A fingerprint of `definition`, in hexadecimal."""
-        text = json.dumps(self.definition, sort_keys=True, allow_nan=False)
-        return hashlib.sha256(text.encode()).hexdigest()
+        return definition_digest(self.definition)
 
     def cases(self, number: int) -> Cases:
         """Return the points of a chunk, the first being number 0."""
@@ -245,7 +245,8 @@ class Study:
         ----------
         store : str or Path, optional
             A folder: new, or that of this study, which then goes on where it was. "~" is the home folder.
-            Each chunk is a netCDF file, moved into place whole, its digest in its name; a damaged one is
+            Each chunk is a netCDF file, moved into place whole, its digest in its name, the study's and its
+            number inside; one that is damaged, or of another study or place, is set aside with a warning and
             computed again.
             Without a store the results are kept in memory alone.
         engine : "serial", "processes", a dask.distributed Client, or a concurrent.futures Executor
@@ -259,9 +260,10 @@ class Study:
         Returns
         -------
         xarray.Dataset
-            NaN where a chain has no such mode, or a case has no answer, which attribute `refused` explains.
-            All of it is held in memory, 8 bytes for each number; of a study too large for that the chunks'
-            files are the result.
+            NaN where a chain has no such mode, or a case has no answer: a ValueError, ArithmeticError,
+            LookupError or RuntimeError. If there are such cases, variable `reason` says of each what it was;
+            attribute `failed_cases` counts them and `reasons` has the first few. All of it is held in memory,
+            8 bytes for each number; of a study too large for that the chunks' files are the result.
 
         Raises
         ------

@@ -9,15 +9,17 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from beammodes.batch.cases import MAX_REASONS
 from beammodes.batch.evaluated import Evaluated
-from beammodes.batch.quantities import QUANTITIES
+from beammodes.batch.quantities import QUANTITIES, REASON
 from beammodes.batch.study_axes import AXES, Axis
 
 if TYPE_CHECKING:
     import xarray
 
 __all__ = ["study_dataset"]
+
+#: Different messages that the attribute has; the variable has that of every case.
+MAX_REASONS = 3
 
 
 def study_dataset(definition: Mapping[str, Any], chunks: Iterable[tuple[int, Evaluated]]) -> xarray.Dataset:
@@ -33,8 +35,9 @@ def study_dataset(definition: Mapping[str, Any], chunks: Iterable[tuple[int, Eva
     Returns
     -------
     xarray.Dataset
-        The study's dimensions, modes last; a variable for each quantity. Attributes: `cases` and
-        `finished_cases`, not counting modes; `complete`, 1 or 0; `refused`, why some numbers are NaN.
+        The study's dimensions, modes last; a variable for each quantity; if some cases have no answer,
+        variable `reason` with what was said of each. Attributes: `cases`, `finished_cases` and
+        `failed_cases`, not counting modes; `complete`, 1 or 0; `reasons`, the first few.
     """
     import xarray
 
@@ -47,6 +50,11 @@ def study_dataset(definition: Mapping[str, Any], chunks: Iterable[tuple[int, Eva
     for name, array in arrays.items():
         spread = sizes | ({"mode": modes} if modes and array.ndim == 2 else {})
         variables[name] = (tuple(spread), array.reshape(tuple(spread.values())), _attributes(name, own))
+    if reasons:
+        said = np.full(math.prod(sizes.values()), "", dtype=object)
+        said[list(reasons)] = list(reasons.values())
+        long_name = {"long_name": "why numbers are NaN"}
+        variables[REASON] = (tuple(sizes), said.reshape(tuple(sizes.values())), long_name)
     total = math.prod(sizes.values())
     return xarray.Dataset(
         variables,
@@ -57,28 +65,29 @@ def study_dataset(definition: Mapping[str, Any], chunks: Iterable[tuple[int, Eva
             "cases": total,
             "finished_cases": done,
             "complete": int(done == total),
-            "refused": "; ".join(reasons[:MAX_REASONS]),
+            "failed_cases": len(reasons),
+            "reasons": "; ".join(list(dict.fromkeys(reasons.values()))[:MAX_REASONS]),
         },
     )
 
 
 def _filled(
     definition: Mapping[str, Any], total: int, modes: int, chunks: Iterable[tuple[int, Evaluated]]
-) -> tuple[dict[str, NDArray[np.float64]], int, list[str]]:
-    """Return an array of every quantity, shape (cases, modes) or (cases,), how many cases are there, and why
-    some are NaN.
+) -> tuple[dict[str, NDArray[np.float64]], int, dict[int, str]]:
+    """Return an array of every quantity, shape (cases, modes) or (cases,), how many cases are there, and by
+    the places of cases why they are NaN.
     """
     step, compute = definition["chunk"], definition["compute"]
     arrays = {
         name: np.full((total, modes) if kind["per_mode"] else (total,), np.nan)
         for name, kind in compute.items()
     }
-    done, reasons = 0, []
+    done, reasons = 0, {}
     for number, chunk in chunks:
         for name, array in arrays.items():
             array[number * step : (number + 1) * step] = chunk.values[name]
         done += min(step, total - number * step)
-        reasons += [reason for reason in chunk.refused if reason not in reasons]
+        reasons.update({number * step + place: reason for place, reason in chunk.reasons.items()})
     return arrays, done, reasons
 
 

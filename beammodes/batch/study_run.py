@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING, Any
 
 from beammodes.batch.evaluated import Evaluated
 from beammodes.batch.executors import computed, executor_of
-from beammodes.batch.store import Store, locked, made_ready
+from beammodes.batch.store import BadChunk, Store, locked, made_ready
 from beammodes.batch.study_dataset import study_dataset
 from beammodes.checks import shown
-from beammodes.progress import progress_of
+from beammodes.progress import ProgressLine, progress_of
 
 if TYPE_CHECKING:
     import xarray
@@ -33,21 +33,28 @@ def run_study(
     if store is None:
         found: dict[int, Evaluated] = {}
         _compute(study, found, engine, workers, report, found.__setitem__)
-        return study_dataset(study.definition, sorted(found.items()))
+        return _closed(study_dataset(study.definition, sorted(found.items())), report)
     folder = _folder(store)
     made_ready(folder)
     with locked(folder) as alone:
-        kept = Store.of(folder, study.definition, study.digest)
+        kept = Store.of(folder, study.definition)
         if alone:
             kept.clean()
         whole = kept.sound()
         try:
             _compute(study, whole, engine, workers, report, kept.save)
         except BaseException as error:
-            count = f"{len(kept.finished())} of {study.chunks} chunks"
+            count = f"{len({number for number, _ in kept.finished()})} of {study.chunks} chunks"
             error.add_note(f"{count} are stored in {folder}; the same call goes on from there")
             raise
-        return study_dataset(kept.definition, _sound(kept))
+        return _closed(study_dataset(kept.definition, _sound(kept)), report)
+
+
+def _closed(found: xarray.Dataset, report: Report) -> xarray.Dataset:
+    """Say on the line of progress, if there is one, how many cases have no answer, and return the dataset."""
+    if isinstance(report, ProgressLine) and found.failed_cases:
+        report.say(f"{found.failed_cases} of {found.cases} cases have no answer: {found.reasons}")
+    return found
 
 
 def open_study(path: str | Path) -> xarray.Dataset:
@@ -70,7 +77,12 @@ def open_study(path: str | Path) -> xarray.Dataset:
     FileNotFoundError
         If no study is stored there.
     TypeError, ValueError
-        If `path` is no path, or the definition there cannot be read.
+        If `path` is no path, or the definition there cannot be read or does not have its digest.
+
+    Warns
+    -----
+    UserWarning
+        If a chunk's file is damaged, or of another study or chunk: it is left out.
 
     Examples
     --------
@@ -121,13 +133,16 @@ def _compute(
 
 
 def _sound(store: Store) -> Iterator[tuple[int, Evaluated]]:
-    """Yield the finished chunks of undamaged files."""
-    for number, path in store.finished().items():
+    """Yield the finished chunks, each once; what is under a chunk's name and is not it, is warned of."""
+    seen = set()
+    for number, path in store.finished():
         try:
-            chunk = store.load(path)
+            chunk = store.load(number, path)
         except FileNotFoundError:
-            continue  # removed as damaged by a run that is at work
-        if chunk is None:
-            warnings.warn(f"{path.name} is damaged", stacklevel=4)
-        else:
+            continue  # set aside by a run that is at work
+        except BadChunk as fault:
+            warnings.warn(f"{path.name} {fault}", stacklevel=4)
+            continue
+        if number not in seen:
+            seen.add(number)
             yield number, chunk
