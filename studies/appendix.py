@@ -15,6 +15,7 @@ from beammodes.views.plots import COLOURS, GREY, STYLE, label_along, label_line
 from beammodes.views.tables import csv_table, tidy_rows
 from studies import Progress
 from studies.drawing import bold_title
+from studies.motions import repeatable
 
 BEAM, BOUNDARY = bm.Beam.unit(), "pinned-pinned"
 #: The beam is held aside by a force here, then let go.
@@ -50,7 +51,7 @@ def data(progress: Progress | None = None) -> xarray.Dataset:
             "exact": (("quantity", "x"), exact * scale[:, None]),
             "sum": (("quantity", "modes", "x"), sums * scale[:, None, None]),
             "relative_error": (("quantity", "modes"), error),
-            "shape": (("mode", "x"), shape / np.abs(shape).max(axis=1, keepdims=True)),
+            "shape": (("mode", "x"), repeatable(shape / np.abs(shape).max(axis=1, keepdims=True), 12)),
             "angular_frequency": ("mode", beam.angular_frequency[:DRAWN]),
         },
         coords={

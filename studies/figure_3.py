@@ -17,6 +17,7 @@ from beammodes.views.symbols import ROD, SPRING
 from beammodes.views.tables import csv_table, tidy_rows
 from studies import Progress, figure_6
 from studies.drawing import bold_title, mode_shapes, picture
+from studies.motions import repeatable
 
 #: The report gives its body no numbers; these are chosen: a square block as heavy as the beam, the beam
 #: clamped to the middle of one side. In units of the beam's mass and length.
@@ -130,7 +131,8 @@ def _draw_errors(ax: Axes, one: xarray.Dataset) -> None:
 def tables(table: xarray.Dataset) -> dict[str, str]:
     """The errors as tidy CSV, and the mode shapes, by ending of the file name."""
     errors = table[["angular_frequency", "exact_angular_frequency", "relative_error"]]
-    shapes = table[["deflection", "exact_deflection"]]
+    # At a node of symmetry a shape is zero, or rounding.
+    shapes = table[["deflection", "exact_deflection"]].map(repeatable, decimals=12)
     return {
         ".csv": csv_table(COLUMNS, tidy_rows(errors, COLUMNS)),
         "_shapes.csv": csv_table(SHAPE_COLUMNS, tidy_rows(shapes, SHAPE_COLUMNS)),

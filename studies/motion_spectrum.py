@@ -74,11 +74,11 @@ def data(progress: Progress | None = None) -> xarray.Dataset:
     keep = omega < 1.3 * known[-1]
     return xarray.Dataset(
         {
-            "amplitude_of": ("omega", repeatable(amplitude[keep] / amplitude[keep].max())),
+            "amplitude_of": ("omega", repeatable(amplitude[keep] / amplitude[keep].max(), 7)),
             "eigenfrequency": ("peak", known),
-            "angular_frequency": ("peak", repeatable(found)),
-            "difference": ("peak", (found / known - 1).round(7) + 0.0),
-            "frequency_shift": (("mode", "segments", "amplitude"), shift.round(7)),
+            "angular_frequency": ("peak", repeatable(found, 5)),
+            "difference": ("peak", repeatable(found / known - 1, 7)),
+            "frequency_shift": (("mode", "segments", "amplitude"), repeatable(shift, 7)),
         },
         coords={
             "omega": omega[keep],

@@ -14,8 +14,8 @@ from beammodes.dynamics.simulation import simulate
 
 __all__ = ["moved", "repeatable"]
 
-#: Of a time integration; more digits would differ between machines.
-DIGITS = 8
+#: Of a time integration in units of the beam; more would differ between processors.
+DECIMALS = 8
 
 
 def moved(
@@ -32,8 +32,6 @@ def moved(
     return motion.assign_coords(time=np.arange(motion.sizes["time"]) * every)
 
 
-def repeatable(values: ArrayLike, digits: int = DIGITS) -> NDArray[np.float64]:
-    """Return numbers rounded to so many digits of the largest of them."""
-    array = np.asarray(values, dtype=np.float64)
-    largest = float(np.nanmax(np.abs(array)))
-    return array if largest == 0.0 else array.round(digits - 1 - math.floor(math.log10(largest))) + 0.0
+def repeatable(values: ArrayLike, decimals: int = DECIMALS) -> NDArray[np.float64]:
+    """Return rounded numbers, none of them -0; `studies.compare` knows to how many decimals."""
+    return np.asarray(values, dtype=np.float64).round(decimals) + 0.0

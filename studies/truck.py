@@ -57,7 +57,7 @@ def data(progress: Progress | None = None) -> xarray.Dataset:
         if progress is not None:
             progress(i + 1, 2)
     table = xarray.concat(parts, "bed").assign_coords(bed=["flexible", "rigid"], motion=("mode", list(MODES)))
-    return table.assign(relative_error=table.frequency / table.exact_frequency - 1)
+    return table.assign(relative_error=(table.frequency / table.exact_frequency - 1).round(11))
 
 
 def draw(table: xarray.Dataset) -> Figure:

@@ -87,7 +87,7 @@ def data(progress: Progress | None = None) -> xarray.Dataset:
                 bar.section, boundary, bar.tolerances, MODES, samples=SAMPLES, **bar.numbers
             )
             # Differences leave rounding in the last digits.
-            spread["first_order"] = ("mode", repeatable(spread.first_order))
+            spread["first_order"] = ("mode", repeatable(spread.first_order, 9))
             by_ends.append(spread[list(SPREAD)].assign(_enough(spread)))
             if progress is not None:
                 progress(i * len(FIGURES) + j + 1, len(BARS) * len(FIGURES))

@@ -145,8 +145,8 @@ def test_plucking_outside_the_beam() -> None:
 
 
 def test_digits_that_repeat() -> None:
-    assert repeatable([123.456789123, 1e-9]).tolist() == [123.45679, 0.0]
-    assert repeatable([0.0]).tolist() == [0.0]
+    assert repeatable([123.456789123, -1e-9]).tolist() == [123.45678912, 0.0]
+    assert str(repeatable([-1e-9], 3)[0]) == "0.0"
 
 
 def test_figure_1() -> None:
