@@ -17,7 +17,7 @@ from itertools import zip_longest
 from pathlib import Path
 from typing import NamedTuple
 
-__all__ = ["COMMITTED", "KINDS", "Kind", "folders_differ", "study_differs", "tables_differ"]
+__all__ = ["COMMITTED", "KINDS", "Kind", "folders_differ", "rows_of", "study_differs", "tables_differ"]
 
 COMMITTED = Path(__file__).resolve().parent.parent / "figures"
 #: Measured between processors: at most 5e-12, but for the columns in `KINDS`.
@@ -178,6 +178,18 @@ def _agree(committed: str, fresh: str, kind: Kind) -> bool:
     units = round(a, kind.decimals)
     turned = abs(a - units) <= RELATIVE * abs(a) and apart < 1.5 * 10.0**-kind.decimals
     return turned and abs(apart / max(abs(a), abs(b)) / SEEN - 1) > 0.02
+
+
+def rows_of(path: Path) -> list[dict[str, str]]:
+    """Return a table's rows; numbers of few digits, which are inputs, without the turn of a last digit."""
+    with path.open(encoding="utf-8", newline="") as file:
+        return [{column: _as_meant(cell) for column, cell in row.items()} for row in csv.DictReader(file)]
+
+
+def _as_meant(cell: str) -> str:
+    value = _number(cell)
+    short = f"{value:.8g}"
+    return short if math.isfinite(value) and f"{value:.6g}" == short else cell
 
 
 def _number(text: str) -> float:

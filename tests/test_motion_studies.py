@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import math
 from pathlib import Path
 from typing import Any
@@ -17,6 +16,7 @@ from beammodes.dynamics.plucked_beam import pinned_shape, plucked
 from beammodes.dynamics.superposition import modal_response
 from beammodes.exact.exact_beam import plain_modes
 from studies import motion_spectrum
+from studies.compare import rows_of
 from studies.motions import moved, repeatable
 
 FIGURES = Path(__file__).parent.parent / "figures"
@@ -24,8 +24,7 @@ UNIT = bm.Beam.unit()
 
 
 def read(name: str) -> list[dict[str, str]]:
-    with (FIGURES / name).open(encoding="utf-8") as file:
-        return list(csv.DictReader(file))
+    return rows_of(FIGURES / name)
 
 
 # --- Sums of modes ---------------------------------------------------------------------------------------

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 from importlib import import_module
 from pathlib import Path
 
@@ -12,7 +11,7 @@ import pytest
 import studies
 from studies import c_table
 from studies.__main__ import main
-from studies.compare import study_differs
+from studies.compare import RELATIVE, rows_of, study_differs
 
 FIGURES = Path(__file__).parent.parent / "figures"
 
@@ -32,8 +31,7 @@ EXACT = {
 
 
 def read(name: str) -> list[dict[str, str]]:
-    with (FIGURES / name).open(encoding="utf-8") as file:
-        return list(csv.DictReader(file))
+    return rows_of(FIGURES / name)
 
 
 @pytest.mark.parametrize(
@@ -47,7 +45,7 @@ def test_committed_figures_agree_with_published_errors(name: str, boundary: str)
     for (pair, segments), errors in EXACT.items():
         for mode, error in enumerate(errors, start=1):
             if pair == boundary:
-                assert found[segments, mode] == pytest.approx(float(error), abs=1e-10)
+                assert found[segments, mode] == pytest.approx(float(error), rel=RELATIVE)
                 checked += 1
     assert checked >= 10
 
@@ -56,7 +54,7 @@ def test_committed_c_table() -> None:
     rows = read("c_table.csv")
     assert [row["C_published"] for row in rows] == [row["C_regenerated"] for row in rows]
     for row in rows:
-        assert float(row["C_single_mode"]) * np.sqrt(8) == pytest.approx(float(row["C_exact"]), rel=1e-10)
+        assert float(row["C_single_mode"]) * np.sqrt(8) == pytest.approx(float(row["C_exact"]), rel=RELATIVE)
     chains = {(row["boundary"], row["segments"]): float(row["C_chain"]) for row in read("c_table_chains.csv")}
     # physics.md section 6.
     assert float(f"{chains['clamped-free', '10']:.3g}") == 0.00424

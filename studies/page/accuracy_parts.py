@@ -9,6 +9,7 @@ import numpy as np
 import beammodes as bm
 from beammodes.exact.exact_beam import plain_modes
 from studies import appendix
+from studies.compare import RELATIVE
 from studies.page.atlas_data import MODES, TOLERANCES, segments_for
 from studies.page.evidence import note
 from studies.page.markup import Cell, percent, significant, table
@@ -63,7 +64,7 @@ def _errors_agree(errors: dict[str, dict[tuple[int, int], float]]) -> str:
         for name, points in errors.items()
         for (n, mode), error in points.items()
     )
-    return f"at all points of both figures {agree(worst_of(found), 1e-10)} of the frequency"
+    return f"at all points of both figures {agree(worst_of(found), RELATIVE)} of the frequency"
 
 
 def _needed() -> str:

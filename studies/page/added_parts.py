@@ -8,6 +8,7 @@ import numpy as np
 
 import beammodes as bm
 from studies import axial_force, nonuniform
+from studies.compare import RELATIVE
 from studies.page.atlas_data import MODES, SEGMENTS, atlas
 from studies.page.evidence import note
 from studies.page.markup import Cell, percent, significant, table
@@ -95,7 +96,7 @@ def _rules_agree() -> str:
         for name in bm.RULES
         for solved in bm.chain_errors(bm.Chain(beam, PAIRS[0], TEN, name), 1)
     )
-    return f"for every rule {agree(worst_of(found), 1e-10)} of the frequency"
+    return f"for every rule {agree(worst_of(found), RELATIVE)} of the frequency"
 
 
 def _matched(ratios: list[float]) -> str:
@@ -132,7 +133,7 @@ def _axial_agrees(folder: Path) -> str:
         (row,) = read(folder, "axial_force", boundary=pair, case="mitiguy", segments="20")
         other = float(bm.frequency_error(pair, segments=20, mode=1, load=load))
         found.append((1 + float(row["relative_error"]), 1 + other))
-    return f"{agree(worst_of(found), 1e-10)} of the frequency"
+    return f"{agree(worst_of(found), RELATIVE)} of the frequency"
 
 
 def _taper_agrees() -> str:

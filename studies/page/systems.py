@@ -8,6 +8,7 @@ import numpy as np
 
 import beammodes as bm
 from studies import figure_1, figure_3, figure_5, truck
+from studies.compare import RELATIVE
 from studies.page.evidence import note
 from studies.page.markup import Cell, significant, table
 from studies.page.tables import Parts, agree, read, worst_of
@@ -82,4 +83,4 @@ def _bodies_agree(folder: Path) -> str:
         solved = bm.solve_modes(bm.linearize(chain), len(rows)).angular_frequency
         found = [(float(row["angular_frequency"]), w) for row, w in zip(rows, solved.tolist(), strict=True)]
         worst = max(worst, worst_of(found))
-    return agree(worst, 1e-9)
+    return agree(worst, RELATIVE)

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import csv
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 from pathlib import Path
 
+from studies.compare import rows_of
 from studies.page.markup import bound
 
 __all__ = ["Parts", "agree", "read", "worst_of"]
@@ -16,12 +16,8 @@ Parts = tuple[dict[str, str], dict[str, str]]
 
 def read(folder: Path, name: str, **wanted: str) -> list[dict[str, str]]:
     """Return the rows of a study's CSV, those whose columns have the wanted values."""
-    with (folder / f"{name}.csv").open(encoding="utf-8", newline="") as file:
-        return list(_matching(csv.DictReader(file), wanted))
-
-
-def _matching(rows: Iterable[dict[str, str]], wanted: dict[str, str]) -> Iterator[dict[str, str]]:
-    return (row for row in rows if all(row[key] == value for key, value in wanted.items()))
+    rows = rows_of(folder / f"{name}.csv")
+    return [row for row in rows if all(row[key] == value for key, value in wanted.items())]
 
 
 def worst_of(pairs: Iterable[tuple[float, float]]) -> float:
