@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import math
 import re
 import xml.etree.ElementTree as ElementTree
@@ -12,10 +13,12 @@ from typing import Any
 
 import numpy as np
 import pytest
+import yaml
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from beammodes import __version__
+from beammodes.auditing.urdf_springs import read_springs
 from beammodes.chains.chain import Chain
 from beammodes.chains.rules import RULES
 from beammodes.dynamics.damping import Damping
@@ -331,6 +334,33 @@ def test_yaml_numbers_have_a_point(value: float, tmp_path: Path) -> None:
     (found,) = re.findall(r"stiffness: ([^,]+),", springs)
     assert "." in found
     assert float(found) == value
+
+
+def rewritten(text: str, how: str) -> str:
+    """The same data, as tools that read and write YAML leave it."""
+    data = yaml.safe_load(text)
+    if how == "JSON":
+        return json.dumps(data, indent=2)
+    if how == "document":
+        return f"%YAML 1.1\n---\n{text}...\n"
+    if how == "windows":
+        return "\ufeff" + text.replace("\n", "\r\n")
+    if how == "no blanks":
+        return re.sub(r"(?m)^  - ", "- ", text).replace("rest: 0.0", "rest: 0")
+    options = {"blocks": False, "braces": True, "mixed": None}
+    return yaml.safe_dump(data, default_flow_style=options[how], sort_keys=how != "mixed", width=30)
+
+
+@pytest.mark.parametrize("how", ["blocks", "braces", "mixed", "JSON", "document", "windows", "no blanks"])
+@pytest.mark.parametrize("ends", ["clamped-free", "free-free", "pinned-free", "clamped-free(mass=0.1)"])
+def test_a_springs_file_may_be_rewritten_by_a_yaml_tool(ends: str, how: str, tmp_path: Path) -> None:
+    chain = Chain(Beam(1.2, 85.0, 0.62), ends, 6, "gregory")
+    _, springs = export_chain(chain, tmp_path / "beam.urdf")
+    before = read_springs(springs)
+    assert sorted(before.values()) == sorted(chain.joint_stiffness)
+    text = springs.read_text(encoding="utf-8")
+    springs.write_text(rewritten(text, how), encoding="utf-8", newline="")
+    assert read_springs(springs) == before
 
 
 def test_a_hostile_file_name_stays_in_the_comment(tmp_path: Path) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 import subprocess
 import sys
@@ -17,6 +18,7 @@ from hypothesis import strategies as st
 from beammodes.__main__ import main
 from beammodes.auditing.audit_model import audit_file
 from beammodes.auditing.bounded_xml import MAX_BYTES, MAX_DEPTH, MAX_ELEMENTS, read_xml
+from beammodes.auditing.urdf_springs import read_springs
 from beammodes.problem.beam import Beam
 
 BEAM = Beam(1.0, 20.0, 0.5)
@@ -246,23 +248,79 @@ def test_the_usual_encodings_are_read(encoding: str, tmp_path: Path) -> None:
     assert "chain at body träger" in audit_file(path, Beam(0.2, 20.0, 10.0)).notes[0]
 
 
+# By case: the file, and a part of the message.
 SPRINGS = {
-    "stiff": "springs:\n  - {joint: ab, stiffness: -3}",
-    "nan": "springs:\n  - {joint: ab, stiffness: .nan}",
-    "twice": "springs:\n  - {joint: ab, stiffness: 3}\n  - {joint: ab, stiffness: 3}",
-    "no such joint": "springs:\n  - {joint: zz, stiffness: 3}",
-    "rest": "springs:\n  - {joint: ab, stiffness: 3, rest: 0.1}",
-    "code": "springs: !!python/object/apply:os.system ['true']\n  - !!python/name:x",
-    "anchors": "a: &a [x,x]\nb: &b [*a,*a]",
+    "stiff": ("springs:\n  - {joint: ab, stiffness: -3}", "must"),
+    "nan": ("springs:\n  - {joint: ab, stiffness: .nan}", "line 2: stiffness must be a finite number"),
+    "no number": ("springs:\n  - {joint: ab, stiffness: stiff}", "line 2: stiffness must be a finite number"),
+    "text": ("springs:\n  - {joint: ab, stiffness: '3'}", "line 2: stiffness must be a number, got text"),
+    "list": ("springs:\n  - {joint: ab, stiffness: [3]}", "line 2: stiffness must be a number, got none"),
+    "twice": (
+        "springs:\n  - {joint: ab, stiffness: 3}\n  - {joint: ab, stiffness: 3}",
+        "line 3: must not give joint 'ab' a second spring",
+    ),
+    "key twice": (
+        "springs:\n- joint: ab\n  stiffness: 3\n  stiffness: 4",
+        "line 4: must not have the key 'stiffness' twice",
+    ),
+    "springs twice": ("springs: []\nsprings: []", "line 2: must not have the key 'springs' twice"),
+    "no such joint": ("springs:\n  - {joint: zz, stiffness: 3}", "must"),
+    "no stiffness": ("springs:\n  - {joint: zz}", "with the keys joint and stiffness"),
+    "no spring": ("springs:\n  - ab", "with the keys joint and stiffness"),
+    "rest": ("springs:\n  - {joint: ab, stiffness: 3, rest: 0.1}", "must have rest 0"),
+    "key": (
+        "springs:\n  - {joint: ab, stifness: 3}",
+        r'line 2: key must be one of joint, type, stiffness, rest, got .*did you mean "stiffness"',
+    ),
+    "damping": ("springs:\n  - {joint: ab, stiffness: 3, damping: 1}", "line 2: key must be one of joint"),
+    "type": ("springs:\n  - {joint: ab, type: hinges, stiffness: 3}", 'did you mean "hinge"'),
+    "top": ("spring: []", r'line 1: key must be one of model, springs.*did you mean "springs"'),
+    "null": ("springs:", "line 1: springs must be a list of springs"),
+    "no springs": ("model: a", "must have the key springs"),
+    "list alone": ("- {joint: ab, stiffness: 3}", "must have the key springs"),
+    "empty": ("", "one document that is not empty"),
+    "two documents": ("springs: []\n---\nsprings: []", "line 2: must be one document"),
+    "merge": ("springs: []\n<<: {model: b}", "key must be one of model, springs"),
+    "code": ("springs: !!python/object/apply:os.system ['true']\n  - !!python/name:x", "must"),
+    "tag": ("springs: !!python/object/apply:os.system ['true']", "no anchors, aliases or tags"),
+    "anchors": ("a: &a [x,x]\nb: &b [*a,*a]", "no anchors, aliases or tags"),
+    "alias": ("springs: &a [*a]", "no anchors, aliases or tags"),
+    "tab": ("springs:\n\t- {joint: ab}", "line 2: must be YAML"),
+    "not closed": ("springs: [{joint: ab", "must be YAML"),
+    "deep": ("springs: " + "[" * 100, "nested more than 6 deep"),
+    "many": ("springs: [" + "{}," * 100_000 + "]", "at most 120000 pieces"),
+    "large": ("springs: []\n#" + " " * 2**22, "at most 4 MiB"),
+    "deeper": ("springs: " + "[" * 100_000, "must"),
+    "control": ("springs: []\n# \x01", "must be YAML"),
 }
 
 
 @pytest.mark.parametrize("case", SPRINGS)
 def test_springs_beside_a_urdf_file_are_read_as_numbers_only(case: str, tmp_path: Path) -> None:
+    text, message = SPRINGS[case]
     (tmp_path / "model.urdf").write_text(robot(("a", "b"), ("b", "c")))
-    (tmp_path / "model.springs.yaml").write_text(SPRINGS[case])
-    with pytest.raises(ValueError, match="must"):
+    (tmp_path / "model.springs.yaml").write_text(text)
+    with pytest.raises(ValueError, match=message) as caught:
         audit_file(tmp_path / "model.urdf", BEAM)
+    assert "\n" not in str(caught.value)
+
+
+@given(st.text(max_size=60), st.integers(0, 40))
+@settings(max_examples=150)
+def test_any_springs_file_is_read_or_refused(
+    tmp_path_factory: pytest.TempPathFactory, put: str, place: int
+) -> None:
+    path = tmp_path_factory.mktemp("any") / "model.springs.yaml"
+    text = "springs:\n- {joint: ab, stiffness: 3.0}\n"
+    path.write_text(text[:place] + put + text[place:], encoding="utf-8", errors="replace", newline="")
+    refusal = ""
+    try:
+        found = read_springs(path)
+    except ValueError as error:
+        refusal = str(error)
+    else:
+        assert all(math.isfinite(value) for value in found.values())
+    assert "\n" not in refusal
 
 
 def judged_or_refused(path: Path) -> None:
