@@ -62,14 +62,16 @@ _HOME = {
     "Case": "batch.cases",
     "Chain": "chains.chain",
     "Circle": "problem.sections",
-    "Damping": "dynamics.damping",
+    "Damping": "vibration.damping",
     "DivergedWarning": "dynamics.simulation",
     "ENDS": "problem.supports",
     "End": "problem.supports",
     "Equilibrium": "equilibrium.equilibria",
     "EquilibriumNotFound": "equilibrium.equilibria",
     "GivenSection": "problem.given_section",
+    "INTEGRATORS": "vibration.integrators",
     "ISection": "problem.sections",
+    "Integrator": "vibration.integrators",
     "LinearModel": "vibration.linear",
     "Load": "problem.loading",
     "MODULI": "problem.materials",
@@ -99,7 +101,6 @@ _HOME = {
     "chain_statics": "accuracy.statics",
     "compile_equations": "equations.numeric",
     "damped_modes": "dynamics.damping_ratio",
-    "damped_time_step": "dynamics.damped_step",
     "draw_chain": "views.schematic",
     "elastic_modulus": "problem.materials",
     "equations_of_motion": "equations.symbolic",
@@ -177,8 +178,6 @@ if TYPE_CHECKING:
     from beammodes.dynamics.base_motion import BaseMotion as BaseMotion
     from beammodes.dynamics.base_motion import harmonic as harmonic
     from beammodes.dynamics.base_motion import spin_up as spin_up
-    from beammodes.dynamics.damped_step import damped_time_step as damped_time_step
-    from beammodes.dynamics.damping import Damping as Damping
     from beammodes.dynamics.damping_ratio import damped_modes as damped_modes
     from beammodes.dynamics.damping_ratio import joint_dampers as joint_dampers
     from beammodes.dynamics.initial_state import mode_start as mode_start
@@ -220,6 +219,9 @@ if TYPE_CHECKING:
     from beammodes.springs.inverse import match_springs as match_springs
     from beammodes.springs.inverse import matched as matched
     from beammodes.springs.tuning import mode_tuned as mode_tuned
+    from beammodes.vibration.damping import Damping as Damping
+    from beammodes.vibration.integrators import INTEGRATORS as INTEGRATORS
+    from beammodes.vibration.integrators import Integrator as Integrator
     from beammodes.vibration.linear import LinearModel as LinearModel
     from beammodes.vibration.linear import linearize as linearize
     from beammodes.vibration.modes import Modes as Modes

@@ -8,8 +8,8 @@ import xarray
 from matplotlib.figure import Figure
 
 import beammodes as bm
+from beammodes.vibration.integrators import stability_limit
 from beammodes.vibration.stability import (
-    INTEGRATORS,
     ROARK_CLAMPED_CLAMPED,
     exact_constants,
     highest_angular_frequency,
@@ -38,7 +38,7 @@ def data(progress: Progress | None = None) -> xarray.Dataset:
                 omega[i, j] = highest_angular_frequency(chain)
         if progress is not None:
             progress(j + 1, len(SEGMENTS))
-    limit = INTEGRATORS["rk4"]
+    limit = stability_limit("rk4")
     return xarray.Dataset(
         {
             "K": ("modes", list(ROARK_CLAMPED_CLAMPED)),

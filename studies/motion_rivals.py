@@ -19,10 +19,10 @@ from numpy.typing import NDArray
 
 import beammodes as bm
 from beammodes.dynamics.base_motion import BaseMotion
-from beammodes.dynamics.damping import Damping
-from beammodes.dynamics.integrators import runge_kutta
+from beammodes.dynamics.runge_kutta import runge_kutta
 from beammodes.dynamics.runs import Rate, Run
 from beammodes.problem.loading import Load
+from beammodes.vibration.damping import Damping
 from beammodes.views.tables import markdown_table
 from studies.rivals import duration, kane_equations, timed
 

@@ -10,13 +10,16 @@ import xarray
 
 import beammodes as bm
 from beammodes.dynamics.initial_state import mode_start
-from beammodes.dynamics.integrators import Stepper, runge_kutta
-from beammodes.dynamics.step_limits import ANALYSED, SAFE_CONSTANT, accuracy_limit, step_constants
+from beammodes.dynamics.runge_kutta import Stepper, runge_kutta
 from beammodes.dynamics.step_trials import equal_start, largest_angles, modal_motion, variable_step_cost
-from beammodes.vibration.stability import published_constants
+from beammodes.vibration.integrators import accuracy_limit
+from beammodes.vibration.stability import SAFE_CONSTANT, published_constants, step_constants
 from studies import Progress
 
 BOUNDARIES = ("clamped-free", "clamped-clamped")
+
+#: One of each kind.
+ANALYSED = ("rk4", "midpoint", "leapfrog")
 
 SEGMENTS = range(1, 13)
 

@@ -8,9 +8,10 @@ from itertools import product
 import numpy as np
 import xarray
 
-from beammodes.dynamics.step_limits import ANALYSED, accuracy_limit
+from beammodes.vibration.integrators import accuracy_limit
 from beammodes.views.tables import markdown_table
 from studies.step_size_data import (
+    ANALYSED,
     BOUNDARIES,
     DAMPING_RATIOS,
     MODES,

@@ -52,7 +52,7 @@ MAY_IMPORT = {
     "symbolic": {"sympy"},
     "numeric": {"casadi"},
     "forward_dynamics": {"casadi"},
-    "integrators": {"casadi"},
+    "runge_kutta": {"casadi"},
     "sweep": {"casadi"},
     "midpoint": {"casadi"},
     "derivation": {"sympy", "casadi", "scipy"},

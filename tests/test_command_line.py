@@ -290,7 +290,7 @@ def test_bad_rules(command: str, capsys: pytest.CaptureFixture[str]) -> None:
 
 
 def test_bad_integrator(capsys: pytest.CaptureFixture[str]) -> None:
-    Ran([*CALLS["time-step"], "--integrator", "rk5"], capsys).refused('did you mean "rk4"?')
+    Ran([*CALLS["time-step"], "--integrator", "rk5"], capsys).refused('did you mean "rk45"?')
 
 
 @pytest.mark.parametrize(

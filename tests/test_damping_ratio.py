@@ -13,19 +13,23 @@ from hypothesis import strategies as st
 
 from beammodes.chains.chain import Chain
 from beammodes.checks import shown
-from beammodes.dynamics.damped_step import damped_time_step, runge_kutta_limit
-from beammodes.dynamics.damping import Damping
 from beammodes.dynamics.damping_ratio import damped_modes, joint_dampers
 from beammodes.dynamics.initial_state import mode_start
 from beammodes.dynamics.simulation import DivergedWarning, simulate
 from beammodes.problem.beam import Beam
+from beammodes.vibration.damping import Damping
+from beammodes.vibration.integrators import INTEGRATORS, stability_limit
 from beammodes.vibration.linear import linearize
 from beammodes.vibration.modes import solve_modes
-from beammodes.vibration.stability import INTEGRATORS, stable_time_step
+from beammodes.vibration.stability import stable_time_step
 
 UNIT = Beam.unit()
 SPRUNG = "pinned(rotational_stiffness=3)-free(translational_stiffness=5, mass=0.2, rotary_inertia=0.01)"
-EVERY_INTEGRATOR = pytest.mark.parametrize("integrator", INTEGRATORS)
+#: Of fixed step, with a limit.
+LIMITED = [
+    name for name, each in INTEGRATORS.items() if each.springs == "explicit" and not each.variable_step
+]
+EVERY_INTEGRATOR = pytest.mark.parametrize("integrator", LIMITED)
 
 
 def oscillator(**damping: Any) -> tuple[Chain, Damping, float]:
@@ -147,15 +151,15 @@ def test_logarithmic_decrement_of_a_simulated_mode() -> None:
 
 
 def test_runge_kutta_limits_of_the_axes() -> None:
-    assert runge_kutta_limit(0.0) == pytest.approx(2 * math.sqrt(2), rel=1e-14)
-    assert runge_kutta_limit(1.0) == pytest.approx(2.785293563405282, rel=1e-14)
+    assert stability_limit("rk4", 0.0) == pytest.approx(2 * math.sqrt(2), rel=1e-14)
+    assert stability_limit("rk4", 1.0) == pytest.approx(2.785293563405282, rel=1e-14)
     # The real root of z³ + 4 z² + 12 z + 24 = 0, which is R(z) = 1 without z = 0.
-    assert np.polyval([1, 4, 12, 24], -runge_kutta_limit(1.0)) == pytest.approx(0.0, abs=1e-12)
+    assert np.polyval([1, 4, 12, 24], -stability_limit("rk4", 1.0)) == pytest.approx(0.0, abs=1e-12)
 
 
 def test_rays_leave_the_region_of_stability_once_and_there() -> None:
     ratio = np.linspace(0.0, 1.0, 201)
-    limit = np.array([runge_kutta_limit(value) for value in ratio])
+    limit = np.array([stability_limit("rk4", value) for value in ratio])
     assert (limit > 2.61).all() and (limit < 2.97).all()
     scale = np.concatenate([np.linspace(0.05, 1 - 1e-9, 300), np.linspace(1 + 1e-9, 3.0, 300)])
     z = scale * (limit * (-ratio + 1j * np.sqrt(1 - ratio**2)))[:, None]
@@ -167,11 +171,14 @@ def test_rays_leave_the_region_of_stability_once_and_there() -> None:
 def test_limits_of_one_oscillator(ratio: float) -> None:
     chain, damping, omega = oscillator(stiffness=2 * ratio / 3.0)
     fastest = ratio + math.sqrt(max(ratio**2 - 1, 0))
-    expected = runge_kutta_limit(ratio) if ratio < 1 else 2.785293563405282 / fastest
-    assert damped_time_step(chain, damping) == pytest.approx(expected / omega, rel=1e-6)
-    explicit = 2 * (math.sqrt(1 + ratio**2) - ratio) / omega
-    for integrator in ("leapfrog", "semi_implicit_euler"):
-        assert damped_time_step(chain, damping, integrator) == pytest.approx(explicit, rel=1e-12)
+    expected = stability_limit("rk4", ratio) if ratio < 1 else 2.785293563405282 / fastest
+    assert stable_time_step(chain, damping=damping) == pytest.approx(expected / omega, rel=1e-6)
+    # 2 (√(1 + ζ²) ∓ ζ): R² + (s² - 2 ± ...) R + ... has the root -1 there.
+    for integrator in LIMITED[1:]:
+        sign = 1 if INTEGRATORS[integrator].damping == "implicit" else -1
+        expected = 2 * (math.sqrt(1 + ratio**2) + sign * ratio) / omega
+        assert stable_time_step(chain, integrator, damping=damping) == pytest.approx(expected, rel=1e-12)
+        assert stability_limit(integrator, ratio) == pytest.approx(expected * omega, rel=1e-12)
 
 
 @EVERY_INTEGRATOR
@@ -179,7 +186,9 @@ def test_limits_of_one_oscillator(ratio: float) -> None:
 def test_without_damping_it_is_the_undamped_limit(boundary: str, integrator: str) -> None:
     chain = Chain(UNIT, boundary, segments=5)
     expected = stable_time_step(chain, integrator)
-    assert damped_time_step(chain, Damping(), integrator) == pytest.approx(expected, rel=1e-12)
+    assert stable_time_step(chain, integrator, damping=Damping(joint=1e-300)) == pytest.approx(
+        expected, rel=1e-12
+    )
 
 
 def one_step(chain: Chain, damping: Damping, step: float, integrator: str) -> Any:
@@ -193,14 +202,32 @@ def one_step(chain: Chain, damping: Damping, step: float, integrator: str) -> An
     if integrator == "leapfrog":
         # (x, previous x): the drag is that of the velocity half a step ago.
         return np.block([[2 * eye - step**2 * k - step * c, step * c - eye], [eye, 0 * eye]])
-    kick = np.block([[eye, 0 * eye], [-step * k, eye - step * c]])
+    far = 0 * c
+    if INTEGRATORS[integrator].damping == "implicit":
+        # All dampers, or all but those of the far support, which MuJoCo has as tendons.
+        far = inverse @ far_drag(chain, damping) if INTEGRATORS[integrator].tendon_damping else 0 * c
+        slowed = np.linalg.inv(eye + step * (c - far))
+        kick = np.block([[eye, 0 * eye], [-step * slowed @ k, slowed @ (eye - step * far)]])
+    else:
+        kick = np.block([[eye, 0 * eye], [-step * k, eye - step * c]])
     return np.block([[eye, step * eye], [0 * eye, eye]]) @ kick
+
+
+def far_drag(chain: Chain, damping: Damping) -> Any:
+    """Dampers of the right support's springs, in nodal coordinates: deflections, then angles of bodies."""
+    coordinates = linearize(chain).coordinates
+    found = np.zeros((len(coordinates), len(coordinates)))
+    translation, rotation = chain.support_stiffness[1]
+    last = [k for k, name in enumerate(coordinates) if name.startswith("y")][-1]
+    assert not np.isfinite(rotation) or rotation == 0
+    found[last, last] = damping.stiffness * translation if np.isfinite(translation) else 0.0
+    return found
 
 
 @EVERY_INTEGRATOR
 @EVERY_CASE
 def test_limits_are_those_of_the_matrix_of_a_step(chain: Chain, damping: Damping, integrator: str) -> None:
-    limit = damped_time_step(chain, damping, integrator)
+    limit = stable_time_step(chain, integrator, damping=damping)
     # Rigid-body motion is a double eigenvalue 1 at any step, in double precision up to 1e-7.
     radius = [
         np.abs(np.linalg.eigvals(one_step(chain, damping, factor * limit, integrator))).max()
@@ -213,7 +240,7 @@ def test_limits_are_those_of_the_matrix_of_a_step(chain: Chain, damping: Damping
 def test_the_limit_decides_in_a_simulation(ratio: float) -> None:
     chain = Chain(UNIT, "clamped-free", segments=4)
     damping = joint_dampers(chain, ratio)
-    limit = damped_time_step(chain, damping)
+    limit = stable_time_step(chain, damping=damping)
     assert (limit > stable_time_step(chain)) == (ratio < 0.01)
     top: Any = {"initial": mode_start(chain, 4, 1e-6), "damping": damping, "output_step": 1e-9}
     steady = simulate(chain, duration=1500 * limit, step=0.99 * limit, **top)
@@ -228,13 +255,13 @@ def test_the_limit_decides_in_a_simulation(ratio: float) -> None:
 def test_a_free_chain_dragged_through_a_fluid_limits_the_step() -> None:
     # A rigid motion decays at rate α: a damping so strong decides alone.
     chain, damping = Chain(UNIT, "free-free", 2), Damping(mass=1e6)
-    assert damped_time_step(chain, damping) == pytest.approx(2.785293563405282e-6, rel=1e-6)
-    assert damped_time_step(chain, damping, "leapfrog") == pytest.approx(2e-6, rel=1e-6)
+    assert stable_time_step(chain, damping=damping) == pytest.approx(2.785293563405282e-6, rel=1e-6)
+    assert stable_time_step(chain, "leapfrog", damping=damping) == pytest.approx(2e-6, rel=1e-6)
 
 
 def test_a_chain_that_cannot_move_takes_any_step() -> None:
     chain = Chain(UNIT, "clamped-clamped", 1)
-    assert all(damped_time_step(chain, Damping(), name) == math.inf for name in INTEGRATORS)
+    assert all(stable_time_step(chain, name, damping=Damping(joint=1.0)) == math.inf for name in LIMITED)
     assert damped_modes(chain, Damping(joint=1.0)).sizes["mode"] == 0
     with pytest.raises(ValueError, match=r"^chain must have an elastic mode to damp"):
         joint_dampers(chain, 0.01)
@@ -264,10 +291,16 @@ def test_what_is_no_ratio(ratio: Any) -> None:
         (lambda: joint_dampers(CHAIN, 0.1, mode=0), ValueError, "mode must be .* at least 1"),
         (lambda: damped_modes(CHAIN, 0.1), TypeError, "damping must be a Damping, got 0.1"),  # type: ignore[arg-type]
         (lambda: damped_modes(CHAIN, Damping(joint=(1, 2, 3))), ValueError, "joint must have 2 entries"),
-        (lambda: damped_time_step(UNIT, Damping()), TypeError, "chain must be"),  # type: ignore[arg-type]
-        (lambda: damped_time_step(CHAIN, Damping(), "rk"), ValueError, "integrator must be one of rk4"),
+        (lambda: stable_time_step(UNIT, damping=Damping()), TypeError, "chain must be"),  # type: ignore[arg-type]
+        (
+            lambda: stable_time_step(CHAIN, "rk", damping=Damping()),
+            ValueError,
+            "integrator must be one of rk4",
+        ),
         (lambda: damped_modes(Chain(UNIT, "clamped-free", 501), Damping()), ValueError, "at most 500 hinges"),
-        (lambda: runge_kutta_limit(1.5), ValueError, "ratio must be from 0 to 1, got 1.5"),
+        (lambda: stability_limit("rk4", -0.1), ValueError, "damping_ratio must be finite and not negative"),
+        (lambda: stability_limit("rk45"), ValueError, '"rk45" chooses its steps itself'),
+        (lambda: stable_time_step(CHAIN, damping=0.1), TypeError, "damping must be a Damping or None"),  # type: ignore[arg-type]
     ],
 )
 def test_bad_input(call: Any, kind: type[Exception], message: str) -> None:

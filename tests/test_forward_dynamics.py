@@ -14,7 +14,6 @@ from beammodes.chains.chain import Chain
 from beammodes.chains.rules import RULES
 from beammodes.dynamics.base_motion import BaseMotion, harmonic
 from beammodes.dynamics.chain_state import base_vector
-from beammodes.dynamics.damping import Damping
 from beammodes.dynamics.forward_dynamics import forward_dynamics
 from beammodes.equations.coordinates import coordinate_names, moving_pieces, tip_names
 from beammodes.equations.mechanics import Algebra, energies
@@ -22,6 +21,7 @@ from beammodes.equations.numeric import compile_equations
 from beammodes.problem.beam import Beam
 from beammodes.problem.ends import ENDS
 from beammodes.problem.loading import Load
+from beammodes.vibration.damping import Damping
 from beammodes.vibration.linear import linearize
 from beammodes.vibration.modes import solve_modes
 

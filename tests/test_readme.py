@@ -11,8 +11,9 @@ import pytest
 
 import beammodes as bm
 from beammodes.__main__ import main
-from beammodes.dynamics.step_limits import SAFE_CONSTANT, accuracy_limit
 from beammodes.dynamics.step_trials import variable_step_cost
+from beammodes.vibration.integrators import accuracy_limit
+from beammodes.vibration.stability import SAFE_CONSTANT
 from studies.step_size_data import OUTPUTS
 
 ROOT = Path(__file__).parent.parent

@@ -21,14 +21,14 @@ from scipy.special import ellipk
 from beammodes.chains.chain import Chain
 from beammodes.dynamics.base_motion import BaseMotion, harmonic, spin_up
 from beammodes.dynamics.chain_state import base_vector
-from beammodes.dynamics.damping import Damping
 from beammodes.dynamics.initial_state import mode_start
-from beammodes.dynamics.integrators import runge_kutta
 from beammodes.dynamics.midpoint import implicit_midpoint, momentum_map
+from beammodes.dynamics.runge_kutta import runge_kutta
 from beammodes.dynamics.simulation import METHODS, DivergedWarning, simulate
 from beammodes.equations.coordinates import coordinate_names
 from beammodes.problem.beam import Beam
 from beammodes.problem.loading import Load
+from beammodes.vibration.damping import Damping
 from beammodes.vibration.linear import linearize
 from beammodes.vibration.modes import solve_modes
 from beammodes.vibration.stability import highest_angular_frequency, stable_time_step

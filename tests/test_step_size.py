@@ -12,26 +12,31 @@ import xarray
 
 from beammodes.chains.chain import Chain
 from beammodes.dynamics.base_motion import BaseMotion
-from beammodes.dynamics.damping import Damping
 from beammodes.dynamics.forward_dynamics import forward_dynamics
 from beammodes.dynamics.initial_state import mode_start
-from beammodes.dynamics.integrators import runge_kutta
-from beammodes.dynamics.step_limits import (
-    ANALYSED,
-    SAFE_CONSTANT,
-    accuracy_limit,
-    amplification,
-    stability_limit,
-    step_constants,
-)
+from beammodes.dynamics.runge_kutta import runge_kutta
 from beammodes.dynamics.step_trials import equal_start, largest_angles, modal_motion, variable_step_cost
 from beammodes.problem.beam import Beam
+from beammodes.vibration.damping import Damping
+from beammodes.vibration.integrators import (
+    INTEGRATORS,
+    accuracy_limit,
+    amplification,
+    find_integrator,
+    stability_limit,
+)
 from beammodes.vibration.linear import linearize
 from beammodes.vibration.modes import solve_modes
-from beammodes.vibration.stability import highest_angular_frequency, published_time_step, stable_time_step
+from beammodes.vibration.stability import (
+    SAFE_CONSTANT,
+    highest_angular_frequency,
+    published_time_step,
+    stable_time_step,
+    step_constants,
+)
 from studies import step_size
 from studies.compare import RELATIVE, rows_of, study_differs
-from studies.step_size_data import BOUNDARIES
+from studies.step_size_data import ANALYSED, BOUNDARIES
 
 FIGURES = Path(__file__).parent.parent / "figures"
 RK4 = 2 * math.sqrt(2)
@@ -67,15 +72,40 @@ def test_a_longer_beam_has_the_same_constant() -> None:
 
 
 def test_amplification_of_one_step() -> None:
-    assert abs(amplification("rk4", np.array(1.01j * RK4))) == pytest.approx(1.073, abs=5e-4)
+    assert abs(amplification("rk4", 1.01 * RK4)) == pytest.approx(1.073, abs=5e-4)
     z = np.array([-0.01 + 0.02j])
-    assert abs(amplification("rk4", z) - np.exp(z)).max() < abs(z[0]) ** 5 / 100
-    assert abs(amplification("midpoint", z) - np.exp(z)).max() < abs(z[0]) ** 3 / 10
+    size, ratio = abs(z), float(0.01 / abs(z[0]))
+    for name, record in INTEGRATORS.items():
+        if not record.variable_step:
+            # The local error is of the order's next power.
+            error = abs(amplification(name, size, ratio) - np.exp(z)).max()
+            assert error < 2 * size[0] ** (1 if record.stages == () else record.order) * size[0], name
+            assert abs(amplification(name, np.array([1e-4]), 0.0) - np.exp(1e-4j)).max() < 1e-8
     # Leapfrog turns by 2 arcsin(ωh/2) and grows beyond 2.
-    turned = amplification("leapfrog", np.array([0.5j, 1.99j, 2.02j]))
+    turned = amplification("leapfrog", np.array([0.5, 1.99, 2.02]))
     assert np.angle(turned[:2]) == pytest.approx(2 * np.arcsin([0.25, 0.995]))
     assert abs(turned[:2]) == pytest.approx([1, 1])
     assert abs(turned[2]) > 1.2
+
+
+@pytest.mark.parametrize("name", [name for name, each in INTEGRATORS.items() if not each.variable_step])
+@pytest.mark.parametrize("ratio", [0.0, 0.03, 0.5, 1.0, 2.5])
+def test_growth_begins_at_the_limit(name: str, ratio: float) -> None:
+    """Two routes: the limit in closed form or by a polynomial, and |R| of the step on both its sides."""
+    limit = stability_limit(name, ratio)
+    inside = np.linspace(1e-3, 1 - 1e-9, 500) * (limit if math.isfinite(limit) else 1e4)
+    assert abs(amplification(name, inside, ratio)).max() < 1 + 1e-12
+    if math.isfinite(limit):
+        assert abs(amplification(name, limit * np.array([1.0001, 1.5]), ratio)).min() > 1
+
+
+def test_every_name_of_an_engine_is_of_one_integrator() -> None:
+    names = [alias for record in INTEGRATORS.values() for alias in record.engines]
+    assert len(names) == len(set(names))
+    for record in INTEGRATORS.values():
+        assert {record.springs, record.damping} <= {"explicit", "implicit"} and record.source
+        for alias in (*record.engines, record.name):
+            assert find_integrator(alias) == find_integrator(alias.upper()) == record
 
 
 def test_stability_limits() -> None:
@@ -93,7 +123,7 @@ def test_accuracy_limits_meet_what_they_promise() -> None:
     assert accuracy_limit("midpoint") == pytest.approx(math.sqrt(12e-3), rel=2e-3)
     assert accuracy_limit("leapfrog") == pytest.approx(math.sqrt(24e-3), rel=2e-3)
     y = accuracy_limit("rk4")
-    size = abs(amplification("rk4", np.array(1j * y)))
+    size = abs(amplification("rk4", y))
     assert size ** (200 * math.pi / y) == pytest.approx(0.99, rel=1e-9)
     assert accuracy_limit("rk4", amplitude=10.0) == pytest.approx((120 * 1e-3) ** 0.25, rel=0.05)
     # With damping, by brute force over the whole time.
@@ -101,14 +131,14 @@ def test_accuracy_limits_meet_what_they_promise() -> None:
     y = accuracy_limit("rk4", ratio)
     z = y * complex(-ratio, math.sqrt(1 - ratio**2))
     k = np.arange(int(200 * math.pi / z.imag))
-    error = abs(abs(amplification("rk4", np.array(z))) ** k - np.exp(z.real * k)).max()
-    turn = abs(np.angle(amplification("rk4", np.array(z))) / z.imag - 1)
+    error = abs(abs(amplification("rk4", y, ratio)) ** k - np.exp(z.real * k)).max()
+    turn = abs(np.angle(amplification("rk4", y, ratio)) / z.imag - 1)
     assert max(error / 1e-2, turn / 1e-3) == pytest.approx(1, rel=1e-3)
 
 
 @pytest.mark.parametrize("call", [stability_limit, accuracy_limit])
 @pytest.mark.parametrize(
-    ("integrator", "ratio"), [("euler", 0.0), ("rk4", -0.1), ("leapfrog", 0.1), ("rk4", math.nan)]
+    ("integrator", "ratio"), [("euler", 0.0), ("rk4", -0.1), ("rk45", 0.0), ("rk4", math.nan)]
 )
 def test_what_is_not_analysed_is_refused(call: object, integrator: str, ratio: float) -> None:
     with pytest.raises(ValueError, match=r"integrator|damping"):

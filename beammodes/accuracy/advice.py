@@ -14,14 +14,18 @@ from beammodes.accuracy.errors import ToleranceOutOfReach, frequency_error, segm
 from beammodes.accuracy.statics import LOADS, beam_statics, chain_statics
 from beammodes.chains.chain import Chain
 from beammodes.chains.rules import RULES, AnyRule, Layout, layout_of
-from beammodes.checks import choice
 from beammodes.exact.beam_theory import euler_bernoulli
 from beammodes.problem.beam import Beam
 from beammodes.problem.ends import Boundary, BoundaryLike
-from beammodes.vibration.stability import INTEGRATORS, highest_angular_frequency
+from beammodes.vibration.integrators import INTEGRATORS, find_integrator, stability_limit
+from beammodes.vibration.stability import highest_angular_frequency
 
 __all__ = ["Recommendation", "recommend"]
 
+#: Integrators whose step the highest mode limits, which makes the cost.
+_LIMITED = tuple(
+    name for name, each in INTEGRATORS.items() if each.springs == "explicit" and not each.variable_step
+)
 #: A rule that needs more segments than this is not recommended: nobody would simulate the chain.
 MOST_SEGMENTS = 10_000
 
@@ -83,7 +87,7 @@ def recommend(
     rules : iterable of rules, optional
         All of `RULES` by default; one that cannot meet the tolerance with 10,000 segments is left out.
     integrator : str
-        "rk4", "leapfrog" or "semi_implicit_euler".
+        One of `INTEGRATORS` of fixed step that takes springs explicitly; the chain is undamped.
 
     Raises
     ------
@@ -99,7 +103,7 @@ def recommend(
     gregory2 11 -0.0014
     """
     pair, unit = Boundary.of(boundary), Beam.unit() if beam is None else beam
-    choice("integrator", integrator, INTEGRATORS)
+    integrator = find_integrator(integrator, _LIMITED).name
     scaled = in_beam_units(pair, unit)
     ways: list[Recommendation] = []
     refusal = ValueError("rules must name at least one rule, got none")
@@ -125,7 +129,7 @@ def _way(
 ) -> Recommendation:
     chain = Chain(beam, boundary, segments, record)
     highest = highest_angular_frequency(chain)
-    step = INTEGRATORS[integrator] / highest
+    step = stability_limit(integrator) / highest
     first = float(euler_bernoulli(beam, boundary, 1).angular_frequency[0])
     scaled = in_beam_units(boundary, beam)
     errors = frequency_error(scaled, segments=segments, mode=np.arange(1, modes + 1), rule=record)

@@ -25,7 +25,7 @@ from beammodes.closed_form.lookup import MAX_MODE, MAX_SEGMENTS
 from beammodes.problem.ends import Boundary
 from beammodes.problem.loading import PLANES, Load
 from beammodes.problem.sections import Box, Circle, ISection, Rectangle, Tube
-from beammodes.vibration.stability import INTEGRATORS
+from beammodes.vibration.integrators import INTEGRATORS
 
 __all__ = ["AXES", "SECTIONS", "Axis", "AxisKind", "axis_values", "dimensions_of"]
 
@@ -144,7 +144,7 @@ AXES: dict[str, AxisKind] = {
         for name, units in _BEAM.items()
     },
     "static_load": _word("static_load", LOADS),
-    "integrator": _word("integrator", INTEGRATORS),
+    "integrator": _word("integrator", [name for name, each in INTEGRATORS.items() if not each.variable_step]),
 }
 
 

@@ -13,7 +13,7 @@ from beammodes.command_line.text_tables import frequency_table, number, percents
 if TYPE_CHECKING:
     from beammodes.auditing.audit import Audit, Suggestion
     from beammodes.chains.chain import Chain
-    from beammodes.dynamics.damping import Damping
+    from beammodes.vibration.damping import Damping
 
 __all__ = ["answer_audit", "answer_export"]
 
@@ -47,8 +47,8 @@ def answer_export(options: argparse.Namespace) -> Answer:
 
 
 def _damping(options: argparse.Namespace, chain: Chain) -> Damping | None:
-    from beammodes.dynamics.damping import Damping
     from beammodes.dynamics.damping_ratio import joint_dampers
+    from beammodes.vibration.damping import Damping
 
     if options.damping_ratio is not None:
         if options.stiffness_damping:

@@ -11,9 +11,9 @@ from numpy.typing import ArrayLike
 from beammodes.chains.chain import Chain
 from beammodes.checks import shown
 from beammodes.dynamics.base_motion import BaseMotion
-from beammodes.dynamics.damping import Damping
 from beammodes.equations.coordinates import tip_names
 from beammodes.problem.loading import Load, checked_load
+from beammodes.vibration.damping import Damping
 
 __all__ = ["ChainState", "Vector", "base_vector", "checked_system"]
 

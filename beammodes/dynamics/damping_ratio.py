@@ -9,13 +9,12 @@ from numpy.typing import NDArray
 
 from beammodes.chains.chain import Chain
 from beammodes.checks import positive_real, shown, whole_number
-from beammodes.dynamics.damping import Damping
+from beammodes.vibration.damping import Damping, check_damped, damped_eigenvalues, damping_of_modes
 from beammodes.vibration.linear import linearize
 from beammodes.vibration.modes import solve_modes
 
 if TYPE_CHECKING:
     import xarray
-from beammodes.dynamics.modal_damping import check_damped, damped_eigenvalues, damping_of_modes
 
 __all__ = ["damped_modes", "joint_dampers"]
 
@@ -96,7 +95,8 @@ def damped_modes(chain: Chain, damping: Damping) -> xarray.Dataset:
     >>> tip.damping_ratio.values.round(4)
     array([4.000e-04, 3.000e-02, 1.039e-01, 7.022e-01])
     """
-    omega, coupling = damping_of_modes(chain, damping)
+    modal = damping_of_modes(chain, damping)
+    omega, coupling = modal.angular_frequency, modal.coupling
     if np.any(np.asarray(damping.joint)):
         natural, ratio = _pairs(damped_eigenvalues(omega, coupling))
     else:

@@ -14,10 +14,10 @@ import casadi
 from beammodes.chains.chain import Chain
 from beammodes.dynamics.base_motion import BaseMotion
 from beammodes.dynamics.chain_state import ChainState, checked_system
-from beammodes.dynamics.damping import Damping
 from beammodes.dynamics.sweep import Sweep
 from beammodes.equations.coordinates import coordinate_names
 from beammodes.problem.loading import Load, checked_load
+from beammodes.vibration.damping import Damping
 
 __all__ = ["ForwardDynamics", "forward_dynamics"]
 

@@ -11,7 +11,7 @@ from beammodes.chains.chain import Chain
 from beammodes.checks import real, shown, whole_number
 from beammodes.dynamics.base_motion import BaseMotion
 from beammodes.dynamics.chain_state import base_vector
-from beammodes.dynamics.integrators import projection
+from beammodes.dynamics.runge_kutta import projection
 from beammodes.equations.coordinates import coordinate_names, tip_names
 from beammodes.problem.loading import Load
 from beammodes.vibration.linear import linearize

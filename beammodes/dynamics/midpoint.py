@@ -19,12 +19,12 @@ import casadi
 from beammodes.chains.chain import Chain
 from beammodes.dynamics.base_motion import BaseMotion
 from beammodes.dynamics.chain_state import ChainState, checked_system
-from beammodes.dynamics.damping import Damping
-from beammodes.dynamics.integrators import Stepper, closure
+from beammodes.dynamics.runge_kutta import Stepper, closure
 from beammodes.equations.coordinates import coordinate_names, tip_names
 from beammodes.equations.load_field import Algebra
 from beammodes.equations.mechanics import piece_energies
 from beammodes.problem.loading import Load, checked_load
+from beammodes.vibration.damping import Damping
 
 __all__ = ["MAX_PIECES", "implicit_midpoint", "momentum_map"]
 

@@ -12,13 +12,14 @@ from numpy.typing import NDArray
 from beammodes.chains.chain import Chain
 from beammodes.dynamics.base_motion import BaseMotion
 from beammodes.dynamics.chain_state import base_vector
-from beammodes.dynamics.damping import Damping
 from beammodes.dynamics.forward_dynamics import forward_dynamics
-from beammodes.dynamics.integrators import Stepper, projection, runge_kutta
 from beammodes.dynamics.midpoint import implicit_midpoint, momentum_map
+from beammodes.dynamics.runge_kutta import Stepper, projection, runge_kutta
 from beammodes.problem.loading import Load
+from beammodes.vibration.damping import Damping
+from beammodes.vibration.integrators import INTEGRATORS
 
-__all__ = ["RUNS", "Rate", "Run", "Runner"]
+__all__ = ["Rate", "Run", "Runner", "midpoint_run", "runge_kutta_run", "runner", "variable_run"]
 
 Array = NDArray[np.float64]
 Progress = Callable[[int, int], None] | None
@@ -42,6 +43,7 @@ class Run:
         Time in all and step [s], steps between outputs, steps in all.
     tolerance : float
         Relative, of variable-step methods.
+    integrator : str
     """
 
     chain: Chain
@@ -53,6 +55,7 @@ class Run:
     every: int
     steps: int
     tolerance: float
+    integrator: str = "rk4"
 
     @property
     def parts(self) -> dict[str, object]:
@@ -60,14 +63,30 @@ class Run:
         return {"load": self.load, "damping": self.damping, "base": self.base}
 
 
-def _runge_kutta_run(run: Run, start: tuple[Array, Array], progress: Progress) -> Found:
-    stepper = runge_kutta(run.chain, load=run.load, damping=run.damping, base=run.base)
+def runner(integrator: str) -> Runner:
+    """Return the function that runs an integrator of `simulate`, by its record.
+
+    Examples
+    --------
+    >>> runner("dop853").__name__
+    'variable_run'
+    """
+    found: Runner = globals()[INTEGRATORS[integrator].run]
+    return found
+
+
+def runge_kutta_run(run: Run, start: tuple[Array, Array], progress: Progress) -> Found:
+    """Integrate by an explicit Runge-Kutta method of fixed step."""
+    stepper = runge_kutta(
+        run.chain, load=run.load, damping=run.damping, base=run.base, integrator=run.integrator
+    )
     time, states, why = _fixed(run, stepper, np.concatenate(start), progress)
     size = len(start[0])
     return time, states[:, :size], states[:, size:], why
 
 
-def _midpoint_run(run: Run, start: tuple[Array, Array], progress: Progress) -> Found:
+def midpoint_run(run: Run, start: tuple[Array, Array], progress: Progress) -> Found:
+    """Integrate by the implicit midpoint rule."""
     stepper = implicit_midpoint(run.chain, load=run.load, damping=run.damping, base=run.base)
     momentum, speed = momentum_map(run.chain, load=run.load)
     q, u = start
@@ -137,35 +156,33 @@ class Rate:
         return np.concatenate([self.u, self.found])
 
 
-def _variable_run(solver_name: str) -> Runner:
-    def runner(run: Run, start: tuple[Array, Array], progress: Progress) -> Found:
-        size, why = len(start[0]), ""
-        kept, times = [np.concatenate(start)], [0.0]
-        pieces = _variable_pieces(run, solver_name, kept[0])
-        outputs = math.ceil(run.steps / run.every)
-        try:
-            # A motion that diverges passes through numbers whose squares are too large.
-            with np.errstate(over="ignore", invalid="ignore"):
-                for k, (time, state, why) in enumerate(pieces, start=1):
-                    if why:
-                        break
-                    kept.append(state)
-                    times.append(time)
-                    if progress is not None:
-                        progress(k, outputs)
-        except KeyboardInterrupt:
-            why = f"interrupted after t = {times[-1]:.6g} s"
-        states = np.array(kept)
-        return np.array(times), states[:, :size], states[:, size:], why
-
-    return runner
+def variable_run(run: Run, start: tuple[Array, Array], progress: Progress) -> Found:
+    """Integrate by a Runge-Kutta pair of SciPy, which chooses its steps."""
+    size, why = len(start[0]), ""
+    kept, times = [np.concatenate(start)], [0.0]
+    pieces = _variable_pieces(run, kept[0])
+    outputs = math.ceil(run.steps / run.every)
+    try:
+        # A motion that diverges passes through numbers whose squares are too large.
+        with np.errstate(over="ignore", invalid="ignore"):
+            for k, (time, state, why) in enumerate(pieces, start=1):
+                if why:
+                    break
+                kept.append(state)
+                times.append(time)
+                if progress is not None:
+                    progress(k, outputs)
+    except KeyboardInterrupt:
+        why = f"interrupted after t = {times[-1]:.6g} s"
+    states = np.array(kept)
+    return np.array(times), states[:, :size], states[:, size:], why
 
 
-def _variable_pieces(run: Run, solver_name: str, state: Array) -> Iterator[tuple[float, Array, str]]:
+def _variable_pieces(run: Run, state: Array) -> Iterator[tuple[float, Array, str]]:
     """Yield each output time, the state there, and why the motion cannot go on, or nothing."""
     import scipy.integrate
 
-    solver_class = getattr(scipy.integrate, solver_name)
+    solver_class = getattr(scipy.integrate, run.integrator.upper())
     rate, onto = Rate(run, len(state) // 2), None
     if run.chain.boundary.right.holds_deflection:
         onto = projection(run.chain)
@@ -196,12 +213,3 @@ def _variable_pieces(run: Run, solver_name: str, state: Array) -> Iterator[tuple
         if onto is not None:
             state = np.array(onto(state, base_vector(run.base, time)))[:, 0]
         yield time, state, ""
-
-
-#: The runs by the name of their method.
-RUNS: dict[str, Runner] = {
-    "rk4": _runge_kutta_run,
-    "midpoint": _midpoint_run,
-    "rk45": _variable_run("RK45"),
-    "dop853": _variable_run("DOP853"),
-}

@@ -15,12 +15,12 @@ from beammodes.chains.chain import Chain
 from beammodes.checks import choice, positive_real, shown
 from beammodes.dynamics.base_motion import BaseMotion
 from beammodes.dynamics.chain_state import checked_system
-from beammodes.dynamics.damped_step import damped_time_step
-from beammodes.dynamics.damping import Damping
 from beammodes.dynamics.initial_state import initial_state
 from beammodes.dynamics.motion_dataset import motion_dataset
-from beammodes.dynamics.runs import RUNS, Run
+from beammodes.dynamics.runs import Run, runner
 from beammodes.problem.loading import Load, checked_load
+from beammodes.vibration.damping import Damping
+from beammodes.vibration.integrators import INTEGRATORS
 from beammodes.vibration.stability import stable_time_step
 
 if TYPE_CHECKING:
@@ -30,7 +30,7 @@ __all__ = ["METHODS", "DivergedWarning", "simulate"]
 
 #: Classical fixed-step Runge-Kutta, the implicit midpoint rule, and variable-step Runge-Kutta pairs of order
 #: 5(4) and 8(5,3), for which the step is the largest one and the one of output: the report's recipe.
-METHODS: tuple[str, ...] = tuple(RUNS)
+METHODS: tuple[str, ...] = tuple(name for name, record in INTEGRATORS.items() if record.run)
 
 #: How many output times a run has unless told otherwise.
 OUTPUTS = 1000
@@ -118,7 +118,7 @@ def simulate(
     checked_system(chain, load, damping, base)
     given, ground = checked_load(load), base or BaseMotion()
     span = positive_real("duration", duration)
-    kind = choice("method", method, RUNS)
+    kind = choice("method", method, METHODS)
     shown_step = span / OUTPUTS if output_step is None else positive_real("output_step", output_step)
     if not isinstance(progress, bool) and not callable(progress):
         raise TypeError(f"progress must be a bool or a function, got {shown(progress)}")
@@ -129,9 +129,10 @@ def simulate(
     if step is not None and positive_real("step", step) > span:
         raise ValueError(f"step must not be longer than duration, {span}, got {shown(step)}")
     longest = step or min(shown_step, span)
-    if step is None and kind in ("rk4", "midpoint"):
+    if step is None and not INTEGRATORS[kind].variable_step:
         pull = _largest_pull(chain, given, ground, span)
-        limit = _safe_step(chain, span, Load(axial_force=pull), damping if kind == "rk4" else None)
+        explicit = INTEGRATORS[kind].damping == "explicit"
+        limit = _safe_step(chain, span, Load(axial_force=pull), damping if explicit else None)
         longest /= max(1, math.ceil(longest / limit))
     if span / longest > 1e9:
         raise ValueError(
@@ -140,8 +141,8 @@ def simulate(
     every = max(1, round(min(shown_step, span) / longest))
     start = initial_state(chain, initial, ground)
     steps = math.ceil(span / longest - 1e-9)
-    run = Run(chain, given, ground, damping or Damping(), span, longest, every, steps, float(tolerance))
-    time, q, u, why = RUNS[kind](run, start, told)
+    run = Run(chain, given, ground, damping or Damping(), span, longest, every, steps, float(tolerance), kind)
+    time, q, u, why = runner(kind)(run, start, told)
     if why.startswith("non-finite"):
         warnings.warn(f"{why}: the step is too long or the motion unstable", DivergedWarning, stacklevel=2)
     attributes = {"method": kind, "step": longest, "complete": int(not why), "stopped": why}
@@ -153,11 +154,9 @@ def simulate(
 
 def _safe_step(chain: Chain, span: float, pull: Load, damping: Damping | None) -> float:
     """Return a fixed step at which every mode is stable, and short beside the whole motion."""
-    limit = min(span / OUTPUTS, stable_time_step(chain, load=pull) / 2)
-    if damping is not None:
-        # Dampers may stop the highest modes: their limit is then far below the undamped one.
-        limit = min(limit, damped_time_step(chain, damping) / 2)
-    return limit
+    # Dampers may stop the highest modes: their limit is then far below the undamped one.
+    steps = [stable_time_step(chain, load=pull, damping=each) for each in {None, damping}]
+    return min(span / OUTPUTS, *(step / 2 for step in steps))
 
 
 def _largest_pull(chain: Chain, load: Load, base: BaseMotion, span: float) -> float:

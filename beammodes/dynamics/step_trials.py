@@ -11,12 +11,12 @@ from beammodes.chains.chain import Chain
 from beammodes.checks import choice, whole_number
 from beammodes.dynamics.base_motion import BaseMotion
 from beammodes.dynamics.chain_state import base_vector
-from beammodes.dynamics.damping import Damping
 from beammodes.dynamics.initial_state import mode_start
-from beammodes.dynamics.integrators import Stepper, projection, runge_kutta
 from beammodes.dynamics.midpoint import implicit_midpoint, momentum_map
+from beammodes.dynamics.runge_kutta import Stepper, projection, runge_kutta
 from beammodes.dynamics.runs import Rate, Run
 from beammodes.problem.loading import Load
+from beammodes.vibration.damping import Damping
 from beammodes.vibration.linear import linearize
 from beammodes.vibration.modes import solve_modes
 
@@ -162,7 +162,8 @@ def variable_step_cost(
     """
     import scipy.integrate
 
-    run = Run(chain, Load(), _STILL, Damping(), output_step * outputs, output_step, 1, outputs, tolerance)
+    span = output_step * outputs
+    run = Run(chain, Load(), _STILL, Damping(), span, output_step, 1, outputs, tolerance, method.lower())
     q, u = mode_start(chain, 1, amplitude)
     size, state, still = len(q), np.concatenate([q, u]), base_vector(_STILL, 0.0)
     rate, onto = Rate(run, size), projection(chain) if chain.boundary.right.holds_deflection else None

@@ -24,8 +24,8 @@ import numpy as np
 
 from beammodes.chains.chain import Chain
 from beammodes.dynamics.chain_state import ChainState, Vector
-from beammodes.dynamics.damping import Damping
 from beammodes.problem.loading import Load
+from beammodes.vibration.damping import Damping
 
 __all__ = ["Sweep"]
 

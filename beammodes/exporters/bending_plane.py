@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass, replace
 
 from beammodes.chains.chain import Chain
-from beammodes.dynamics.damping import Damping
+from beammodes.vibration.damping import Damping
 
 __all__ = ["Plane", "Spring", "bending_plane"]
 

@@ -11,7 +11,6 @@ from typing import BinaryIO
 
 from beammodes.chains.chain import Chain
 from beammodes.checks import choice, shown
-from beammodes.dynamics.damping import Damping
 from beammodes.exporters.chain_csv import csv_lines
 from beammodes.exporters.export_facts import engine_step, facts_about, one_line
 from beammodes.exporters.mjcf import MAX_BODIES, mjcf_text
@@ -19,6 +18,9 @@ from beammodes.exporters.planar_tree import Tree, planar_tree
 from beammodes.exporters.sdformat import sdformat_text
 from beammodes.exporters.urdf import springs_text, urdf_text
 from beammodes.files import write_atomically
+from beammodes.problem.loading import Load
+from beammodes.vibration.damping import Damping
+from beammodes.vibration.integrators import INTEGRATORS
 
 __all__ = ["FORMATS", "MAX_LINKS", "export_chain"]
 
@@ -41,6 +43,7 @@ def export_chain(
     damping: Damping | None = None,
     timestep: float | None = None,
     integrator: str = "RK4",
+    load: Load | None = None,
     force: bool = False,
 ) -> tuple[Path, ...]:
     """Write a chain as a model for a multibody program, with the frequencies to expect in its head.
@@ -67,10 +70,17 @@ def export_chain(
     damping : Damping, optional
         Of joints and supports; not for "csv".
     timestep : float [s], optional
-        For "mjcf" and "sdf". By default half the stable one, less where the integrator would shift the first
-        frequency by more than 0.02 %.
+        For "mjcf" and "sdf". By default half the largest stable one (`stable_time_step`, with the engine's
+        way of taking dampers), less where the integrator would shift the first frequency by more than 0.1 %
+        and by more than a tenth of its damping ratio. The file says the limit, and for which case it holds.
     integrator : str
-        For "mjcf": "RK4", "Euler", "implicit" or "implicitfast".
+        For "mjcf": "RK4", "Euler", "implicit" or "implicitfast". An "sdf" file's step is that of Drake's
+        discrete plants.
+    load : Load, optional
+        For "mjcf" and "sdf": the file carries its gravity, x along the beam and y up, and the step holds
+        under it and its forces (which the file cannot carry: apply them yourself). Without one the file has
+        no gravity, and its step holds without gravity and with 9.81 m/s² in any direction, also for a chain
+        that then hangs, which its weight and body stiffen.
     force : bool
         Overwrite files that exist.
 
@@ -98,7 +108,8 @@ def export_chain(
     if not isinstance(chain, Chain):
         raise TypeError(f"chain must be a Chain, got {shown(chain)}")
     place, kind = _place_and_format(path, format)
-    only = {"fragment": fragment or None, "second": second, "damping": damping, "timestep": timestep}
+    only: dict[str, object] = {"fragment": fragment or None, "second": second, "damping": damping}
+    only |= {"timestep": timestep, "load": load}
     _check_given(kind, only | {"integrator": None if integrator == "RK4" else integrator})
     if not isinstance(name, str) or not re.fullmatch(r"[A-Za-z_][A-Za-z0-9_]{0,59}", name):
         raise ValueError(f'name must be a word of letters, digits and _ such as "beam", got {shown(name)}')
@@ -114,11 +125,36 @@ def export_chain(
     if springs is not None:
         text = urdf_text(tree, lines, name, springs=one_line(springs.name))
         return _write(places, [text], [springs_text(tree, lines, name)])
-    step = engine_step(facts, integrator if kind == "mjcf" else "Euler", damping, timestep)
+    chains = [each for each in (chain, second) if each is not None]
+    engine = "Drake discrete" if kind == "sdf" else f"MuJoCo {choice('integrator', integrator, _MUJOCO)}"
+    step = engine_step(chains, engine, damping, timestep, load)
+    gravity = gravity_of(load, tree.turned)
+    lines += step.lines
     if kind == "sdf":
-        return _write(places, [sdformat_text(tree, lines, name, timestep=step, fragment=fragment)])
-    text = mjcf_text(tree, lines, name, timestep=step, integrator=integrator, fragment=fragment)
+        text = sdformat_text(tree, lines, name, timestep=step.size, gravity=gravity, fragment=fragment)
+        return _write(places, [text])
+    text = mjcf_text(
+        tree,
+        lines,
+        name,
+        timestep=step.size,
+        integrator=integrator,
+        gravity=gravity,
+        fragment=fragment,
+    )
     return _write(places, [text])
+
+
+def gravity_of(load: Load | None, turned: bool) -> tuple[float, float, float]:
+    """Return gravity along a file's x, y and z; its x runs from the right end if the tree is `turned`.
+
+    Examples
+    --------
+    >>> gravity_of(Load(gravity=(1.0, -9.81)), turned=True)
+    (-1.0, 0.0, -9.81)
+    """
+    along, across = map(float, load.weight if load is not None else (0.0, 0.0))
+    return (-along if turned else along) + 0.0, 0.0, across
 
 
 def _place_and_format(path: object, format: str | None) -> tuple[Path, str]:
@@ -136,7 +172,7 @@ def _check_given(kind: str, only: dict[str, object]) -> None:
             raise ValueError(
                 f"{what} must be left out for {kind} files: it is for {', '.join(_TAKEN_BY[what])}"
             )
-    for what, kept in (("second", Chain), ("damping", Damping)):
+    for what, kept in (("second", Chain), ("damping", Damping), ("load", Load)):
         if not isinstance(only[what], kept | None):
             raise TypeError(f"{what} must be a {kept.__name__} or None, got {shown(only[what])}")
 
@@ -184,4 +220,12 @@ _TAKEN_BY = {
     "damping": ("mjcf", "sdf", "urdf"),
     "timestep": ("mjcf", "sdf"),
     "integrator": ("mjcf",),
+    "load": ("mjcf", "sdf"),
 }
+#: Integrators that a file may ask MuJoCo for: not the one that takes springs implicitly, which adds damping.
+_MUJOCO = tuple(
+    alias.removeprefix("MuJoCo ")
+    for record in INTEGRATORS.values()
+    for alias in record.engines
+    if alias.startswith("MuJoCo ") and alias.count(" ") == 1 and record.springs == "explicit"
+)

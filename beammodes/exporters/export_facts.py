@@ -12,36 +12,32 @@ import numpy as np
 from beammodes import __version__
 from beammodes.accuracy.comparison import SlendernessWarning, chain_errors
 from beammodes.chains.chain import Chain
-from beammodes.checks import choice, positive_real, shown
-from beammodes.dynamics.damping import Damping
+from beammodes.checks import positive_real, shown
+from beammodes.problem.loading import Load
+from beammodes.vibration.damping import Damping
+from beammodes.vibration.integrators import accuracy_limit, find_integrator
 from beammodes.vibration.linear import linearize
 from beammodes.vibration.modes import solve_modes
-from beammodes.vibration.stability import highest_angular_frequency
+from beammodes.vibration.stability import stable_time_step, taut_load
 
-__all__ = ["ENGINE_INTEGRATORS", "Facts", "digits", "engine_step", "facts_about", "one_line"]
+__all__ = ["GRAVITY", "EngineStep", "Facts", "digits", "engine_step", "facts_about", "one_line"]
 
-#: For MuJoCo's integrators, which treat springs alike but for RK4: the largest stable h ω, and p and c of the
-#: relative frequency error (h ω)^p / c.
-ENGINE_INTEGRATORS: dict[str, tuple[float, int, float]] = {
-    "RK4": (2 * math.sqrt(2), 4, 120.0),
-    "Euler": (2.0, 2, 24.0),
-    "implicit": (2.0, 2, 24.0),
-    "implicitfast": (2.0, 2, 24.0),
-}
-#: Relative error that the default step may add to the first frequency.
-STEP_ERROR = 2e-4
+#: Relative error that the default step may add to the first frequency, or this share of its damping ratio if
+#: that is more: what a tenth of the half width of a resonance is.
+STEP_ERROR, DAMPED_ERROR = 1e-3, 0.1
+#: Gravity that a file's step is safe for unless a load is given [m/s²], in any direction.
+GRAVITY = 9.81
 _REPORTED = 3
 _STEP_WITHOUT_MODES = 0.002
 
 
 @dataclass(frozen=True)
 class Facts:
-    """First frequencies of a chain [rad/s], their errors where it has a beam, and a bound on the highest."""
+    """First frequencies of a chain [rad/s], and their errors where it has a beam."""
 
     chain: Chain
     first: tuple[float, ...]
     errors: tuple[float, ...]
-    highest: float
 
     def lines(self, turned: bool = False) -> list[str]:
         """Return what a reader of the file should know of the chain, one fact a line."""
@@ -57,7 +53,7 @@ class Facts:
         else:
             kept.append(f"pieces: {chain.pieces}, given one by one")
         shown_first = ", ".join(f"{omega / (2 * math.pi):.8g}" for omega in self.first)
-        kept.append(f"natural frequencies of the chain: {shown_first or 'none'} Hz, undamped")
+        kept.append(f"natural frequencies of the chain: {shown_first or 'none'} Hz, undamped, without load")
         if self.errors:
             kept.append(f"their errors against the exact beam: {', '.join(map(_percent, self.errors))}")
         kept.append(
@@ -81,13 +77,39 @@ def facts_about(chain: Chain) -> Facts:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", SlendernessWarning)
             errors = chain_errors(chain, len(first)).tolist()
-    return Facts(chain, tuple(first), tuple(errors), highest_angular_frequency(chain))
+    return Facts(chain, tuple(first), tuple(errors))
+
+
+@dataclass(frozen=True)
+class EngineStep:
+    """The time step of a file [s], and lines that say which cases it holds for."""
+
+    size: float
+    lines: tuple[str, ...]
 
 
 def engine_step(
-    facts: Sequence[Facts], integrator: str, damping: Damping | None, timestep: float | None
-) -> float:
-    """Return `timestep`, or half the stable one, less if the first frequency would be off by over 0.02 %.
+    chains: Sequence[Chain],
+    engine: str,
+    damping: Damping | None = None,
+    timestep: float | None = None,
+    load: Load | None = None,
+) -> EngineStep:
+    """Return `timestep`, or half the stable step, less if it would shift the first frequency by over 0.1 %.
+
+    A tenth of the damping ratio is allowed instead of 0.1 % where that is more.
+
+    Parameters
+    ----------
+    chains : sequence of Chain
+        That bend along z, and along y.
+    engine : str
+        Name of an integrator in an engine, such as "MuJoCo RK4".
+    damping, timestep
+        As `export_chain` takes them.
+    load : Load, optional
+        What the step holds for. By default it holds without gravity and with 9.81 in any direction, along a
+        chain that hangs too.
 
     Raises
     ------
@@ -97,34 +119,69 @@ def engine_step(
     Examples
     --------
     >>> from beammodes.problem.beam import Beam
-    >>> engine_step([facts_about(Chain(Beam.unit(), "clamped-free", 10))], "RK4", None, None)
-    0.00211
+    >>> chain = Chain(Beam.unit(), "clamped-free", 10)
+    >>> engine_step([chain], "MuJoCo RK4").size, engine_step([chain], "MuJoCo RK4", load=Load()).size
+    (0.00209, 0.00211)
     """
-    largest, power, constant = ENGINE_INTEGRATORS[choice("integrator", integrator, ENGINE_INTEGRATORS)]
+    record = find_integrator(engine)
     given = None if timestep is None else positive_real("timestep", timestep)
-    rate = max(_fastest(each, damping) for each in facts)
-    if not rate:
-        return given or _STEP_WITHOUT_MODES
-    limit = largest / rate
-    if given is not None:
-        if given >= limit:
-            raise ValueError(
-                f"timestep must be less than {limit:.3g}, where {integrator} becomes unstable, "
-                f"got {shown(timestep)}"
-            )
-        return given
-    first = max(each.first[0] for each in facts if each.first)
-    return _rounded_down(min(limit / 2, (STEP_ERROR * constant) ** (1 / power) / first))
+    cases = {"with gravity off": Load(), _ANY: _WEIGHT}
+    if load is not None:
+        cases = {"without load" if load == Load() else f"under {load}": load}
+    limits = {
+        case: min(stable_time_step(chain, engine, load=each, damping=damping) for chain in chains)
+        for case, each in cases.items()
+    }
+    name = engine.partition(" ")[2]
+    least, first = min(limits.values()), next(iter(limits.values()))
+    if given is not None and given >= first:
+        raise ValueError(
+            f"timestep must be less than {first:.3g}, where {name} becomes unstable, got {shown(timestep)}"
+        )
+    modes = [
+        mode for chain in chains for each in cases.values() for mode in _first_mode(chain, damping, each)
+    ]
+    accurate = min((_accurate_step(engine, *mode) for mode in modes), default=math.inf)
+    best = min(least / 2, accurate)
+    size = given or (_rounded_down(best) if math.isfinite(best) else _STEP_WITHOUT_MODES)
+    if not math.isfinite(first):
+        return EngineStep(size, ())
+    said = ", ".join(f"{limit:.4g} s {case}" for case, limit in limits.items())
+    lines = [f"largest stable timestep in {engine}: {said}"]
+    if size >= least:
+        lines.append(f"WARNING: the timestep given, {size!r}, is stable with gravity off only")
+    if damping not in (None, Damping()) and record.damping == "implicit":
+        explicit = min(
+            stable_time_step(chain, "semi_implicit_euler", load=each, damping=damping)
+            for chain in chains
+            for each in cases.values()
+        )
+        flag = ", with the flag eulerdamp that is on by default" if name == "Euler" else ""
+        lines.append(f"dampers of joints are taken implicitly{flag}; taken explicitly: {explicit:.4g} s")
+    if load is not None and (any(load.tip) or load.tip_moment or load.axial_force or load.spin_rate):
+        lines.append("this file holds gravity only: the other loads are yours to apply")
+    return EngineStep(size, tuple(map(one_line, lines)))
 
 
-def _fastest(facts: Facts, damping: Damping | None) -> float:
-    """Return a bound on the size of the chain's eigenvalues; joints damp no mode more than by their worst."""
-    own = (damping or Damping()).joint_damping(facts.chain)
-    worst = max(
-        (damping or Damping()).stiffness, float(np.max(own / facts.chain.joint_stiffness, initial=0.0))
-    )
-    ratio = worst * facts.highest / 2
-    return facts.highest * (ratio + math.hypot(1.0, ratio))
+#: Across the beam, so that no direction is preferred: see `taut_load`.
+_WEIGHT = Load(gravity=GRAVITY)
+_ANY = f"with gravity {GRAVITY} m/s2 in any direction"
+
+
+def _first_mode(chain: Chain, damping: Damping | None, load: Load) -> list[tuple[float, float]]:
+    """Return frequency and damping ratio of a chain's first mode under a load, or nothing without modes."""
+    modes = solve_modes(linearize(chain, load=taut_load(chain, load)), 1)
+    if not len(modes.angular_frequency):
+        return []
+    omega, bend = float(modes.angular_frequency[0]), np.diff(modes.rotation[0])
+    rate = (damping or Damping()).joint_damping(chain) @ bend**2
+    return [(omega, float(rate) / (2 * omega))]
+
+
+def _accurate_step(engine: str, omega: float, ratio: float) -> float:
+    if ratio >= 1.0:
+        return math.inf
+    return accuracy_limit(engine, ratio, frequency=max(STEP_ERROR, DAMPED_ERROR * ratio)) / omega
 
 
 def _rounded_down(step: float) -> float:

@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator, Sequence
 
 from beammodes.exporters.export_facts import digits as _n
-from beammodes.exporters.planar_tree import Body, Joint, Tie, Tree
+from beammodes.exporters.planar_tree import Body, Joint, Tie, Tree, Vector
 
 __all__ = ["MAX_BODIES", "mjcf_text"]
 
@@ -17,7 +17,14 @@ _LEAST = 1e-15
 
 
 def mjcf_text(
-    tree: Tree, lines: Sequence[str], name: str, *, timestep: float, integrator: str, fragment: bool
+    tree: Tree,
+    lines: Sequence[str],
+    name: str,
+    *,
+    timestep: float,
+    integrator: str,
+    fragment: bool,
+    gravity: Vector = (0.0, 0.0, 0.0),
 ) -> str:
     """Return the file's text.
 
@@ -31,6 +38,7 @@ def mjcf_text(
     timestep : float [s]
     integrator : str
         As MuJoCo calls it.
+    gravity : triple [m/s²]
     fragment : bool
         Bodies only, for a model's `<worldbody>` or one of its bodies; where the far end is supported,
         whole sections, to include at the top of the model.
@@ -54,12 +62,13 @@ def mjcf_text(
     _check_heavy_enough(tree)
     whole = not fragment or bool(tree.ties)
     bodies = list(_nested(tree.bodies, _thickness(tree), 2 if whole else 1))
-    notes = _notes(tree, timestep, integrator, fragment)
+    notes = _notes(tree, timestep, integrator, fragment, any(gravity))
     head = ["<!--", *(f"  {line}" for line in (f"{name}: a flexible beam", *lines, *notes)), "-->"]
     if not fragment:
         # MuJoCo's own 1e-8 leaves vibration of 1e-9 rad and less to itself.
         exact = ' tolerance="1e-14"' if tree.ties else ""
-        option = f'timestep="{timestep!r}" integrator="{integrator}" gravity="0 0 0"{exact}'
+        pull = " ".join(map(_n, gravity))
+        option = f'timestep="{timestep!r}" integrator="{integrator}" gravity="{pull}"{exact}'
         head += [f'<mujoco model="{name}">', f" <option {option}/>"]
     else:
         head.append("<mujocoinclude>")
@@ -67,7 +76,7 @@ def mjcf_text(
     return "\n".join([*head, *middle, "</mujocoinclude>" if fragment else "</mujoco>", ""])
 
 
-def _notes(tree: Tree, timestep: float, integrator: str, fragment: bool) -> Iterator[str]:
+def _notes(tree: Tree, timestep: float, integrator: str, fragment: bool, heavy: bool) -> Iterator[str]:
     planes = {joint.axis for body in tree.bodies for joint in body.joints if joint.kind == "hinge"}
     both = len(planes) == 2
     yield f"x runs along the beam; it bends in {'the x-z and x-y planes' if both else 'the x-z plane only'}"
@@ -76,6 +85,8 @@ def _notes(tree: Tree, timestep: float, integrator: str, fragment: bool) -> Iter
         where = "at the top of a model" if tree.ties else "in <worldbody> or a body"
         yield f"include {where}; it needs timestep {timestep!r} or less with integrator {integrator}"
         yield "gravity is the including model's; with it the beam sags and rings at other frequencies"
+    elif heavy:
+        yield "gravity is on: the beam sags and rings at other frequencies than those below"
     else:
         yield "gravity is off: with it the beam sags and rings at other frequencies"
     if tree.ties:

@@ -17,11 +17,13 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from beammodes.chains.chain import Chain
-from beammodes.dynamics.damping import Damping
 from beammodes.exporters.bending_plane import Plane, Spring, bending_plane
+from beammodes.vibration.damping import Damping
 from beammodes.vibration.spectrum import is_turned
 
-__all__ = ["Body", "Joint", "Link", "Tie", "Tree", "links", "planar_tree"]
+__all__ = ["Body", "Joint", "Link", "Tie", "Tree", "Vector", "links", "planar_tree"]
+
+Vector = tuple[float, float, float]
 
 #: What a body that cannot do without mass or inertia gets, over what it moves with. Heavy bodies at both ends
 #: of a short chain make ten times that of it in a frequency: still below 1e-8.

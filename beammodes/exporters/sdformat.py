@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 from beammodes.exporters.export_facts import digits as _n
-from beammodes.exporters.planar_tree import Body, Joint, Link, Tree, links
+from beammodes.exporters.planar_tree import Body, Joint, Link, Tree, Vector, links
 
 __all__ = ["sdformat_text"]
 
@@ -19,7 +19,15 @@ __all__ = ["sdformat_text"]
 _FAR = "1e16"
 
 
-def sdformat_text(tree: Tree, lines: Sequence[str], name: str, *, timestep: float, fragment: bool) -> str:
+def sdformat_text(
+    tree: Tree,
+    lines: Sequence[str],
+    name: str,
+    *,
+    timestep: float,
+    fragment: bool,
+    gravity: Vector = (0.0, 0.0, 0.0),
+) -> str:
     """Return the file's text.
 
     Parameters
@@ -31,6 +39,7 @@ def sdformat_text(tree: Tree, lines: Sequence[str], name: str, *, timestep: floa
     name : str
         Of the model.
     timestep : float [s]
+    gravity : triple [m/s²]
     fragment : bool
         Only the model, without a world around it.
 
@@ -42,7 +51,7 @@ def sdformat_text(tree: Tree, lines: Sequence[str], name: str, *, timestep: floa
     >>> text = sdformat_text(
     ...     planar_tree(Chain(Beam.unit(), "clamped-free", 1)), [], "rod", timestep=0.01, fragment=True
     ... )
-    >>> [line.strip() for line in text.splitlines() if "spring" in line]
+    >>> [line.strip() for line in text.splitlines() if "<spring_" in line]
     ['<spring_reference>0</spring_reference>', '<spring_stiffness>3</spring_stiffness>']
     """
     thickness = sum(body.length for body in tree.bodies) / 100
@@ -54,19 +63,22 @@ def sdformat_text(tree: Tree, lines: Sequence[str], name: str, *, timestep: floa
     inner = [f'<model name="{name}">', *(f" {line}" for line in model), "</model>"]
     notes = [
         "x runs along the beam; it bends in the x-z plane only; twist, stretch and shear are not modelled",
-        f"a semi-implicit Euler step of {timestep!r} or less is stable and near the frequencies below",
-        "gravity is off in the world here, which Drake ignores: with it the beam sags and rings otherwise",
+        f"step: {timestep!r} s, for Gazebo here and for a discrete plant of Drake, which takes it from you;",
+        "Drake takes springs explicitly and dampers implicitly; DART, Gazebo's usual engine, takes both",
+        "implicitly: stable at any step, it adds a damping ratio of half the step times angular frequency",
+        f"gravity is {'on' if any(gravity) else 'off'} in the world here, which Drake ignores; with it the",
+        "beam sags and rings at other frequencies than those below",
     ]
     head = ['<?xml version="1.0" encoding="utf-8"?>', "<!--", f"  {name}: a flexible beam"]
     head += [*(f"  {line}" for line in (*notes, *lines)), "-->", '<sdf version="1.7">']
-    around = ([], []) if fragment else (_world(name, timestep), [" </world>"])
+    around = ([], []) if fragment else (_world(name, timestep, gravity), [" </world>"])
     return "\n".join([*head, *around[0], *(" " * depth + line for line in inner), *around[1], "</sdf>", ""])
 
 
-def _world(name: str, timestep: float) -> list[str]:
+def _world(name: str, timestep: float, gravity: Vector) -> list[str]:
     return [
         f' <world name="{name}_world">',
-        "  <gravity>0 0 0</gravity>",
+        f"  <gravity>{' '.join(map(_n, gravity))}</gravity>",
         '  <physics name="fixed_step" default="true" type="ode">',
         f"   <max_step_size>{timestep!r}</max_step_size>",
         "   <real_time_factor>1</real_time_factor>",

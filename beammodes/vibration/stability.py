@@ -17,39 +17,44 @@ and so hides it.
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from beammodes.chains.chain import Chain
-from beammodes.checks import choice, shown, whole_number
+from beammodes.checks import shown, whole_number
 from beammodes.equations.axial_pull import axial_pull
 from beammodes.exact.exact_beam import wavenumber
 from beammodes.problem.beam import Beam
-from beammodes.problem.loading import Load
+from beammodes.problem.loading import Load, checked_load
+from beammodes.vibration.damping import Damping, damped_eigenvalues, damping_of_modes
+from beammodes.vibration.integrators import (
+    Integrator,
+    accuracy_limit,
+    fixed_step_integrator,
+    stability_limit,
+)
 from beammodes.vibration.linear import linearize
 from beammodes.vibration.modes import MAX_DENSE, solve_modes
 
 __all__ = [
-    "INTEGRATORS",
     "ROARK_CLAMPED_CLAMPED",
+    "SAFE_CONSTANT",
     "exact_constants",
     "highest_angular_frequency",
     "published_constants",
     "published_time_step",
     "stable_time_step",
+    "step_constants",
+    "taut_load",
 ]
 
 Array = NDArray[np.float64]
 
-#: Largest stable  h ω  on an undamped oscillator. Source: C. W. Gear, Numerical Initial Value Problems in
-#: Ordinary Differential Equations (1971), p. 41, for rk4; both others have amplification matrices of
-#: determinant 1 and trace 2 - (h ω)².
-INTEGRATORS: dict[str, float] = {
-    "rk4": 2 * math.sqrt(2),
-    "leapfrog": 2.0,
-    "semi_implicit_euler": 2.0,
-}
+#: Of rk4, times N²: no uniform undamped chain between plain ends, with the report's springs, has a mode
+#: above the band edge √48 N², so h ≤ ell² √(ρA/(6 EI)) is stable for small motions without any eigen-solve.
+SAFE_CONSTANT = 1 / math.sqrt(6)
 
 #: K_1 to K_5 as printed by Roark and Young, Formulas for Stress and Strain, p. 576, both ends fixed.
 ROARK_CLAMPED_CLAMPED = (22.4, 61.7, 121.0, 200.0, 299.0)
@@ -113,39 +118,146 @@ def published_time_step(beam: Beam, modes: int) -> float:
     return float(constants[whole_number("modes", modes, most=len(constants)) - 1] / beam.frequency_unit)
 
 
-def stable_time_step(chain: Chain, integrator: str = "rk4", *, load: Load | None = None) -> float:
-    """Return the largest fixed step at which the undamped linear chain is stable [s].
+def stable_time_step(
+    chain: Chain, integrator: str = "rk4", *, load: Load | None = None, damping: Damping | None = None
+) -> float:
+    """Return the largest fixed step at which a chain's small motion is stable [s].
 
-        h = 2√2 / ω_max  (rk4),   h = 2 / ω_max  (leapfrog, semi_implicit_euler)
+        rk4                                  |R(h λ)| = 1 for the first eigenvalue λ of the damped chain
+        springs and dampers explicit         h² Ω² + 2 h G = 4    (leapfrog, semi_implicit_euler)
+        springs explicit, dampers implicit   h² Ω² - 2 h G = 4    (MuJoCo's Euler, implicit and implicitfast,
+                                                                   Drake's discrete plants)
+
+    where "= 4" is for the largest eigenvalue, and G is the damping matrix of the undamped modes. For one mode
+    of frequency ω and damping ratio ζ the last two are  h = 2 (√(1 + ζ²) ∓ ζ)/ω:  damping shortens the step
+    of engines that take it explicitly and lengthens that of those that take it implicitly. Without damping
+    h = 2√2/ω_max or 2/ω_max.
 
     Parameters
     ----------
     chain : Chain
-        Its own highest frequency decides, not the modes that one wants to see.
+        Its own highest frequency decides, not the modes that one wants to see. Of more than 500 hinges the
+        answer is a bound just below.
     integrator : str
-        "rk4", "leapfrog" or "semi_implicit_euler".
+        A name in `INTEGRATORS` of fixed step, or an engine's, such as "MuJoCo implicitfast".
     load : Load, optional
-        An axial force.
+        No load by default: a chain that hangs is stiffened by its weight and by what hangs on it, and needs a
+        shorter step. Loads along the chain that pull are taken as they are. Of one that bends or pushes the
+        chain the answer is a lower bound, by the pull that it could have: that of a chain which hangs.
+    damping : Damping, optional
 
     Returns
     -------
     float
-        Infinite for a chain without elastic modes.
+        Infinite for a chain without elastic modes, and for an integrator that takes springs implicitly.
 
     Raises
     ------
     TypeError, ValueError
-        If `chain` is no Chain or the integrator is unknown.
+        If an argument is not of its kind, the integrator is unknown or chooses its steps itself, `joint` of
+        the damping does not suit the chain, or an axial force buckles it.
+
+    Source
+    ------
+    E. Hairer and G. Wanner, Solving Ordinary Differential Equations II, § IV.2. The second and third
+    condition: the step's matrix has the eigenvalue -1. All its eigenvalues obey quadratic equations of real
+    coefficients, since Ω² and G are symmetric, and leave the unit circle nowhere else.
 
     Examples
     --------
-    >>> chain = Chain(Beam.unit(), "clamped-free", segments=10)
-    >>> round(stable_time_step(chain), 5)
-    0.00424
+    >>> chain = Chain(Beam(4.0, 1e-3, 0.026), "pinned-free(mass=0.75)", segments=20)
+    >>> round(stable_time_step(chain, "MuJoCo Euler"), 4)
+    0.0596
+    >>> round(stable_time_step(chain, "MuJoCo Euler", load=Load(gravity=(9.81, 0.0))), 4)   # it hangs
+    0.0066
     """
-    limit = INTEGRATORS[choice("integrator", integrator, INTEGRATORS)]
+    record = fixed_step_integrator(integrator)
+    if not isinstance(chain, Chain):
+        raise TypeError(f"chain must be a Chain, got {shown(chain)}")
+    if damping is not None and not isinstance(damping, Damping):
+        raise TypeError(f"damping must be a Damping or None, got {shown(damping)}")
+    straight = taut_load(chain, checked_load(load))
+    if record.springs == "implicit":
+        return math.inf
+    if damping is None or damping == Damping():
+        highest = highest_angular_frequency(chain, load=straight)
+        return stability_limit(record.name) / highest if highest else math.inf
+    if len(chain.hinge_stiffness) > MAX_DENSE:
+        return _bounded_step(record, chain, straight, damping)
+    modal = damping_of_modes(chain, damping, straight)
+    omega = modal.angular_frequency
+    if record.stages:
+        values = map(complex, [*damped_eigenvalues(omega, modal.coupling), -modal.drag])
+        # Rounding may put a mode that no damper reaches beyond the imaginary axis.
+        steps = [
+            stability_limit(record.name, min(max(0.0, -z.real / abs(z)), 1.0)) / abs(z) for z in values if z
+        ]
+        return min(steps, default=math.inf)
+    sign = {"explicit": 1.0, "implicit": -1.0}
+    effect = sign[record.damping] * modal.joints
+    effect = effect + sign[record.tendon_damping or record.damping] * modal.far_support
+    return _kick_step(omega, effect, max(0.0, sign[record.damping] * modal.drag))
+
+
+def _kick_step(omega: Array, effect: Array, drag: float) -> float:
+    """Return the h where the largest eigenvalue of  h² Ω² + 2 h `effect`  is 4."""
+    diagonal = effect.diagonal()
+    if not np.any(effect - np.diag(diagonal)):
+        # λ² - g λ - ω² = 0 for each mode, without the difference of two near numbers.
+        half = np.hypot(diagonal / 2, omega) + abs(diagonal) / 2
+        roots = np.where(diagonal >= 0, half, omega**2 / half)
+    else:
+        # λ² - λ G - Ω² has real roots, and h = 2/λ of the largest one.
+        size = np.diag(omega)
+        roots = np.linalg.eigvalsh(np.block([[effect, size], [size, np.zeros_like(size)]]))
+    highest = float(max([drag, *roots]))
+    return 2.0 / highest if highest > 0 else math.inf
+
+
+def _bounded_step(record: Integrator, chain: Chain, load: Load, damping: Damping) -> float:
+    """Return a step below the stable one of a long chain: joints damp no mode more than by their worst."""
     highest = highest_angular_frequency(chain, load=load)
-    return limit / highest if highest else math.inf
+    rates = damping.joint_damping(chain) / chain.joint_stiffness
+    if not highest:
+        return 2.0 / damping.mass if damping.mass and record.damping == "explicit" else math.inf
+    # Implicit dampers only help, and the least of them for sure where no load adds to the springs.
+    if record.damping == "implicit" and not record.tendon_damping:
+        ratio = float(rates.min()) * highest / 2 if load == Load() else 0.0
+        supports = chain.support_stiffness
+        if np.any(np.isfinite(supports) & (supports > 0)):
+            ratio = min(ratio, damping.stiffness * highest / 2)
+        return stability_limit(record.name, ratio) / highest
+    ratio = (damping.mass / highest + max(damping.stiffness, float(rates.max())) * highest) / 2
+    if record.stages:
+        # Every eigenvalue lies within this radius, and the least limit of all rays holds.
+        least = min(stability_limit(record.name, z) for z in np.linspace(0.0, 1.0, 101).tolist())
+        return least / (highest * (ratio + math.hypot(1.0, ratio)))
+    return 2.0 / (highest * (ratio + math.hypot(1.0, ratio)))
+
+
+def taut_load(chain: Chain, load: Load) -> Load:
+    """Return a load that leaves a chain straight and makes it at least as stiff as `load` does.
+
+    That is `load` itself where it pulls along the chain. Otherwise every piece is pulled with the whole
+    weight and the size of the tip's force: no shape at rest pulls harder on any piece. A chain that nothing
+    holds falls freely, without a pull.
+
+    Examples
+    --------
+    >>> chain = Chain(Beam.unit(), "clamped-free", segments=4)
+    >>> print(taut_load(chain, Load(gravity=9.81)))
+    Load(axial_force=9.81)
+    """
+    pushes = load.weight[0] < 0 or load.tip[0] < 0
+    held = chain.boundary.left.is_grounded or chain.boundary.right.is_grounded
+    if not (any(load.weight) or any(load.tip) or load.tip_moment):
+        return load
+    if not (load.bends or pushes) and chain.boundary.left.is_grounded:
+        return load
+    pull = max(0.0, float(load.axial_force)) + math.hypot(*map(float, load.tip))
+    if held:
+        pull += float(chain.mass.sum()) * math.hypot(*map(float, load.weight))
+    return replace(load, axial_force=pull, gravity=(0.0, 0.0), tip_force=(0.0, 0.0), tip_moment=0.0)
 
 
 def highest_angular_frequency(chain: Chain, *, load: Load | None = None) -> float:
@@ -209,3 +321,42 @@ def _joint_bound(chain: Chain, load: Load) -> float:
     lower = np.linalg.inv(np.linalg.cholesky(inertia))
     local = lower @ stiffness @ np.swapaxes(lower, 1, 2)
     return float(np.sqrt(np.linalg.eigvalsh(local)[:, -1].max()))
+
+
+def step_constants(
+    chain: Chain, modes: int, integrator: str = "rk4", *, damping_ratio: float = 0.0
+) -> tuple[float, Array]:
+    """Return C of the longest stable step, and of the longest accurate ones for 1 to `modes` modes.
+
+        h = C L² √(ρA/EI)
+
+    Accurate is: frequency within 0.1 %, amplitude within 1 % of the first one, over 100 periods of each mode.
+    A step to use is the smaller of both.
+
+    Parameters
+    ----------
+    chain : Chain
+    modes : int
+        How many, from the first; NaN for those that the chain does not have.
+    integrator : str
+        Of fixed step.
+    damping_ratio : float
+        Of the first mode, by dampers in proportion to the springs: ratios of other modes go with ω.
+
+    Examples
+    --------
+    >>> stable, accurate = step_constants(Chain(Beam.unit(), "clamped-free", segments=4), 3)
+    >>> round(stable, 4), accurate.round(4)
+    (0.0305, array([0.0853, 0.0146, 0.0056]))
+    """
+    count = whole_number("modes", modes)
+    solved = solve_modes(linearize(chain)).angular_frequency
+    if chain.beam is None:
+        raise ValueError("chain must be cut from a beam, in whose units C is")
+    omega = np.asarray(solved, dtype=np.float64) / chain.beam.frequency_unit
+    ratios = (damping_ratio * omega / omega[0]).tolist()
+    stable = min(stability_limit(integrator, r) / w for r, w in zip(ratios, omega.tolist(), strict=True))
+    each = [accuracy_limit(integrator, r) / w for r, w in zip(ratios[:count], omega.tolist(), strict=False)]
+    accurate = np.full(count, np.nan)
+    accurate[: len(each)] = np.minimum.accumulate(each)
+    return stable, accurate

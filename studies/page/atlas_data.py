@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 import beammodes as bm
 from beammodes.closed_form.dispersion import chain_frequency
-from beammodes.vibration.stability import INTEGRATORS
+from beammodes.vibration.integrators import stability_limit
 
 __all__ = ["LONGEST", "MODES", "SEGMENTS", "TOLERANCES", "atlas", "segments_for"]
 
@@ -58,7 +58,7 @@ def atlas() -> dict[str, Any]:
         "modes": MODES,
         "longest": LONGEST,
         "tolerances": list(TOLERANCES),
-        "limit": INTEGRATORS["rk4"],
+        "limit": stability_limit("rk4"),
         "springs": list(springs),
         "records": kept,
         "chains": chains,

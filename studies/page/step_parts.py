@@ -8,12 +8,13 @@ import numpy as np
 
 import beammodes as bm
 from beammodes.closed_form.dispersion import chain_frequency
-from beammodes.dynamics.step_limits import SAFE_CONSTANT, accuracy_limit, amplification, step_constants
+from beammodes.vibration.integrators import accuracy_limit, amplification, stability_limit
 from beammodes.vibration.stability import (
-    INTEGRATORS,
     ROARK_CLAMPED_CLAMPED,
+    SAFE_CONSTANT,
     exact_constants,
     published_constants,
+    step_constants,
 )
 from studies import c_table, figure_1, step_size_data
 from studies.page.evidence import note
@@ -37,13 +38,13 @@ def parts(folder: Path) -> Parts:
         recipe_modes=str(modes),
         rtol=f"{tolerance:g}",
     )
-    eight = INTEGRATORS["rk4"] ** 2
+    eight = stability_limit("rk4") ** 2
     return {
         "c_exact_first": f"{exact_constants(1)[0]:.3f}",
         "table_c": _c_table(),
         "table_worked_step": _worked_step(),
-        "too_long": f"{eight / INTEGRATORS['rk4']:.2f}",
-        "growth": f"{float(abs(amplification('rk4', np.array(1j * eight)))):.0f}",
+        "too_long": f"{eight / stability_limit('rk4'):.2f}",
+        "growth": f"{float(abs(amplification('rk4', eight))):.0f}",
         "c_chain_free": significant(_constant(PAIRS[0], TEN), 3),
         "c_chain_clamped": significant(_constant(PAIRS[1], TEN), 3),
         "recipe_steps": f"{float(recipe['steps']):.0f}",
@@ -73,7 +74,7 @@ def _c_table() -> str:
         c_table.REPORT,
         published_constants().tolist(),
         exact_constants(count).tolist(),
-        exact_constants(count, limit=INTEGRATORS["rk4"]).tolist(),
+        exact_constants(count, limit=stability_limit("rk4")).tolist(),
     )
     rows: list[list[Cell]] = [
         [n, f"{k:g}", f"{report:.3f}", f"{again:.3f}", exact, single]
@@ -135,7 +136,7 @@ def _steps_agree() -> str:
     found = [
         (
             _constant(pair, n),
-            INTEGRATORS["rk4"] / float(chain_frequency(pair, n, n if pair == PAIRS[0] else n - 1)),
+            stability_limit("rk4") / float(chain_frequency(pair, n, n if pair == PAIRS[0] else n - 1)),
         )
         for pair in PAIRS
         for n in LENGTHS

@@ -1,4 +1,4 @@
-"""One step of a fixed-step integrator, compiled: classical Runge-Kutta and the implicit midpoint rule.
+"""One step of an explicit Runge-Kutta method, compiled, from the stages that its record gives.
 
 A state is (q, q'). `Stepper.steps` maps it over many steps at once, so that a run spends its time in compiled
 code. Chains whose right end is held are projected back onto their closure after each Runge-Kutta step, with
@@ -18,10 +18,11 @@ from numpy.typing import NDArray
 from beammodes.chains.chain import Chain
 from beammodes.dynamics.base_motion import BaseMotion
 from beammodes.dynamics.chain_state import ChainState
-from beammodes.dynamics.damping import Damping
 from beammodes.dynamics.forward_dynamics import forward_dynamics
 from beammodes.equations.coordinates import coordinate_names
 from beammodes.problem.loading import Load
+from beammodes.vibration.damping import Damping
+from beammodes.vibration.integrators import INTEGRATORS
 
 __all__ = ["Stepper", "closure", "projection", "runge_kutta"]
 
@@ -70,16 +71,23 @@ def _repeated(function: casadi.Function, count: int) -> casadi.Function:
 
 
 def runge_kutta(
-    chain: Chain, *, load: Load | None = None, damping: Damping | None = None, base: BaseMotion | None = None
+    chain: Chain,
+    *,
+    load: Load | None = None,
+    damping: Damping | None = None,
+    base: BaseMotion | None = None,
+    integrator: str = "rk4",
 ) -> Stepper:
-    """Return one step of the classical fourth-order Runge-Kutta method.
+    """Return one step of an explicit Runge-Kutta method, of states (q, q').
 
-        x + h/6 (k_1 + 2 k_2 + 2 k_3 + k_4)
+        k_i = f(t + c_i h, x + h Σ_j a_ij k_j),   x + h Σ_i b_i k_i
 
     Parameters
     ----------
     chain, load, damping, base
         As `forward_dynamics` takes them.
+    integrator : str
+        One of `INTEGRATORS` with stages.
 
     Examples
     --------
@@ -88,22 +96,26 @@ def runge_kutta(
     >>> stepper.steps(np.array([1.0, 0.0]), 0.01, 0.0, 2, BaseMotion())[:, 0].round(4)
     array([0.9996, 0.9982])
     """
+    method = INTEGRATORS[integrator]
     dynamics = forward_dynamics(chain, load=load, damping=damping, base=base)
     size = len(dynamics.coordinates)
-    state, step, course = (casadi.SX.sym(n, k) for n, k in (("x", 2 * size), ("h", 1), ("base", 27)))
-    early, middle, late = casadi.vertsplit(course, 9)
-
-    def rate(x: Any, base: Any) -> Any:
-        return casadi.vertcat(x[size:], dynamics.acceleration(x[:size], x[size:], base))
-
-    first = rate(state, early)
-    second = rate(state + step / 2 * first, middle)
-    third = rate(state + step / 2 * second, middle)
-    fourth = rate(state + step * third, late)
-    new = state + step / 6 * (first + 2 * second + 2 * third + fourth)
+    # The last time is that of the new state's closure.
+    nodes = [sum(row) for row in method.stages]
+    times = tuple(sorted({*nodes, 1.0}))
+    state, step, course = (
+        casadi.SX.sym(n, k) for n, k in (("x", 2 * size), ("h", 1), ("base", 9 * len(times)))
+    )
+    at = dict(zip(times, casadi.vertsplit(course, 9), strict=True))
+    rates: list[Any] = []
+    for node, row in zip(nodes, method.stages, strict=True):
+        x = state
+        for weight, rate in zip(row, rates, strict=False):
+            x = x + (step * weight) * rate if weight else x
+        rates.append(casadi.vertcat(x[size:], dynamics.acceleration(x[:size], x[size:], at[node])))
+    new = state + step * sum(weight * rate for weight, rate in zip(method.weights, rates, strict=True))
     if chain.boundary.right.holds_deflection:
-        new = projection(chain)(new, late)
-    return Stepper(casadi.Function("runge_kutta", [state, step, course], [new]), (0.0, 0.5, 1.0))
+        new = projection(chain)(new, at[1.0])
+    return Stepper(casadi.Function("runge_kutta", [state, step, course], [new]), times)
 
 
 def closure(chain: Chain, q: Any, base: Any) -> Any:

@@ -1,0 +1,177 @@
+"""Damping of a chain, in proportion to mass and stiffness (Rayleigh's) and at its joints; and of its modes.
+
+In undamped modes of unit modal mass, q = Φ p, a damped chain is
+
+    p'' + G p' + Ω² p = 0,      G = α + β Φᵀ K Φ + Σ_j d_j (joint rotation of the modes)ᵀ (joint rotation).
+
+Without dampers d of its own and without a load G is diagonal: every mode keeps its shape and has the ratio
+ζ = α/(2ω) + βω/2. Otherwise dampers couple the modes; the eigenvalues λ of the whole then say what remains.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from beammodes.chains.chain import Chain
+from beammodes.checks import real, shown
+from beammodes.problem.loading import Load
+from beammodes.vibration.linear import linearize
+from beammodes.vibration.modes import MAX_DENSE, solve_modes
+from beammodes.vibration.spectrum import is_turned
+
+__all__ = ["Damping", "ModalDamping", "check_damped", "damped_eigenvalues", "damping_of_modes"]
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Damping:
+    """Damping of a chain's motion relative to its base.
+
+        C = α M + β K + Σ_j d_j (joint rotation)ᵀ (joint rotation)
+
+    α acts on each piece's own motion, β on the springs of joints and supports (not on what loads add).
+
+    Parameters
+    ----------
+    mass : float [1/s]
+        α: mode n gets the damping ratio α/(2 ω_n).
+    stiffness : float [s]
+        β: mode n gets the damping ratio β ω_n/2.
+    joint : float or sequence, one a hinge [N m s/rad]
+        d_j.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If a number is not real, or negative.
+
+    Examples
+    --------
+    >>> from beammodes.problem.beam import Beam
+    >>> Damping(stiffness=0.01).joint_damping(Chain(Beam.unit(), "clamped-free", segments=1))
+    array([0.03])
+    """
+
+    mass: float = 0.0
+    stiffness: float = 0.0
+    joint: float | tuple[float, ...] = 0.0
+
+    def __post_init__(self) -> None:
+        for name in ("mass", "stiffness"):
+            object.__setattr__(self, name, _not_negative(name, getattr(self, name)))
+        given = self.joint.tolist() if isinstance(self.joint, np.ndarray) else self.joint
+        if isinstance(given, Sequence) and not isinstance(given, str):
+            kept: float | tuple[float, ...] = tuple(
+                _not_negative(f"joint[{i}]", d) for i, d in enumerate(given)
+            )
+        else:
+            kept = _not_negative("joint", given)
+        object.__setattr__(self, "joint", kept)
+
+    def joint_damping(self, chain: Chain) -> NDArray[np.float64]:
+        """Return the damping of every hinge, β k_j + d_j, shape (hinges,) [N m s/rad].
+
+        Raises
+        ------
+        ValueError
+            If `joint` has another number of entries than the chain has hinges.
+        """
+        hinges = len(chain.joint_stiffness)
+        own = np.asarray(self.joint)
+        if own.ndim and len(own) != hinges:
+            raise ValueError(f"joint must have {hinges} entries, one a hinge, got {len(own)}")
+        return np.asarray(self.stiffness * chain.joint_stiffness + own)
+
+
+def _not_negative(name: str, value: object) -> float:
+    number = real(name, value)
+    if number < 0.0:
+        raise ValueError(f"{name} must not be negative, got {shown(value)}")
+    return number
+
+
+@dataclass(frozen=True, eq=False)
+class ModalDamping:
+    """A damped chain in its undamped modes.
+
+    Attributes
+    ----------
+    angular_frequency : ndarray, shape (modes,) [rad/s]
+        Of the elastic modes, undamped.
+    joints : ndarray, shape (modes, modes) [1/s]
+        G without the far support's dampers.
+    far_support : ndarray, shape (modes, modes) [1/s]
+        Of the dampers of the less firmly supported end, which tree-like models cannot have as joints.
+    drag : float [1/s]
+        Of rigid motion, which only α damps.
+    """
+
+    angular_frequency: Array
+    joints: Array
+    far_support: Array
+    drag: float
+
+    @property
+    def coupling(self) -> Array:
+        """G, shape (modes, modes) [1/s]."""
+        return self.joints + self.far_support
+
+
+def check_damped(chain: Chain, damping: Damping) -> None:
+    """Raise TypeError for what is no chain or no damping."""
+    if not isinstance(chain, Chain):
+        raise TypeError(f"chain must be a Chain, got {shown(chain)}")
+    if not isinstance(damping, Damping):
+        raise TypeError(f"damping must be a Damping, got {shown(damping)}")
+
+
+def damping_of_modes(chain: Chain, damping: Damping, load: Load | None = None) -> ModalDamping:
+    """Return the undamped modes' frequencies and G, under a load that leaves the chain straight.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If an argument is not of its kind, `joint` does not suit the chain, or the chain is too long.
+    """
+    check_damped(chain, damping)
+    if len(chain.hinge_stiffness) > MAX_DENSE:
+        raise ValueError(
+            f"chain must have at most {MAX_DENSE} hinges here, where all its modes are needed, "
+            f"got {len(chain.hinge_stiffness)}"
+        )
+    own, model = damping.joint_damping(chain), linearize(chain, load=load)
+    modes = solve_modes(model)
+    omega, bend = modes.angular_frequency, np.diff(modes.rotation, axis=1)
+    ends = [np.zeros((len(omega), len(omega))) for _ in range(2)]
+    for end, (translation, rotation) in enumerate(chain.support_stiffness.tolist()):
+        for stiffness, shape in (
+            (translation, modes.deflection[:, -end]),
+            (rotation, modes.rotation[:, -end]),
+        ):
+            if 0.0 < stiffness < np.inf:
+                ends[end] += damping.stiffness * stiffness * np.outer(shape, shape)
+    near, far = ends[::-1] if is_turned(chain) else ends
+    if model.load == Load():
+        # Springs alone: β Ω², without the rounding of its sum.
+        own = own - damping.stiffness * chain.joint_stiffness
+        joints = (bend * own) @ bend.T + np.diag(damping.stiffness * omega**2) - far
+    else:
+        joints = (bend * own) @ bend.T + near
+    drag = damping.mass if model.rigid_body_modes else 0.0
+    return ModalDamping(omega, joints + damping.mass * np.eye(len(omega)), far, drag)
+
+
+def damped_eigenvalues(omega: Array, coupling: Array) -> NDArray[np.complex128]:
+    """Return all λ, two a mode; those of modes that do not couple without loss to a dense solver."""
+    if not np.any(coupling - np.diag(coupling.diagonal())):
+        half = (coupling.diagonal() / 2).astype(complex)
+        root = np.sqrt(half**2 - omega**2)
+        return np.concatenate([-half - root, -(omega**2) / (half + root)])
+    size = np.diag(omega)
+    # In (p', Ω p), where both blocks off the diagonal are alike.
+    return np.linalg.eigvals(np.block([[-coupling, -size], [size, np.zeros_like(size)]])).astype(complex)
