@@ -85,6 +85,7 @@ _HOME = {
     "Study": "batch.study",
     "SupportedBeamModes": "exact.supported_beam",
     "Table": "problem.profiles",
+    "TimoshenkoModes": "exact.timoshenko_beam",
     "Tolerance": "accuracy.tolerances",
     "Tube": "problem.sections",
     "Uniform": "batch.distributions",
@@ -137,6 +138,7 @@ _HOME = {
     "stiffness_from_frequency": "identification",
     "symbolic_energies": "equations.symbolic",
     "theory_errors": "accuracy.comparison",
+    "timoshenko": "exact.timoshenko_beam",
     "wavenumber": "exact.wavenumbers",
 }
 
@@ -195,6 +197,8 @@ if TYPE_CHECKING:
     from beammodes.exact.exact_beam import BeamModes as BeamModes
     from beammodes.exact.spectral_shapes import SpectralBeamModes as SpectralBeamModes
     from beammodes.exact.supported_beam import SupportedBeamModes as SupportedBeamModes
+    from beammodes.exact.timoshenko_beam import TimoshenkoModes as TimoshenkoModes
+    from beammodes.exact.timoshenko_beam import timoshenko as timoshenko
     from beammodes.exact.wavenumbers import wavenumber as wavenumber
     from beammodes.exporters.chain_csv import read_chain_csv as read_chain_csv
     from beammodes.exporters.export import export_chain as export_chain

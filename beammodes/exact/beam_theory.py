@@ -2,7 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from functools import partial
 from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
 
 from beammodes.checks import shown, whole_number
 from beammodes.exact.exact_beam import BeamModes, plain_modes
@@ -15,7 +20,9 @@ if TYPE_CHECKING:
     from beammodes.exact.spectral_beam import SpectralBeamModes
     from beammodes.exact.supported_beam import SupportedBeamModes
 
-__all__ = ["euler_bernoulli"]
+Floats = NDArray[np.float64]
+
+__all__ = ["assumed_in_shear", "euler_bernoulli"]
 
 
 def euler_bernoulli(
@@ -24,6 +31,8 @@ def euler_bernoulli(
     """Return the first elastic modes of a beam under Euler-Bernoulli theory.
 
     (EI φ'')'' - (T φ')' = ω² (ρA φ - (ρI φ')')  with two homogeneous conditions at each end.
+
+    Shear is left out; `theory_error` of the answer says how far that is off where the section is known.
 
     A uniform beam between plain ends is `BeamModes`; ends with springs or bodies, an axial force or rotary
     inertia make it `supported_beam.SupportedBeamModes`, and a beam that is not uniform, or one that gravity,
@@ -60,6 +69,14 @@ def euler_bernoulli(
         raise TypeError(f"beam must be a Beam, got {shown(beam)}")
     pair, pull = Boundary.of(boundary), checked_load(load)
     count = whole_number("modes", modes, most=10**6)
+    found = _solved(beam, pair, count, pull)
+    theory = partial(_theory_error, beam, pair, pull, found.angular_frequency)
+    return replace(found, theory=(theory, assumed_in_shear(beam)))
+
+
+def _solved(
+    beam: Beam, pair: Boundary, count: int, pull: Load
+) -> BeamModes | SupportedBeamModes | SpectralBeamModes:
     if not (beam.is_uniform and pull.is_axial):
         from beammodes.exact.spectral_beam import spectral_modes
 
@@ -71,3 +88,16 @@ def euler_bernoulli(
             beam, pair, count, pull, mean_over(beam.rotary_inertia_per_length, beam.length)
         )
     return plain_modes(beam, pair, count)
+
+
+def assumed_in_shear(beam: Beam) -> tuple[str, ...]:
+    """Return what the theory's own error takes for granted, in words."""
+    if beam.shear_stiffness is None and (beam.has_rotary_inertia or beam.radius_of_gyration):
+        return (*beam.assumed, "E/(kappa G) = 3.12 as of a rectangle")
+    return beam.assumed
+
+
+def _theory_error(beam: Beam, pair: Boundary, load: Load, omega: Floats) -> Floats | None:
+    from beammodes.exact.timoshenko_beam import theory_error_of
+
+    return theory_error_of(beam, pair, load, omega)

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from beammodes.checks import shown, whole_number
+from beammodes.exact.printed_modes import Theory, hertz, theory_errors_of, theory_words
 from beammodes.exact.wavenumbers import (
     family_of,
     is_square,
@@ -28,7 +29,7 @@ Floats = NDArray[np.float64]
 Integers = NDArray[np.integer[Any]]
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class BeamModes:
     """The first elastic modes of a uniform Euler-Bernoulli beam; `plain_modes` makes it.
 
@@ -44,6 +45,8 @@ class BeamModes:
         The ends, at x = 0 and at x = L.
     wavenumber : ndarray, shape (modes,) [-]
         β, the dimensionless roots of elastic modes 1, 2, ..., read-only.
+    theory : Theory, optional
+        What tells the theory's own error; `euler_bernoulli` gives it.
 
     Examples
     --------
@@ -56,6 +59,7 @@ class BeamModes:
     beam: Beam
     boundary: Boundary
     wavenumber: Floats
+    theory: Theory | None = None
 
     @property
     def angular_frequency(self) -> Floats:
@@ -66,6 +70,27 @@ class BeamModes:
     def frequency(self) -> Floats:
         """ω / 2π, shape (modes,) [Hz]."""
         return self.angular_frequency / (2.0 * math.pi)
+
+    @property
+    def theory_error(self) -> Floats:
+        """ω_Timoshenko/ω - 1, shape (modes,) [-]: how far this theory itself is off, found when asked.
+
+        NaN where the beam's section is not known (`Beam.from_section` knows it, or give `radius_of_gyration`
+        or ρI), from Timoshenko's cut-off frequency on, beyond mode 100, and on a turning hub.
+        `theory_assumed` says what is assumed.
+        """
+        return theory_errors_of(self.theory, len(self.angular_frequency))
+
+    @property
+    def theory_assumed(self) -> tuple[str, ...]:
+        """What `theory_error` takes for granted, in words; empty if nothing."""
+        return self.theory[1] if self.theory else ()
+
+    def __repr__(self) -> str:
+        return (
+            f"{type(self).__name__}({self.boundary}: {hertz(self.frequency)}; "
+            f"{theory_words(self.theory, self.wavenumber**2)})"
+        )
 
     @property
     def rigid_body_modes(self) -> int:

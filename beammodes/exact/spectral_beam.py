@@ -23,11 +23,20 @@ from beammodes.problem.beam import Beam
 from beammodes.problem.ends import Boundary, BoundaryLike
 from beammodes.problem.loading import Load, checked_load
 
-__all__ = ["SpectralBeamModes", "spectral_buckling", "spectral_modes"]
+__all__ = [
+    "AGREEMENT",
+    "SpectralBeamModes",
+    "disagreement",
+    "growing_grids",
+    "modes_of",
+    "spectral_buckling",
+    "spectral_modes",
+]
 
 Floats = NDArray[np.float64]
 
-_AGREEMENT = 1e-11
+#: Largest relative change of a frequency between the last two degrees of the polynomials.
+AGREEMENT = 1e-11
 _MOST_SECTIONS = 200
 
 
@@ -75,20 +84,20 @@ def spectral_modes(
     """
     pair, count, loaded = _checked(beam, boundary, modes, load)
     previous, reached, square = np.full(count, np.inf), math.inf, square_spin(beam, loaded)
-    for grid in _growing(beam, 2 * count + 8):
+    for grid in growing_grids(beam, 2 * count + 8):
         tension = tension_of(beam, pair, grid, loaded)
         free = with_tension(supported_motions(beam, pair, grid, tension), tension, loaded)
         rigid = free.rigid.shape[1]
-        size, motions = _modes_of(free, kinetic_rows(beam, pair, grid), count)
+        size, motions = modes_of(free, kinetic_rows(beam, pair, grid), count)
         omega, share = in_plane(1.0 / size, rigid, pair, loaded, square)
         change = float(np.max(np.abs(omega / previous - 1.0)))
-        if change <= max(_AGREEMENT, 1e-14 / free.margin, 1e-13 / share):
+        if change <= max(AGREEMENT, 1e-14 / free.margin, 1e-13 / share):
             omega *= beam.frequency_unit
             omega.flags.writeable = False
             signed = motions * _signs(pair, grid, motions)
             return SpectralBeamModes(beam, pair, loaded, omega, rigid, change, grid, signed)
         previous, reached = omega, min(reached, change)
-    raise _disagreement(reached)
+    raise disagreement(reached)
 
 
 def spectral_buckling(beam: Beam, boundary: BoundaryLike) -> float:
@@ -117,16 +126,16 @@ def spectral_buckling(beam: Beam, boundary: BoundaryLike) -> float:
     """
     pair, _, _ = _checked(beam, boundary, 1, None)
     previous, reached = math.inf, math.inf
-    for grid in _growing(beam, 10):
+    for grid in growing_grids(beam, 10):
         free = supported_motions(beam, pair, grid)
         if free.turns_freely:
             raise ValueError(f"boundary must resist a rigid rotation to have a buckling load, got {pair}")
         load = float(np.linalg.norm(slope_rows(grid) @ free.elastic, 2)) ** -2
         reached = min(reached, abs(load / previous - 1.0))
-        if reached <= _AGREEMENT:
+        if reached <= AGREEMENT:
             return load * beam.mean_bending_stiffness / beam.length**2
         previous = load
-    raise _disagreement(reached)
+    raise disagreement(reached)
 
 
 def _checked(beam: Beam, boundary: BoundaryLike, modes: int, load: Load | None) -> tuple[Boundary, int, Load]:
@@ -136,7 +145,7 @@ def _checked(beam: Beam, boundary: BoundaryLike, modes: int, load: Load | None) 
     return pair, count, straight_load(beam, pair, checked_load(load))
 
 
-def _growing(beam: Beam, points: int) -> Iterator[Grid]:
+def growing_grids(beam: Beam, points: int) -> Iterator[Grid]:
     """Yield grids of ever more points, in every section."""
     sections = len(beam.breaks) + 1
     if sections > _MOST_SECTIONS:
@@ -148,15 +157,16 @@ def _growing(beam: Beam, points: int) -> Iterator[Grid]:
         yield grid
 
 
-def _disagreement(reached: float) -> ArithmeticError:
+def disagreement(reached: float) -> ArithmeticError:
+    """Return the error for polynomials of growing degree that came no closer than this."""
     return ArithmeticError(
-        f"results agree to {reached:.1g} between polynomials of growing degree, not to {_AGREEMENT:.0g}: "
+        f"results agree to {reached:.1g} between polynomials of growing degree, not to {AGREEMENT:.0g}: "
         "is a property not smooth between the beam's breaks (a Table has steps and kinks), or a load so "
         "large that the beam bends next to its ends only?"
     )
 
 
-def _modes_of(motions: Motions, kinetic: Floats, count: int) -> tuple[Floats, Floats]:
+def modes_of(motions: Motions, kinetic: Floats, count: int) -> tuple[Floats, Floats]:
     """Return 1/ω, descending, and the motions of unit modal mass, of stored energy's largest kinetic ones."""
     momentum, elastic = kinetic @ motions.elastic, motions.elastic
     if motions.rigid.shape[1]:

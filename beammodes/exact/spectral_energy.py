@@ -14,7 +14,15 @@ from beammodes.problem.beam import Beam
 from beammodes.problem.ends import Boundary
 from beammodes.problem.loading import Load
 
-__all__ = ["Motions", "kinetic_rows", "slope_rows", "supported_motions", "with_tension"]
+__all__ = [
+    "Motions",
+    "body_rows",
+    "kinetic_rows",
+    "motions_between",
+    "slope_rows",
+    "supported_motions",
+    "with_tension",
+]
 
 Floats = NDArray[np.float64]
 
@@ -66,18 +74,35 @@ def supported_motions(beam: Beam, boundary: Boundary, grid: Grid, tension: Tensi
     tension : Tension, optional
         Along the beam; what pushes is left to `with_tension`.
     """
-    stiffness, rows = _end_stiffness(beam, boundary), _end_rows(grid)
+    bending = np.diag(1.0 / np.sqrt(grid.weight * grid.stiffness))
+    return motions_between(beam, boundary, bending, _end_rows(grid), tension)
+
+
+def motions_between(
+    beam: Beam, boundary: Boundary, strain: Floats, rows: Floats, tension: Tension | None
+) -> Motions:
+    """Return the motions of a beam whose strains store ½ |w|² if they are strain · w.
+
+    Parameters
+    ----------
+    beam, boundary, tension
+        As of `supported_motions`.
+    strain : ndarray, shape (strains, coordinates)
+        A motion is the strains, then deflection and rotation at x = 0.
+    rows : ndarray, shape (5, strains + 2)
+        The end quantities y(0), θ(0), y(1), θ(1) and the mean slope as rows over a motion.
+    """
+    stiffness = _end_stiffness(beam, boundary)
     if tension is not None:
         stiffness[4], rows[4] = tension.stiffness, tension.mean_row
     order = sorted(range(5), key=lambda i: -stiffness[i])
     # Any second quantity will do except that two slopes leave the line free to shift.
     pair = [order[0], next(i for i in order[1:] if np.linalg.det(_LINES[[order[0], i]]) != 0.0)]
     line = np.linalg.inv(_LINES[pair])
-    bending = np.diag(1.0 / np.sqrt(grid.weight * grid.stiffness))
-    elastic = [np.vstack((bending, -line @ rows[pair, :-2] @ bending))]
-    rigid = [np.zeros((len(grid.x) + 2, 0))]
+    elastic = [np.vstack((strain, -line @ rows[pair, :-2] @ strain))]
+    rigid = [np.zeros((len(strain) + 2, 0))]
     for quantity, alone in zip(pair, line.T, strict=True):
-        straight = np.concatenate((np.zeros_like(grid.x), alone))[:, None]
+        straight = np.concatenate((np.zeros(len(strain)), alone))[:, None]
         if stiffness[quantity]:
             elastic.append(straight / math.sqrt(stiffness[quantity]))
         else:
@@ -128,7 +153,12 @@ def kinetic_rows(beam: Beam, boundary: Boundary, grid: Grid) -> Floats:
     rows = [np.sqrt(grid.weight * grid.mass)[:, None] * deflection]
     if grid.rotary.any():
         rows.append(np.sqrt(grid.rotary)[:, None] * slope_rows(grid))
-    ends, length = _end_rows(grid), beam.length
+    return np.vstack((*rows, body_rows(beam, boundary, _end_rows(grid))))
+
+
+def body_rows(beam: Beam, boundary: Boundary, ends: Floats) -> Floats:
+    """Return rows P with |P · motion|² = Σ m (y ± aθ)² + Jθ² over the bodies, `ends` being the ends' rows."""
+    rows, length = [], beam.length
     whole = beam.mean_mass_per_length * length
     for end, outward, first in ((boundary.left, -1.0, 0), (boundary.right, 1.0, 2)):
         mass, inertia, offset = (float(number) for number in end.moving_body)

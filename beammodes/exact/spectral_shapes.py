@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from beammodes.checks import whole_number
+from beammodes.exact.printed_modes import Theory, hertz, theory_errors_of, theory_words
 from beammodes.exact.spectral_grid import Grid, legendre_integral, legendre_of_values
 from beammodes.problem.beam import Beam
 from beammodes.problem.beam_positions import positions_on
@@ -20,7 +21,7 @@ __all__ = ["SpectralBeamModes", "values_of_motions"]
 Floats = NDArray[np.float64]
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class SpectralBeamModes:
     """The first elastic modes of a beam, uniform or not; `spectral_modes` makes it.
 
@@ -45,6 +46,8 @@ class SpectralBeamModes:
         The points of the last degree.
     motions : ndarray, shape (points + 2, modes)
         κ at these points, y and y' at x = 0, of a beam with L = mean EI = mean ρA = 1.
+    theory : Theory, optional
+        What tells the theory's own error; `euler_bernoulli` gives it.
 
     Examples
     --------
@@ -64,11 +67,33 @@ class SpectralBeamModes:
     agreement: float
     grid: Grid
     motions: Floats
+    theory: Theory | None = None
 
     @property
     def frequency(self) -> Floats:
         """ω / 2π, shape (modes,) [Hz]."""
         return self.angular_frequency / (2.0 * math.pi)
+
+    @property
+    def theory_error(self) -> Floats:
+        """ω_Timoshenko/ω - 1, shape (modes,) [-]: how far this theory itself is off, found when asked.
+
+        NaN where the beam's section is not known (`Beam.from_section` knows it, or give `radius_of_gyration`
+        or ρI), from Timoshenko's cut-off frequency on, beyond mode 100, and on a turning hub.
+        `theory_assumed` says what is assumed.
+        """
+        return theory_errors_of(self.theory, len(self.angular_frequency))
+
+    @property
+    def theory_assumed(self) -> tuple[str, ...]:
+        """What `theory_error` takes for granted, in words; empty if nothing."""
+        return self.theory[1] if self.theory else ()
+
+    def __repr__(self) -> str:
+        return (
+            f"{type(self).__name__}({self.boundary}: {hertz(self.frequency)}; "
+            f"{theory_words(self.theory, self.angular_frequency / self.beam.frequency_unit)})"
+        )
 
     def shape(self, x: ArrayLike, derivative: int = 0) -> Floats:
         """Return the mode shapes φ, or a derivative dᵏφ/dxᵏ of them.

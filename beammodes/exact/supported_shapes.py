@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from beammodes.checks import whole_number
 from beammodes.exact.beam_waves import BeamWaves
+from beammodes.exact.printed_modes import Theory, hertz, theory_errors_of, theory_words
 from beammodes.problem.beam import Beam
 from beammodes.problem.beam_positions import positions_on
 from beammodes.problem.ends import Boundary
@@ -20,7 +21,7 @@ __all__ = ["SupportedBeamModes"]
 Floats = NDArray[np.float64]
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class SupportedBeamModes:
     """The first elastic modes of a uniform beam with general ends; `supported_beam.supported_modes` makes it.
 
@@ -48,6 +49,8 @@ class SupportedBeamModes:
         ω √(ρA L⁴/EI) of elastic modes 1, 2, ..., read-only.
     waves : BeamWaves
         Their shapes on a beam of unit length and mass.
+    theory : Theory, optional
+        What tells the theory's own error; `euler_bernoulli` gives it.
 
     Examples
     --------
@@ -65,6 +68,7 @@ class SupportedBeamModes:
     rigid_body_modes: int
     relative_frequency: Floats
     waves: BeamWaves
+    theory: Theory | None = None
 
     @property
     def angular_frequency(self) -> Floats:
@@ -75,6 +79,27 @@ class SupportedBeamModes:
     def frequency(self) -> Floats:
         """ω / 2π, shape (modes,) [Hz]."""
         return self.angular_frequency / (2.0 * math.pi)
+
+    @property
+    def theory_error(self) -> Floats:
+        """ω_Timoshenko/ω - 1, shape (modes,) [-]: how far this theory itself is off, found when asked.
+
+        NaN where the beam's section is not known (`Beam.from_section` knows it, or give `radius_of_gyration`
+        or ρI), from Timoshenko's cut-off frequency on, beyond mode 100, and on a turning hub.
+        `theory_assumed` says what is assumed.
+        """
+        return theory_errors_of(self.theory, len(self.angular_frequency))
+
+    @property
+    def theory_assumed(self) -> tuple[str, ...]:
+        """What `theory_error` takes for granted, in words; empty if nothing."""
+        return self.theory[1] if self.theory else ()
+
+    def __repr__(self) -> str:
+        return (
+            f"{type(self).__name__}({self.boundary}: {hertz(self.frequency)}; "
+            f"{theory_words(self.theory, self.relative_frequency)})"
+        )
 
     def shape(self, x: ArrayLike, derivative: int = 0) -> Floats:
         """Return the mode shapes φ, or a derivative dᵏφ/dxᵏ of them.

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from beammodes.checks import positive_real, shown
 from beammodes.problem.beam_properties import PropertyLike, kept_property
 from beammodes.problem.profiles import Profile, mean_over, profile_breaks
+from beammodes.problem.section_shape import poisson_ratio_of
 from beammodes.problem.tabulated import SAME_PLACE
 
 if TYPE_CHECKING:
@@ -38,6 +39,15 @@ class Beam:
         ρA, density times cross-sectional area.
     rotary_inertia_per_length : float, sequence, Table or function [kg m]
         ρI, density times area moment of inertia.
+    shear_stiffness : float, sequence, Table or function [N], optional
+        κGA, the shear coefficient times shear modulus times area.
+    radius_of_gyration : float [m], optional
+        r = √(I/A) of the section, the same all along, of a beam whose ρI is left out.
+    assumed : tuple of str
+        What of these two was assumed and not given, in words; no part of what makes beams equal.
+
+    κGA and r are left out of the equation above, and of every chain: `timoshenko`, which keeps them in,
+    and `theory_errors`, which says what leaving them out does, read them.
 
     Raises
     ------
@@ -58,6 +68,9 @@ class Beam:
     bending_stiffness: Profile
     mass_per_length: Profile
     rotary_inertia_per_length: Profile
+    shear_stiffness: Profile | None
+    radius_of_gyration: float | None
+    assumed: tuple[str, ...] = field(default=(), compare=False, repr=False)
 
     def __init__(
         self,
@@ -65,6 +78,10 @@ class Beam:
         bending_stiffness: PropertyLike,
         mass_per_length: PropertyLike,
         rotary_inertia_per_length: PropertyLike = 0.0,
+        *,
+        shear_stiffness: PropertyLike | None = None,
+        radius_of_gyration: float | None = None,
+        assumed: tuple[str, ...] = (),
     ) -> None:
         whole = positive_real("length", length)
         object.__setattr__(self, "length", whole)
@@ -72,6 +89,15 @@ class Beam:
             object.__setattr__(self, name, kept_property(name, given, whole))
         rotary = kept_property("rotary_inertia_per_length", rotary_inertia_per_length, whole)
         object.__setattr__(self, "rotary_inertia_per_length", rotary)
+        shear = None if shear_stiffness is None else kept_property("shear_stiffness", shear_stiffness, whole)
+        object.__setattr__(self, "shear_stiffness", shear)
+        radius = (
+            None if radius_of_gyration is None else positive_real("radius_of_gyration", radius_of_gyration)
+        )
+        object.__setattr__(self, "radius_of_gyration", radius)
+        if not isinstance(assumed, tuple) or not all(isinstance(word, str) for word in assumed):
+            raise TypeError(f"assumed must be a tuple of words, got {shown(assumed)}")
+        object.__setattr__(self, "assumed", assumed)
         if not 0.0 < self.frequency_unit < math.inf:
             raise ValueError(
                 f"length must suit the other two numbers: with length {self.length}, bending_stiffness "
@@ -99,8 +125,12 @@ class Beam:
         elastic_modulus: float,
         length: float,
         rotary_inertia: bool = False,
+        poisson_ratio: float | None = None,
+        shear_coefficient: float | None = None,
     ) -> Beam:
-        """Return the uniform beam of a cross-section and a material: EI, ρA and, if wanted, ρI.
+        """Return the uniform beam of a cross-section and a material: EI, ρA, κGA, r and, if wanted, ρI.
+
+            G = E / (2 (1 + ν))
 
         Parameters
         ----------
@@ -114,6 +144,10 @@ class Beam:
             L.
         rotary_inertia : bool
             Whether the section's rotary inertia ρI counts: Rayleigh's beam instead of Euler and Bernoulli's.
+        poisson_ratio : float, optional
+            ν, above -1 and at most 0.5; without it `assumed` says that 0.3 is taken.
+        shear_coefficient : float, optional
+            κ; the section's own by default, and 5/6 as an assumption where it has none.
 
         Raises
         ------
@@ -136,7 +170,16 @@ class Beam:
         rho, modulus = positive_real("density", density), positive_real("elastic_modulus", elastic_modulus)
         area = positive_real("area of section", section.area)
         moment = positive_real("second_moment of section", section.second_moment)
-        return cls(length, modulus * moment, rho * area, rho * moment if rotary_inertia else 0.0)
+        ratio, coefficient, assumed = _in_shear(section, poisson_ratio, shear_coefficient)
+        return cls(
+            length,
+            modulus * moment,
+            rho * area,
+            rho * moment if rotary_inertia else 0.0,
+            shear_stiffness=coefficient * modulus / (2.0 * (1.0 + ratio)) * area,
+            radius_of_gyration=math.sqrt(moment / area),
+            assumed=assumed,
+        )
 
     @property
     def is_uniform(self) -> bool:
@@ -162,7 +205,9 @@ class Beam:
     @property
     def breaks(self) -> tuple[float, ...]:
         """Positions inside the beam where a property has a step or a kink, ascending [m]."""
-        properties = (self.bending_stiffness, self.mass_per_length, self.rotary_inertia_per_length)
+        properties = [self.bending_stiffness, self.mass_per_length, self.rotary_inertia_per_length]
+        if self.shear_stiffness is not None:
+            properties.append(self.shear_stiffness)
         kept: list[float] = []
         for x in sorted(x for profile in properties for x in profile_breaks(profile)):
             # Thirds and sixths of a length meet but for rounding.
@@ -175,3 +220,25 @@ class Beam:
         """√(EI / (ρA L⁴)) of mean EI and mean ρA [rad/s], which a dimensionless frequency multiplies."""
         speed = math.sqrt(self.mean_bending_stiffness) / math.sqrt(self.mean_mass_per_length)
         return speed / self.length / self.length
+
+
+#: Of most metals; a shear modulus between 0.8 and 1.3 times its own belongs to any ν from 0 to 0.5.
+_POISSON_RATIO = 0.3
+_COEFFICIENT = 5 / 6
+
+
+def _in_shear(
+    section: Section, poisson_ratio: float | None, shear_coefficient: float | None
+) -> tuple[float, float, tuple[str, ...]]:
+    """Return ν, κ and what of them is assumed."""
+    assumed = []
+    ratio = poisson_ratio_of(_POISSON_RATIO if poisson_ratio is None else poisson_ratio)
+    if poisson_ratio is None:
+        assumed.append(f"Poisson's ratio {_POISSON_RATIO}")
+    own = getattr(section, "shear_coefficient", None)
+    if shear_coefficient is not None:
+        return ratio, positive_real("shear_coefficient", shear_coefficient), tuple(assumed)
+    if callable(own):
+        return ratio, positive_real("shear_coefficient of section", own(ratio)), tuple(assumed)
+    assumed.append("shear coefficient 5/6")
+    return ratio, _COEFFICIENT, tuple(assumed)

@@ -11,7 +11,16 @@ from numpy.typing import ArrayLike, NDArray
 from beammodes.checks import real
 from beammodes.problem.tabulated import Table, table_breaks, table_limit, table_moments
 
-__all__ = ["Profile", "Table", "mean_over", "mean_reciprocal", "moments", "profile_breaks", "value_at"]
+__all__ = [
+    "Profile",
+    "Table",
+    "mean_over",
+    "mean_reciprocal",
+    "moments",
+    "profile_breaks",
+    "scaled",
+    "value_at",
+]
 
 Floats = NDArray[np.float64]
 
@@ -53,6 +62,21 @@ def value_at(profile: Profile, x: ArrayLike, side: int = 0) -> Floats:
     if callable(profile):
         return _function_values(profile, position.ravel()).reshape(position.shape)
     return np.full(position.shape, profile)
+
+
+def scaled(profile: Profile, factor: float) -> Profile:
+    """Return a profile times a number.
+
+    Examples
+    --------
+    >>> scaled(Table((0.0, 1.0), (1.0, 2.0)), 3.0).value
+    (3.0, 6.0)
+    """
+    if isinstance(profile, Table):
+        return Table(profile.x, tuple(factor * value for value in profile.value))
+    if callable(profile):
+        return lambda x: factor * value_at(profile, x)
+    return factor * profile
 
 
 def mean_reciprocal(profile: Profile, x: ArrayLike) -> Floats:

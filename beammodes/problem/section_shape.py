@@ -6,9 +6,18 @@ import math
 from abc import ABC, abstractmethod
 from typing import Protocol
 
-from beammodes.checks import positive_real, shown
+from beammodes.checks import positive_real, real, shown
 
-__all__ = ["Section", "Shape", "below", "flanged", "rectangle", "ring"]
+__all__ = [
+    "Section",
+    "Shape",
+    "below",
+    "flanged",
+    "poisson_ratio_of",
+    "rectangle",
+    "ring",
+    "thin_walled_coefficient",
+]
 
 
 class Section(Protocol):
@@ -31,6 +40,25 @@ class Shape(ABC):
     @abstractmethod
     def _numbers(self) -> tuple[float, float, float]:
         """Return A, I and the I of the section on its side."""
+
+    @abstractmethod
+    def _coefficient(self, poisson_ratio: float) -> float:
+        """Return κ of the shear stiffness κGA."""
+
+    def shear_coefficient(self, poisson_ratio: float) -> float:
+        """Return κ of the shear stiffness κGA, for bending in the plane of the height.
+
+        Parameters
+        ----------
+        poisson_ratio : float
+            ν, above -1 and at most 0.5.
+
+        Raises
+        ------
+        TypeError, ValueError
+            If it is not a number in this range.
+        """
+        return self._coefficient(poisson_ratio_of(poisson_ratio))
 
     @property
     def area(self) -> float:
@@ -85,6 +113,37 @@ def flanged(width: float, height: float, flange: float, web: float) -> tuple[flo
 def rectangle(width: float, height: float) -> float:
     """Return I of a rectangle,  b h³/12."""
     return width * height * height * height / 12.0
+
+
+def thin_walled_coefficient(poisson_ratio: float, flange: float, width: float, across: float) -> float:
+    """Return Cowper's κ of an I or a box with thin walls, from its dimensions between the walls' middles.
+
+    Parameters
+    ----------
+    poisson_ratio : float
+        ν.
+    flange : float
+        m, the area of both flanges over that of all webs.
+    width : float
+        n, the flange's width over the height.
+    across : float
+        The last terms in the denominator, over n²: how shear runs along the flanges, which an I's free tips
+        and a box's corners make different.
+    """
+    m = flange
+    plain = 12 + 72 * m + 150 * m**2 + 90 * m**3
+    strained = 11 + 66 * m + 135 * m**2 + 90 * m**3
+    return (
+        10 * (1 + poisson_ratio) * (1 + 3 * m) ** 2 / (plain + poisson_ratio * strained + width**2 * across)
+    )
+
+
+def poisson_ratio_of(value: object) -> float:
+    """Return Poisson's ratio as a float, or raise TypeError or ValueError."""
+    ratio = real("poisson_ratio", value)
+    if not -1.0 < ratio <= 0.5:
+        raise ValueError(f"poisson_ratio must be above -1 and at most 0.5, got {shown(value)}")
+    return ratio
 
 
 def below(name: str, value: object, limit: float, what: str) -> float:

@@ -6,6 +6,10 @@ The report's integral for its Figure 4, a typical I-beam, and for any other unif
 
 Here that line is level: a `height` is measured in the plane in which the beam bends, a `width` across it. The
 scan of the report prints no dimensions in Figure 4, so `ISection` is its formula and not its numbers.
+
+`shear_coefficient(ν)` is κ of Timoshenko's beam for bending in the plane of the height, of G. R. Cowper, The
+shear coefficient in Timoshenko's beam theory, Journal of Applied Mechanics 33 (1966). Only a rectangle's is
+5/6, which is Cowper's at ν = 0 and what handbooks and programs take; his own is 0.85 at ν = 0.3.
 """
 
 from __future__ import annotations
@@ -13,7 +17,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from beammodes.checks import positive_real, shown
-from beammodes.problem.section_shape import Shape, below, flanged, rectangle, ring
+from beammodes.problem.section_shape import Shape, below, flanged, rectangle, ring, thin_walled_coefficient
 
 __all__ = ["Box", "Circle", "ISection", "Rectangle", "Tube"]
 
@@ -44,6 +48,10 @@ class Rectangle(Shape):
     def __post_init__(self) -> None:
         self._keep("width", "height")
 
+    def _coefficient(self, _poisson_ratio: float) -> float:
+        """Return κ = 5/6, whatever Poisson's ratio."""
+        return 5 / 6
+
     def _numbers(self) -> tuple[float, float, float]:
         b, h = self.width, self.height
         return b * h, rectangle(b, h), rectangle(h, b)
@@ -63,6 +71,10 @@ class Circle(Shape):
 
     def __post_init__(self) -> None:
         self._keep("diameter")
+
+    def _coefficient(self, poisson_ratio: float) -> float:
+        """Return κ = 6 (1 + ν)/(7 + 6ν)."""
+        return 6 * (1 + poisson_ratio) / (7 + 6 * poisson_ratio)
 
     def _numbers(self) -> tuple[float, float, float]:
         return ring(self.diameter, 0.0, self.diameter / 2)
@@ -110,6 +122,13 @@ class Tube(Shape):
             object.__setattr__(self, name, value)
         self._keep("outer", "inner", "wall")
 
+    def _coefficient(self, poisson_ratio: float) -> float:
+        """Return κ = 6 (1 + ν)(1 + m²)²/((7 + 6ν)(1 + m²)² + (20 + 12ν) m²),  m = d/D."""
+        square = (self.inner / self.outer) ** 2
+        whole = (1 + square) ** 2
+        below = (7 + 6 * poisson_ratio) * whole + (20 + 12 * poisson_ratio) * square
+        return 6 * (1 + poisson_ratio) * whole / below
+
     def _numbers(self) -> tuple[float, float, float]:
         return ring(self.outer, self.inner, self.wall)
 
@@ -144,6 +163,13 @@ class Box(Shape):
         for name in ("width", "height"):
             below("wall", self.wall, positive_real(name, getattr(self, name)) / 2, f"half the {name}")
         self._keep("width", "height", "wall")
+
+    def _coefficient(self, poisson_ratio: float) -> float:
+        """Return κ of a thin-walled box: `thin_walled_coefficient` with 10 ((3 + ν) m + 3 m²)."""
+        width, height = self.width - self.wall, self.height - self.wall
+        m = width / height
+        across = 10 * ((3 + poisson_ratio) * m + 3 * m * m)
+        return thin_walled_coefficient(poisson_ratio, m, width / height, across)
 
     def _numbers(self) -> tuple[float, float, float]:
         b, h, t = self.width, self.height, self.wall
@@ -183,6 +209,13 @@ class ISection(Shape):
         below("flange", self.flange, positive_real("height", self.height) / 2, "half the height")
         below("web", self.web, positive_real("width", self.width), "the width")
         self._keep("width", "height", "flange", "web")
+
+    def _coefficient(self, poisson_ratio: float) -> float:
+        """Return κ of a thin-walled I, as a `Box` has it with 30 (m + m²) + 5ν (8 m + 9 m²)."""
+        height = self.height - self.flange
+        m = 2 * self.width * self.flange / (height * self.web)
+        across = 30 * (m + m * m) + 5 * poisson_ratio * (8 * m + 9 * m * m)
+        return thin_walled_coefficient(poisson_ratio, m, self.width / height, across)
 
     def _numbers(self) -> tuple[float, float, float]:
         b, h, f, s = self.width, self.height, self.flange, self.web
