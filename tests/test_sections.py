@@ -277,7 +277,9 @@ def test_a_beam_of_a_section() -> None:
         "radius_of_gyration": FLAT.radius_of_gyration,
     }
     assert plain == Beam(0.3, 70e9 * FLAT.second_moment, 2800.0 * FLAT.area, **shear)
-    assert turning == Beam(0.3, 70e9 * FLAT.second_moment, 2800.0 * FLAT.area, 2800.0 * FLAT.second_moment)
+    assert turning == Beam(
+        0.3, 70e9 * FLAT.second_moment, 2800.0 * FLAT.area, 2800.0 * FLAT.second_moment, **shear
+    )
     own = SimpleNamespace(area=7.5e-5, second_moment=1.5625e-10)
     assert Beam.from_section(own, **ALUMINIUM).bending_stiffness == pytest.approx(10.9375, rel=1e-14)
 

@@ -85,7 +85,7 @@ class Case:
             section = SECTIONS[kind](**sizes)
             return Beam.from_section(section, density=density, elastic_modulus=modulus, length=length)
         if "length" in given:
-            return Beam(**{name: float(given[name]) for name in UNIFORM_BEAM})
+            return Beam(*(float(given[name]) for name in UNIFORM_BEAM))
         return Beam.unit()
 
     @cached_property
