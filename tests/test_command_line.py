@@ -20,6 +20,8 @@ from beammodes.command_line.command_list import COMMANDS
 from beammodes.dynamics.damping_ratio import joint_dampers
 from beammodes.exporters.export import export_chain
 from beammodes.problem.beam import Beam
+from beammodes.problem.loading import Load
+from beammodes.vibration.stability import stable_time_step
 
 BEAM = ["--length", "1.2", "--ei", "85", "--rho-a", "0.62"]
 # One valid call of every command.
@@ -218,7 +220,55 @@ def test_time_step(capsys: pytest.CaptureFixture[str]) -> None:
         other = Ran([*call, "--json", f"--integrator={integrator}"], capsys).json
         assert other["time_step_s"] == pytest.approx(step / math.sqrt(2), rel=1e-14)
     (line,) = Ran(call, capsys).lines
-    assert line == f"{step:.6g} s  (rk4, highest angular frequency {highest:.6g} rad/s)"
+    assert line == f"{step:.6g} s  (rk4, highest angular frequency {highest:.6g} rad/s, without load)"
+
+
+ROPE = ["pinned-free(mass=0.75)", "--segments", "20", "--length", "4", "--ei", "0.001", "--rho-a", "0.026"]
+
+
+def test_time_steps_say_the_case_that_they_hold_for(capsys: pytest.CaptureFixture[str]) -> None:
+    rope = Chain(Beam(4.0, 0.001, 0.026), "pinned-free(mass=0.75)", 20)
+    call, engine = ["time-step", *ROPE, "--integrator", "MuJoCo Euler"], "MuJoCo Euler"
+    plain, hung = Ran(call, capsys).lines
+    assert plain.endswith("without load)") and "with gravity 9.81 m/s² in any direction" in hung
+    assert float(hung.split()[0]) == pytest.approx(
+        stable_time_step(rope, engine, load=Load(gravity=9.81)), rel=1e-5
+    )
+    # Measured in MuJoCo: stable at 0.0066286 s once it hangs.
+    (line,) = Ran([*call, "--gravity=9.81,0"], capsys).lines
+    assert line.startswith("0.00662857 s") and "under Load(gravity=(9.81, 0.0))" in line
+    pulled = Ran([*call, "--tip-force=7,0", "--damping-ratio", "0.01", "--json"], capsys).json["time_step_s"]
+    expected = stable_time_step(
+        rope, engine, load=Load(tip_force=(7.0, 0.0)), damping=joint_dampers(rope, 0.01)
+    )
+    assert pulled == pytest.approx(expected, rel=1e-12)
+    for options, words in (
+        (["--gravity", "1,2,3"], ["--gravity must have two components"]),
+        (["--gravity", "x"], ["--gravity must be a real number", "'x'"]),
+        (["--tip-force", "1,"], ["--tip-force[1] must be a real number"]),
+        (["--integrator", "MuJoCo discrete"], ["integrator must take springs explicitly"]),
+        (["--integrator", "dop853"], ["chooses its steps itself"]),
+    ):
+        Ran([*call, *options], capsys).refused(*words)
+
+
+def test_exports_take_gravity_and_loads(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    rope = Chain(Beam(4.0, 0.001, 0.026), "pinned-free(mass=0.75)", 20)
+    for number, (options, load) in enumerate(
+        {
+            "--gravity=9.81,0": Load(gravity=(9.81, 0.0)),
+            "--gravity=0": Load(),
+            "--gravity=9.81 --tip-force=1,2": Load(gravity=9.81, tip_force=(1.0, 2.0)),
+            "--axial-force=3": Load(axial_force=3.0),
+            "": None,
+        }.items()
+    ):
+        ours, same = tmp_path / f"{number}.xml", tmp_path / f"{number}_same.xml"
+        assert Ran(["export", *ROPE, "--output", str(ours), *options.split()], capsys).code == 0
+        export_chain(rope, same, load=load)
+        assert ours.read_bytes() == same.read_bytes()
+    call = ["export", *ROPE, "--output", str(tmp_path / "rope.urdf"), "--gravity=9.81"]
+    Ran(call, capsys).refused("--gravity", "must be left out for urdf files")
 
 
 def test_time_step_of_a_chain_without_elastic_mode(capsys: pytest.CaptureFixture[str]) -> None:

@@ -38,6 +38,9 @@ def in_flags(message: str) -> str:
         "say by boundary": "say by --boundary",
         "force=True": "--force",
         "second must": "--ei-across must",
+        "gravity": "--gravity",
+        "tip_force": "--tip-force",
+        "load must be left out": "--gravity, --axial-force and --tip-force must be left out",
     }
     for name, flag in flags.items():
         message = message.replace(name, flag)
@@ -94,8 +97,23 @@ def _axial_option(sub: Options, unit: str) -> None:
 def step_options(sub: Options) -> None:
     """Add what a time step depends on."""
     spring_options(sub)
+    _load_options(sub)
+    _damping_options(sub)
+    _integrator_option(sub, 'also an engine\'s, such as "MuJoCo implicitfast" or "Drake discrete"')
+
+
+def _load_options(sub: Options) -> None:
+    text = "gravity [m/s²], as one number across the beam or as two, along,across: --gravity=9.81,0 hangs it"
+    sub.add_argument("--gravity", type=_vector, metavar="g", help=text)
     _axial_option(sub, "N")
-    _integrator_option(sub)
+    text = "force on the right tip [N], across the beam or along,across"
+    sub.add_argument("--tip-force", type=_vector, metavar="F", help=text)
+
+
+def _damping_options(sub: Options) -> None:
+    text = "dampers that give the first mode this ratio, 0.01 is one percent of critical"
+    sub.add_argument("--damping-ratio", type=_number, metavar="z", help=text)
+    sub.add_argument("--stiffness-damping", type=_number, default=0.0, metavar="b", help="dampers b k [s]")
 
 
 def advice_options(sub: Options) -> None:
@@ -105,9 +123,10 @@ def advice_options(sub: Options) -> None:
     _integrator_option(sub)
 
 
-def _integrator_option(sub: Options) -> None:
-    text = "rk4, leapfrog or semi_implicit_euler (default: rk4)"
-    sub.add_argument("--integrator", default="rk4", help=text)
+def _integrator_option(sub: Options, more: str = "") -> None:
+    text = "rk4, leapfrog, semi_implicit_euler, implicit_damping_euler and others"
+    text += f"; {more}" if more else ""
+    sub.add_argument("--integrator", default="rk4", metavar="NAME", help=f"{text} (default: rk4)")
 
 
 def export_options(sub: Options) -> None:
@@ -117,14 +136,13 @@ def export_options(sub: Options) -> None:
     sub.add_argument("--format", help="mjcf, sdf, urdf or csv (default: by the file's ending)")
     sub.add_argument("--name", default="chain", help="prefix of all names in the file (default: chain)")
     sub.add_argument("--fragment", action="store_true", help="bodies only, to include in a model (MJCF)")
-    sub.add_argument("--timestep", type=_number, metavar="h", help="time step [s] (default: safe, accurate)")
+    sub.add_argument("--timestep", type=_number, metavar="h", help=_TIMESTEP)
     text = "MuJoCo's RK4, Euler, implicit or implicitfast (default: RK4)"
     sub.add_argument("--integrator", default="RK4", help=text)
     text = "EI of bending along y [N m²]: hinges about both axes (MJCF)"
     sub.add_argument("--ei-across", type=_number, metavar="X", help=text)
-    text = "dampers that give the first mode this ratio, 0.01 is one percent of critical"
-    sub.add_argument("--damping-ratio", type=_number, metavar="z", help=text)
-    sub.add_argument("--stiffness-damping", type=_number, default=0.0, metavar="b", help="dampers b k [s]")
+    _load_options(sub)
+    _damping_options(sub)
     sub.add_argument("--force", action="store_true", help="overwrite existing files")
 
 
@@ -143,6 +161,13 @@ def audit_options(sub: Options) -> None:
     sub.add_argument("--springs", metavar="FILE", help=text)
 
 
+#: In the words of `export_chain`.
+_TIMESTEP = (
+    "time step [s] (default: half the stable one, under the loads given, or without gravity and with 9.81 "
+    "m/s² in any direction; less where the first frequency would shift by over 0.1 %%)"
+)
+
+
 def _integer(text: str) -> int | str:
     # What is no integer is passed on, so that the library's own message names the argument. Python itself
     # refuses to read integers of more than 4300 digits.
@@ -157,3 +182,8 @@ def _number(text: str) -> float | str:
         return float(text)
     except ValueError:
         return text
+
+
+def _vector(text: str) -> float | str | tuple[float | str, ...]:
+    parts = text.split(",")
+    return _number(text) if len(parts) == 1 else tuple(map(_number, parts))

@@ -6,6 +6,7 @@ import argparse
 import math
 from typing import TYPE_CHECKING, Any
 
+from beammodes.checks import positive_real
 from beammodes.command_line.text_tables import frequency_table, number, percents, text_table, typed_in
 
 if TYPE_CHECKING:
@@ -22,6 +23,8 @@ __all__ = [
     "answer_time_step",
     "beam_of",
     "chain_of",
+    "damping_of",
+    "load_of",
 ]
 
 #: What a command found: the answer for scripts, and the same as text for people.
@@ -37,7 +40,7 @@ def answer_error(options: argparse.Namespace) -> Answer:
         segments=options.segments,
         mode=options.mode,
         rule=options.rule,
-        load=_load(options),
+        load=load_of(options),
     )
     if math.isnan(error):
         raise ValueError(
@@ -68,7 +71,7 @@ def answer_frequencies(options: argparse.Namespace) -> Answer:
     from beammodes.vibration.linear import linearize
     from beammodes.vibration.modes import solve_modes
 
-    chain, load = chain_of(options), _load(options)
+    chain, load = chain_of(options), load_of(options)
     model = linearize(chain, load=load)
     modes = solve_modes(model, options.modes)
     count = len(modes.frequency)
@@ -141,13 +144,26 @@ def answer_segments(options: argparse.Namespace) -> Answer:
 
 
 def answer_time_step(options: argparse.Namespace) -> Answer:
-    """Answer the largest stable fixed time step of a chain."""
-    from beammodes.vibration.stability import highest_angular_frequency, stable_time_step
+    """Answer the largest stable fixed time step of a chain, and the case that it holds for."""
+    from beammodes.problem.beam import Beam
+    from beammodes.problem.loading import Load
+    from beammodes.vibration.integrators import fixed_step_integrator
+    from beammodes.vibration.stability import (
+        GRAVITY,
+        highest_angular_frequency,
+        stable_time_step,
+        taut_load,
+    )
 
-    chain = chain_of(options)
-    load = _load(options)
-    step = stable_time_step(chain, options.integrator, load=load)
-    highest = highest_angular_frequency(chain, load=load)
+    chain, load = chain_of(options), load_of(options)
+    damping = damping_of(options, chain)
+    record = fixed_step_integrator(options.integrator)
+    if record.springs == "implicit":
+        raise ValueError(
+            f'integrator must take springs explicitly: "{record.name}" does not and is stable at any step'
+        )
+    step = stable_time_step(chain, record.name, load=load, damping=damping)
+    highest = highest_angular_frequency(chain, load=taut_load(chain, load))
     if math.isinf(step):
         raise ValueError(
             f"segments must be larger: {chain.boundary.name} with {options.segments} has no elastic mode "
@@ -155,7 +171,17 @@ def answer_time_step(options: argparse.Namespace) -> Answer:
         )
     answer = {"time_step_s": step, "highest_angular_frequency_rad_per_s": highest}
     fastest = f"highest angular frequency {number(highest)} rad/s"
-    return answer, f"{number(step)} s  ({options.integrator}, {fastest})"
+    case = "without load" if load == Load() else f"under {load}"
+    text = f"{number(step)} s  ({options.integrator}, {fastest}, {case})"
+    # In a beam's own units there is no such number as 9.81.
+    if load == Load() and chain.beam != Beam.unit():
+        hung = stable_time_step(chain, record.name, load=Load(gravity=GRAVITY), damping=damping)
+        answer["time_step_under_gravity_s"] = hung
+        if hung < 0.99 * step:
+            text += (
+                f"\n{number(hung)} s  with gravity {GRAVITY} m/s² in any direction, hanging too: --gravity"
+            )
+    return answer, text
 
 
 def beam_of(options: argparse.Namespace) -> Any:
@@ -165,10 +191,26 @@ def beam_of(options: argparse.Namespace) -> Any:
     return Beam(length=options.length, bending_stiffness=options.ei, mass_per_length=options.rho_a)
 
 
-def _load(options: argparse.Namespace) -> Any:
+def load_of(options: argparse.Namespace) -> Any:
+    """Return the load that the options describe."""
     from beammodes.problem.loading import Load
 
-    return Load(axial_force=options.axial_force)
+    names = ("axial_force", "gravity", "tip_force")
+    given = {name: getattr(options, name, None) for name in names}
+    return Load(**{name: value for name, value in given.items() if value is not None})
+
+
+def damping_of(options: argparse.Namespace, chain: Any) -> Any:
+    """Return the damping that the options describe, or None."""
+    from beammodes.vibration.damping import Damping
+
+    if options.damping_ratio is not None:
+        from beammodes.dynamics.damping_ratio import joint_dampers
+
+        if options.stiffness_damping:
+            raise ValueError("--damping-ratio must be given without --stiffness-damping, which it sets")
+        return joint_dampers(chain, positive_real("--damping-ratio", options.damping_ratio))
+    return Damping(stiffness=options.stiffness_damping) if options.stiffness_damping else None
 
 
 def chain_of(options: argparse.Namespace) -> Any:

@@ -7,13 +7,11 @@ import math
 from typing import TYPE_CHECKING, Any
 
 from beammodes.checks import positive_real
-from beammodes.command_line.commands import Answer, beam_of, chain_of
+from beammodes.command_line.commands import Answer, beam_of, chain_of, damping_of, load_of
 from beammodes.command_line.text_tables import frequency_table, number, percents, text_table, typed_in
 
 if TYPE_CHECKING:
     from beammodes.auditing.audit import Audit, Suggestion
-    from beammodes.chains.chain import Chain
-    from beammodes.vibration.damping import Damping
 
 __all__ = ["answer_audit", "answer_export"]
 
@@ -24,8 +22,9 @@ _SHOWN_HINGES = 12
 def answer_export(options: argparse.Namespace) -> Answer:
     """Write a chain to a file for a simulator, and answer which files were written."""
     from beammodes.exporters.export import export_chain
+    from beammodes.problem.loading import Load
 
-    chain = chain_of(options)
+    chain, load = chain_of(options), load_of(options)
     across = None
     if options.ei_across is not None:
         stiffness = positive_real("--ei-across", options.ei_across)
@@ -37,24 +36,14 @@ def answer_export(options: argparse.Namespace) -> Answer:
         name=options.name,
         fragment=options.fragment,
         second=across,
-        damping=_damping(options, chain),
+        damping=damping_of(options, chain),
         timestep=options.timestep,
         integrator=options.integrator,
+        load=None if load == Load() and options.gravity is None else load,
         force=options.force,
     )
     names = [str(path) for path in written]
     return {"files": names}, "\n".join(names)
-
-
-def _damping(options: argparse.Namespace, chain: Chain) -> Damping | None:
-    from beammodes.dynamics.damping_ratio import joint_dampers
-    from beammodes.vibration.damping import Damping
-
-    if options.damping_ratio is not None:
-        if options.stiffness_damping:
-            raise ValueError("--damping-ratio must be given without --stiffness-damping, which it sets")
-        return joint_dampers(chain, positive_real("--damping-ratio", options.damping_ratio))
-    return Damping(stiffness=options.stiffness_damping) if options.stiffness_damping else None
 
 
 def answer_audit(options: argparse.Namespace) -> Answer:

@@ -18,15 +18,13 @@ from beammodes.vibration.damping import Damping
 from beammodes.vibration.integrators import accuracy_limit, find_integrator
 from beammodes.vibration.linear import linearize
 from beammodes.vibration.modes import solve_modes
-from beammodes.vibration.stability import stable_time_step, taut_load
+from beammodes.vibration.stability import GRAVITY, stable_time_step, taut_load
 
-__all__ = ["GRAVITY", "EngineStep", "Facts", "digits", "engine_step", "facts_about", "one_line"]
+__all__ = ["EngineStep", "Facts", "digits", "engine_step", "facts_about", "one_line"]
 
 #: Relative error that the default step may add to the first frequency, or this share of its damping ratio if
 #: that is more: what a tenth of the half width of a resonance is.
 STEP_ERROR, DAMPED_ERROR = 1e-3, 0.1
-#: Gravity that a file's step is safe for unless a load is given [m/s²], in any direction.
-GRAVITY = 9.81
 _REPORTED = 3
 _STEP_WITHOUT_MODES = 0.002
 

@@ -39,6 +39,7 @@ from beammodes.vibration.linear import linearize
 from beammodes.vibration.modes import MAX_DENSE, solve_modes
 
 __all__ = [
+    "GRAVITY",
     "ROARK_CLAMPED_CLAMPED",
     "SAFE_CONSTANT",
     "exact_constants",
@@ -52,6 +53,8 @@ __all__ = [
 
 Array = NDArray[np.float64]
 
+#: Gravity that a step is held against where none is given [m/s²], in any direction.
+GRAVITY = 9.81
 #: Of rk4, times N²: no uniform undamped chain between plain ends, with the report's springs, has a mode
 #: above the band edge √48 N², so h ≤ ell² √(ρA/(6 EI)) is stable for small motions without any eigen-solve.
 SAFE_CONSTANT = 1 / math.sqrt(6)
