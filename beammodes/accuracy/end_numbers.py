@@ -86,7 +86,8 @@ def with_numbers(boundary: Boundary, load: Load, numbers: Mapping[str, Any]) -> 
         side, _, field = name.partition("_")
         if side in ends:
             held = math.inf if value == math.inf else value
-            ends[side] = replace(ends[side], **{field: held})
+            number: dict[str, Any] = {field: held}
+            ends[side] = replace(ends[side], **number)
         else:
             load = replace(load, **{name: value})
     return Boundary(**ends), load

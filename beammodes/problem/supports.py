@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import Any
 
@@ -68,7 +68,7 @@ class End:
     mass: float | Fraction = 0.0
     rotary_inertia: float | Fraction = 0.0
     offset: float | Fraction = 0.0
-    on_segment: bool = False
+    on_segment: bool = field(default=False, kw_only=True)
 
     def __post_init__(self) -> None:
         for name in NUMBERS_OF_END:
