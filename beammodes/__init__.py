@@ -72,6 +72,7 @@ _HOME = {
     "INTEGRATORS": "vibration.integrators",
     "ISection": "problem.sections",
     "Integrator": "vibration.integrators",
+    "Layout": "chains.rules",
     "LinearModel": "vibration.linear",
     "Load": "problem.loading",
     "MODULI": "problem.materials",
@@ -174,6 +175,7 @@ if TYPE_CHECKING:
     from beammodes.chains.axial_rule import axially_corrected as axially_corrected
     from beammodes.chains.chain import Chain as Chain
     from beammodes.chains.rules import RULES as RULES
+    from beammodes.chains.rules import Layout as Layout
     from beammodes.chains.rules import Rule as Rule
     from beammodes.chains.rules import Weight as Weight
     from beammodes.closed_form.dispersion import chain_frequency as chain_frequency

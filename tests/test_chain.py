@@ -78,9 +78,8 @@ def test_rods_in_physical_units() -> None:
 def test_pieces_of_half_a_segment() -> None:
     # By hand: a rod of half the length has half the mass and (1/2)³ of the central inertia, 1/12 for a rod
     # and 1/4 for point masses at its ends (physics.md section 5: half_stub, hencky).
-    order = dict.fromkeys(["inside", *ENDS], 2)
     for inertia in (Fraction(1, 12), Fraction(1, 4)):
-        rule = Rule("made", "", "", "", (), (), order, stub=Fraction(1, 2), rotary_inertia=inertia)
+        rule = Rule("made", (), stub="1/2", rotary_inertia=inertia)
         chain = Chain(BEAM, "clamped-free", 2, rule)
         assert chain.piece_mass == chain.piece_length == (Fraction(1, 2), 1, Fraction(1, 2))
         assert chain.piece_rotary_inertia == (inertia / 8, inertia, inertia / 8)
@@ -265,8 +264,7 @@ def test_repr_names_what_it_is() -> None:
 
 def test_springs_that_are_not_positive_are_refused() -> None:
     # design.md seam 2: where a rule's springs would not be positive, for a Chain an error. w = 1 - 2/N.
-    order = dict.fromkeys(["inside", *ENDS], 1)
-    rule = Rule("soft", "", "", "", (Weight(Fraction(1), Fraction(-2)),), (), order)
+    rule = Rule("soft", [Weight(1, -2)], ())
     for segments in (1, 2):
         with pytest.raises(ValueError, match=f"rule soft .* clamped-free with {segments} segments"):
             Chain(BEAM, "clamped-free", segments, rule)

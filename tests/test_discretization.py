@@ -21,15 +21,13 @@ HALF = Fraction(1, 2)
 
 
 def rule_of(name: str, clamped: list[str], guided: list[str], stub: str = "0", inertia: str = "1/12") -> Rule:
-    clamped_weights, guided_weights = (tuple(Weight(Fraction(w)) for w in ws) for ws in (clamped, guided))
-    order = dict.fromkeys(("inside", "clamped", "pinned", "guided", "free"), 2)
-    return Rule(name, "", "", "", clamped_weights, guided_weights, order, Fraction(stub), Fraction(inertia))
+    return Rule(name, clamped, guided, stub=stub, rotary_inertia=inertia)
 
 
 def tuned(name: str, sigma_beta: float, inertia: str = "1/12") -> Rule:
     plain = rule_of(name, [], ["1/2"], inertia=inertia)
     wall = (Weight(HALF, -Fraction(sigma_beta) / 6),)
-    return Rule(name, "", "", "", wall, plain.guided, plain.order, plain.stub, plain.rotary_inertia)
+    return Rule(name, wall, plain.guided, stub=plain.stub, rotary_inertia=plain.rotary_inertia)
 
 
 # After those of the registry, some that are there to be hard: springs that reverse the usual order,

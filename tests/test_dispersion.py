@@ -19,15 +19,13 @@ from beammodes.problem.ends import BOUNDARIES, Boundary
 
 
 def rule_of(name: str, clamped: list[str], guided: list[str], stub: str = "0", inertia: str = "1/12") -> Rule:
-    clamped_weights, guided_weights = (tuple(Weight(Fraction(w)) for w in ws) for ws in (clamped, guided))
-    order = dict.fromkeys(("inside", "clamped", "pinned", "guided", "free"), 2)
-    return Rule(name, "", "", "", clamped_weights, guided_weights, order, Fraction(stub), Fraction(inertia))
+    return Rule(name, clamped, guided, stub=stub, rotary_inertia=inertia)
 
 
 def tuned(name: str, sigma_beta: str) -> Rule:
     plain = rule_of(name, [], ["1/2"])
     wall = (Weight(Fraction(1, 2), -Fraction(sigma_beta) / 6),)
-    return Rule(name, "", "", "", wall, plain.guided, plain.order)
+    return Rule(name, wall, plain.guided)
 
 
 RECORDS = [

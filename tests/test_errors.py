@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
+from fractions import Fraction
 
 import numpy as np
 import pytest
@@ -192,3 +193,47 @@ def test_a_tuple_of_pairs_is_several_boundaries() -> None:
     assert table.boundary.values.tolist() == PAIRS
     one = bm.error_dataset(boundary=("clamped", "free"), segments=5, modes=1)
     xarray.testing.assert_identical(one, table.sel(boundary=["clamped-free"]))
+
+
+@pytest.mark.parametrize(
+    "pair", ["clamped-free", "clamped-pinned", "clamped-free(mass=1, rotational_stiffness=2)"]
+)
+def test_axially_corrected_springs_by_the_rules_closed_form(pair: str) -> None:
+    """All springs s times a rule's: checked against the solved chain, and sought like any rule."""
+    load = bm.Load(axial_force=-1.2)
+    for rule, n in itertools.product(("gregory", "half_stub", "naive"), (4, 12)):
+        record = bm.axially_corrected(rule, load)
+        chain = bm.Chain(bm.Beam.unit(), pair, n, record)
+        omega = bm.solve_modes(bm.linearize(chain, load=load), 3).angular_frequency
+        exact = bm.euler_bernoulli(bm.Beam.unit(), pair, 3, load=load).angular_frequency
+        found = bm.frequency_error(pair, segments=n, mode=[1, 2, 3], rule=record, load=load)
+        np.testing.assert_allclose(found, omega / exact - 1, atol=3e-13)
+    record = bm.axially_corrected("gregory", load)
+    corrected, plain = (bm.segments_needed(pair, 1e-4, 1, rule, load=load) for rule in (record, "gregory"))
+    assert corrected <= plain
+    for n, within in ((corrected - 1, False), (corrected, True)):
+        assert (abs(bm.frequency_error(pair, segments=n, mode=1, rule=record, load=load)) <= 1e-4) == within
+
+
+class _OwnLayout:
+    """The springs of `gregory2`, as a record of one's own."""
+
+    name, rotary_inertia = "own", Fraction(1, 12)
+
+    def piece_lengths(self, boundary: bm.Boundary, segments: int) -> list[Fraction]:
+        return RULES["gregory2"].piece_lengths(boundary, segments)
+
+    def hinge_weights(self, boundary: bm.Boundary, segments: int) -> list[Fraction]:
+        return RULES["gregory2"].hinge_weights(boundary, segments)
+
+
+@pytest.mark.parametrize("load", [None, bm.Load(axial_force=1.0)], ids=["free", "pulled"])
+def test_segments_needed_by_a_layout_of_ones_own(load: bm.Load | None) -> None:
+    pair = "clamped-free"
+    own, rule = (bm.segments_needed(pair, 0.02, 2, rule, load=load) for rule in (_OwnLayout(), "gregory2"))
+    assert own == rule
+
+
+def test_segments_needed_with_matched_springs_says_why_not() -> None:
+    with pytest.raises(ValueError, match=r"^rule must be one whose errors fall as N grows, got matched\(3\)"):
+        bm.segments_needed("clamped-free", 0.01, 3, bm.matched(3))

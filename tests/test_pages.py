@@ -19,7 +19,6 @@ from numpy.typing import NDArray
 
 import beammodes as bm
 from beammodes.__main__ import main
-from beammodes.accuracy.law import end_defects
 
 pytest.importorskip("skfem")
 
@@ -201,7 +200,7 @@ def test_the_layouts_on_the_theory_page_are_the_rules() -> None:
 
 def test_what_is_left_at_a_wall_on_the_theory_page_is_what_the_law_has() -> None:
     left = {
-        name: [tuple(pair) for pair in end_defects(bm.RULES[name], bm.ENDS["clamped"])]
+        name: [tuple(pair) for pair in bm.RULES[name].end_defects("clamped")]
         for name in ("naive", "double_wall", "mitiguy", "gregory2", "gregory")
     }
     nothing = (0, 0)

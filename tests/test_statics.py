@@ -341,7 +341,7 @@ def test_dataset_takes_one_or_several_of_each() -> None:
 
 
 def test_a_rule_without_positive_springs_gives_nothing() -> None:
-    rule = Rule("made", "", "", "", (Weight(Fraction(1), Fraction(-2)),), (), RULES["naive"].order)
+    rule = Rule("made", [Weight(1, -2)], ())
     table = static_dataset(boundary="clamped-free", segments=[1, 2, 3], rule=rule)
     found = table.tip_deflection_error.sel(static_load="tip_force").values.ravel()
     assert np.isnan(found).tolist() == [True, True, False]

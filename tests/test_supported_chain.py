@@ -258,8 +258,7 @@ def test_sections_that_turn() -> None:
 
 def test_eight_weights_at_both_ends() -> None:
     weights = tuple(Weight(Fraction(w, 10), Fraction(1, 3)) for w in (4, 13, 8, 12, 9, 11, 10, 12))
-    order = dict.fromkeys(("inside", "clamped", "pinned", "guided", "free"), 2)
-    rule = Rule("eight", "", "", "", weights, weights[::-1], order)
+    rule = Rule("eight", weights, weights[::-1])
     for pair, size in itertools.product(
         ("clamped-guided", "guided-free(rotary_inertia=0.01)"), (5, 19, 31, 40)
     ):
@@ -298,8 +297,7 @@ def test_double_roots_are_listed_twice() -> None:
 def test_what_does_not_exist_is_not_a_number() -> None:
     assert np.isnan(supported_chain_frequencies("clamped-clamped", 1, 2)).all()
     assert np.isnan(supported_chain_frequencies("clamped-free", 2, 3)).tolist() == [False, False, True]
-    order = dict.fromkeys(("inside", "clamped", "pinned", "guided", "free"), 2)
-    negative = Rule("negative", "", "", "", (Weight(HALF, Fraction(-10)),), (), order)
+    negative = Rule("negative", [Weight(HALF, -10)], ())
     assert np.isnan(supported_chain_frequencies("clamped-free", 4, 2, negative)).all()
     assert not np.isnan(supported_chain_frequencies("clamped-free", 400, 2, negative)).any()
 

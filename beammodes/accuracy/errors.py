@@ -8,6 +8,7 @@ from typing import Any, overload
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from beammodes.chains.axial_rule import AxiallyCorrected
 from beammodes.chains.rules import AnyRule, Layout, Rule, RuleMaker, layout_of
 from beammodes.checks import positive_real, shown, whole_number
 from beammodes.closed_form.discretization import relative_error
@@ -21,6 +22,9 @@ __all__ = ["MAX_MODES", "ToleranceOutOfReach", "frequency_error", "segments_need
 
 #: A table of more modes than this would be a mistake.
 MAX_MODES = 100_000
+
+# Longest chains in which `segments_needed` seeks: of some roots to find each, and solved as a whole.
+_LONGEST, _LONGEST_SOLVED = 10**5, 1000
 
 Array = NDArray[np.float64]
 
@@ -148,7 +152,7 @@ def _solved_errors(boundary: Boundary, segments: int, mode: NDArray[np.int64], l
     except ValueError:
         # No positive springs for this boundary and N.
         return errors
-    omega = solve_modes(linearize(chain)).angular_frequency
+    omega = solve_modes(linearize(chain), int(mode.max())).angular_frequency
     present = mode <= len(omega)
     errors[present] = omega[mode[present] - 1] / np.asarray(wavenumber(boundary, mode[present])) ** 2 - 1
     return errors
@@ -167,7 +171,8 @@ def segments_needed(
         N = min { n : |e_k(n')| ≤ tolerance for all n' ≥ n and k = 1..modes }
 
     With springs or bodies at the ends or an axial force, N is sought up to 10⁵, and every larger N stands for
-    those of a grid: all up to 30, then steps of a tenth.
+    those of a grid: all up to 30, then steps of a tenth. A `Layout` that is no `Rule` has each of its chains
+    solved, and N is sought up to 1000.
 
     Parameters
     ----------
@@ -176,14 +181,15 @@ def segments_needed(
         Largest |e| allowed, as a fraction: 0.01 is one percent.
     modes : int
         How many modes, from the first.
-    rule : str or Rule
+    rule : str, Rule or any Layout
     load : Load, optional
         Loads along the beam or of a turning hub, their numbers for L = EI = ρA = 1.
 
     Raises
     ------
     TypeError, ValueError
-        If an argument is not of its kind, or more than 10⁹ segments would be needed.
+        If an argument is not of its kind, more segments would be needed than are sought (10⁹ at most), or
+        the rule is of `matched` springs, which meet frequencies at every N that has them.
 
     Examples
     --------
@@ -193,18 +199,23 @@ def segments_needed(
     ends, limit, pull = Boundary.of(boundary), positive_real("tolerance", tolerance), checked_load(load)
     record, mode = layout_of(rule), np.arange(1, whole_number("modes", modes, most=MAX_MODES) + 1)
 
-    if not isinstance(record, Rule) and not isinstance(record, RuleMaker):
-        raise ValueError(
-            f"rule must be one whose errors have a closed form, got {record.name}: matched springs are exact "
-            "in their modes from the shortest chain that has them"
-        )
-
     def fails(count: NDArray[np.int64]) -> NDArray[np.bool_]:
         error = frequency_error(ends, segments=count[:, None], mode=mode, rule=record, load=pull)
         return np.asarray(~(np.abs(error) <= limit).all(axis=1))
 
-    simple = ends.is_plain and pull == Load()
-    grid = _segment_grid(len(mode)) if simple else _sparse_grid(len(mode))
+    exact = getattr(record, "exact_modes", None)
+    if exact is not None:
+        raise ValueError(
+            f"rule must be one whose errors fall as N grows, got {record.name}: its first {exact} "
+            "frequencies are the beam's at every N that has springs for them, each N a search of its own; "
+            "frequency_error tells the errors of modes above them"
+        )
+    closed = isinstance(record, Rule | RuleMaker)
+    if closed and ends.is_plain and pull == Load():
+        grid = _segment_grid(len(mode))
+    else:
+        along = isinstance(record, AxiallyCorrected) and isinstance(record.rule, Rule) and pull.is_axial
+        grid = _sparse_grid(len(mode), _LONGEST if closed or along else _LONGEST_SOLVED)
     failing = np.flatnonzero(fails(grid))
     if not len(failing):
         return int(grid[0])
@@ -232,8 +243,9 @@ def _segment_grid(modes: int) -> NDArray[np.int64]:
     return np.unique(np.concatenate([np.arange(1, dense + 1), coarse, [MAX_SEGMENTS]]))
 
 
-def _sparse_grid(modes: int) -> NDArray[np.int64]:
+def _sparse_grid(modes: int, most: int) -> NDArray[np.int64]:
     """Return every N where errors are irregular, then N in steps of a tenth: each is some roots to find."""
-    dense = max(30, 3 * modes)
-    steps = np.arange(1, 2 + int(np.log(1e5 / dense) / np.log(1.1)))
-    return np.unique(np.concatenate([np.arange(1, dense + 1), (dense * 1.1**steps).astype(np.int64)]))
+    dense = min(max(30, 3 * modes), most)
+    steps = np.arange(1, 2 + int(np.log(most / dense) / np.log(1.1)))
+    coarse = np.minimum(dense * 1.1**steps, most).astype(np.int64)
+    return np.unique(np.concatenate([np.arange(1, dense + 1), coarse]))

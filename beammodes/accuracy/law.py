@@ -38,17 +38,14 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from beammodes.chains.rules import Rule, RuleLike, RuleMaker, Weight, rule_named
+from beammodes.chains.quadrature import CANCELLED, HIGHEST_ORDER
+from beammodes.chains.rules import RuleLike, RuleMaker, rule_named
 from beammodes.checks import whole_number
 from beammodes.exact.exact_beam import BeamModes, plain_modes
 from beammodes.problem.beam import Beam
-from beammodes.problem.ends import Boundary, BoundaryLike, End
+from beammodes.problem.ends import Boundary, BoundaryLike
 
-__all__ = ["ErrorLaw", "end_defects", "error_law", "interior_coefficient"]
-
-#: Terms this small beside their natural size are rounding, or have cancelled.
-CANCELLED = 1e-9
-_POWERS = 4
+__all__ = ["ErrorLaw", "error_law", "interior_coefficient"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -107,7 +104,7 @@ def error_law(boundary: BoundaryLike, mode: int, rule: RuleLike | RuleMaker = "m
     terms: list[tuple[int, float]] = []
     for end, left in ((pair.left, True), (pair.right, False)):
         derivatives = _derivatives_of_moment_squared(beam, left)
-        for k, (constant, per_segment) in enumerate(end_defects(record, end)):
+        for k, (constant, per_segment) in enumerate(record.end_defects(end.statics)):
             scale = -derivatives[k] / (2 * beam.wavenumber[-1] ** 4)
             terms += [(k + 1, float(constant) * scale), (k + 2, float(per_segment) * scale)]
     lumped = record.rotary_inertia - Fraction(1, 12)
@@ -138,51 +135,6 @@ def interior_coefficient() -> Fraction:
     return Fraction(str(sympy.expand(series).coeff(q, 4)))
 
 
-def end_defects(rule: Rule, end: End) -> list[tuple[Fraction, Fraction]]:
-    """Return  d_k = constant + per_segment/N,  k = 0..3, of a rule's quadrature at an end.
-
-    Parameters
-    ----------
-    rule : Rule
-    end : End
-        Where the bending moment is zero (pinned, free) the hinge that would sit there has no effect, and
-        d_k is that of the bare trapezoidal or midpoint sum.
-
-    Examples
-    --------
-    >>> from beammodes.problem.ends import ENDS
-    >>> [str(constant) for constant, _ in end_defects(rule_named("gregory"), ENDS["clamped"])]
-    ['0', '0', '0', '-19/720']
-    """
-    weights = rule.end_weights(end)
-    first = rule.stub if end.holds_rotation or rule.stub == Fraction(1, 2) else Fraction(0)
-    if not end.holds_rotation and not first:
-        # f = 0 at the tip: give it the trapezoid's half weight.
-        weights = (Weight(Fraction(1, 2)),)
-    defects = []
-    for k, bare in enumerate(_bare_defects(first)):
-        factorial = math.factorial(k)
-        moments = [Fraction((first + j) ** k, factorial) for j in range(len(weights))]
-        constant = sum((m * (w.constant - 1) for m, w in zip(moments, weights, strict=True)), bare)
-        per_segment = sum((m * w.per_segment for m, w in zip(moments, weights, strict=True)), Fraction(0))
-        defects.append((constant, per_segment))
-    return defects
-
-
-@lru_cache(maxsize=3)
-def _bare_defects(first: Fraction) -> tuple[Fraction, ...]:
-    """Return  -B_{k+1}(x₀)/(k+1)!,  the Euler-Maclaurin terms of the unweighted sum from x₀ on."""
-    import sympy
-
-    start = sympy.Rational(first.numerator, first.denominator)
-    values = []
-    for k in range(_POWERS):
-        x = sympy.Symbol("x")
-        polynomial = sympy.bernoulli(k + 1, x).subs(x, start)
-        values.append(Fraction(str(-polynomial / sympy.factorial(k + 1))))
-    return tuple(values)
-
-
 def _end_derivatives(beam: BeamModes, left: bool) -> list[float]:
     """Return φ, φ', φ'', φ''' of the last mode at an end, along the inward direction."""
     x = 0.0 if left else beam.beam.length
@@ -195,7 +147,8 @@ def _derivatives_of_moment_squared(beam: BeamModes, left: bool) -> list[float]:
     phi, quartic = _end_derivatives(beam, left), float(beam.wavenumber[-1] ** 4)
     higher = phi + [quartic * value for value in phi]
     return [
-        sum(math.comb(k, i) * higher[2 + i] * higher[2 + k - i] for i in range(k + 1)) for k in range(_POWERS)
+        sum(math.comb(k, i) * higher[2 + i] * higher[2 + k - i] for i in range(k + 1))
+        for k in range(HIGHEST_ORDER)
     ]
 
 
@@ -219,9 +172,9 @@ def _leading(terms: list[tuple[int, float]], wavenumber: float) -> ErrorLaw:
     """Return the lowest power whose terms do not cancel; a term of power p is naturally of size β^p."""
     sizes = [(power, value) for power, value in terms if abs(value) > CANCELLED * wavenumber**power]
     lowest = min(power for power, _ in sizes)
-    for power in range(lowest, _POWERS + 1):
+    for power in range(lowest, HIGHEST_ORDER + 1):
         total = math.fsum(value for p, value in terms if p == power)
         if abs(total) > CANCELLED * wavenumber**power:
             # Two terms of order `lowest` act on each other at twice that order.
             return ErrorLaw(power, total if power < 2 * lowest else math.nan)
-    return ErrorLaw(_POWERS, math.nan)
+    return ErrorLaw(HIGHEST_ORDER, math.nan)

@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable
+from dataclasses import replace
+from fractions import Fraction
 from functools import lru_cache
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from beammodes.chains.axial_rule import AxiallyCorrected
 from beammodes.chains.rules import AnyRule, Layout, Rule, RuleMaker, layout_of
 from beammodes.checks import whole_number
 from beammodes.closed_form.lookup import MAX_SEGMENTS
@@ -68,10 +72,9 @@ def supported_frequencies(boundary: Boundary, segments: int, modes: int, rule: A
     if isinstance(record, RuleMaker):
         record = record.rule_for(boundary)
     if isinstance(record, Rule) and load.is_axial:
-        from beammodes.closed_form.supported_chain import supported_chain_frequencies
-
-        found: Floats = supported_chain_frequencies(boundary, segments, modes, record, load)
-        return found
+        return _closed_form(boundary, segments, modes, record, load)
+    if isinstance(record, AxiallyCorrected) and isinstance(record.rule, Rule) and load.is_axial:
+        return _of_corrected(boundary, segments, modes, record, load)
     from beammodes.chains.chain import Chain
     from beammodes.vibration.linear import linearize
     from beammodes.vibration.modes import solve_modes
@@ -85,6 +88,39 @@ def supported_frequencies(boundary: Boundary, segments: int, modes: int, rule: A
     solved = solve_modes(linearize(chain, load=load), modes).angular_frequency
     omega[: len(solved)] = solved
     return omega
+
+
+def _closed_form(boundary: Boundary, segments: int, modes: int, rule: Rule, load: Load) -> Floats:
+    from beammodes.closed_form.supported_chain import supported_chain_frequencies
+
+    found: Floats = supported_chain_frequencies(boundary, segments, modes, rule, load)
+    return found
+
+
+def _of_corrected(
+    boundary: Boundary, segments: int, modes: int, record: AxiallyCorrected, load: Load
+) -> Floats:
+    """Return the frequencies of springs that are all s times a rule's: √s times those of the rule's own,
+    under 1/s of the force and between 1/s of the supports.
+    """
+    stiffer = record.spring_factor(segments)
+    if stiffer <= 0:
+        return np.full(modes, np.nan)
+    ends = [
+        replace(
+            end,
+            translational_stiffness=_softened(end.translational_stiffness, stiffer),
+            rotational_stiffness=_softened(end.rotational_stiffness, stiffer),
+        )
+        for end in (boundary.left, boundary.right)
+    ]
+    force = Load(axial_force=_softened(load.axial_force, stiffer))
+    assert isinstance(record.rule, Rule)
+    return math.sqrt(stiffer) * _closed_form(Boundary(*ends), segments, modes, record.rule, force)
+
+
+def _softened(value: float | Fraction, factor: Fraction) -> float | Fraction:
+    return value if value == math.inf else Fraction(value) / factor
 
 
 @lru_cache(maxsize=4096)

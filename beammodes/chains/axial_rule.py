@@ -16,7 +16,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 
-from beammodes.chains.rules import Rule, RuleLike, rule_named
+from beammodes.chains.rules import AnyRule, Layout, Rule, layout_of
 from beammodes.checks import real, shown
 from beammodes.problem.beam import Beam
 from beammodes.problem.ends import Boundary
@@ -31,13 +31,13 @@ class AxiallyCorrected:
 
     Attributes
     ----------
-    rule : Rule
+    rule : Layout
         What is corrected.
     axial_force : Fraction
         T L²/EI, tension positive.
     """
 
-    rule: Rule
+    rule: Layout
     axial_force: Fraction
 
     @property
@@ -54,21 +54,26 @@ class AxiallyCorrected:
         """Return the pieces' lengths in segments, left to right."""
         return self.rule.piece_lengths(boundary, segments)
 
-    def hinge_weights(self, boundary: Boundary, segments: int) -> Sequence[Fraction]:
+    def spring_factor(self, segments: int) -> Fraction:
+        """Return  1 - T ell²/(12 EI),  by which every spring of the rule is multiplied."""
+        return 1 - self.axial_force / Fraction(segments) ** 2 / 12
+
+    def hinge_weights(self, boundary: Boundary, segments: int) -> Sequence[Fraction | float]:
         """Return the flexibility weights of the chain's hinges; none positive where T ell² ≥ 12 EI."""
-        tension = self.axial_force / Fraction(segments) ** 2
-        spring = 1 - tension / 12
+        spring = self.spring_factor(segments)
         if not spring:
             return [Fraction(0)] * len(self.rule.hinge_weights(boundary, segments))
         return [weight / spring for weight in self.rule.hinge_weights(boundary, segments)]
 
     def declared_order(self, boundary: Boundary) -> int:
         """Return p in e ~ 1/N**p of the frequencies under this axial force."""
+        if not isinstance(self.rule, Rule):
+            raise TypeError(f"rule must be a Rule to have a declared order, got {shown(self.rule)}")
         ends = {boundary.left.statics, boundary.right.statics}
         return min(self.rule.declared_order(boundary), 3 if "clamped" in ends else 4)
 
 
-def axially_corrected(rule: RuleLike, load: Load, beam: Beam | None = None) -> AxiallyCorrected:
+def axially_corrected(rule: AnyRule, load: Load, beam: Beam | None = None) -> AxiallyCorrected:
     """Return a rule with springs that keep its order under an axial force.
 
         k_j = (EI/ell - T ell/12) / w_j
@@ -79,7 +84,7 @@ def axially_corrected(rule: RuleLike, load: Load, beam: Beam | None = None) -> A
 
     Parameters
     ----------
-    rule : str or Rule
+    rule : str, Rule or any Layout
     load : Load
         Its axial force [N].
     beam : Beam, optional
@@ -105,7 +110,7 @@ def axially_corrected(rule: RuleLike, load: Load, beam: Beam | None = None) -> A
     >>> [axially_corrected("gregory", load).hinge_weights(Boundary.of("pinned-pinned"), 2)[0] < 1]
     [True]
     """
-    record, force = rule_named(rule), checked_load(load).axial_force
+    record, force = layout_of(rule), checked_load(load).axial_force
     structure = Beam.unit() if beam is None else beam
     if not isinstance(structure, Beam):
         raise TypeError(f"beam must be a Beam, got {shown(beam)}")

@@ -25,6 +25,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from fractions import Fraction
 from functools import cached_property
 from typing import Any
 
@@ -35,7 +36,7 @@ from beammodes.chains.chain_numbers import ChainNumbers
 from beammodes.chains.pieces import MAX_PIECES, Number, Pieces, check_pieces, check_turning, piece_numbers
 from beammodes.chains.repeated import each_once
 from beammodes.chains.rods import hinge_flexibilities, profile_weights, rigid_rods
-from beammodes.chains.rules import AnyRule, Layout, layout_of
+from beammodes.chains.rules import AnyRule, Layout, Rule, layout_of
 from beammodes.chains.units import ExactUnits, Units
 from beammodes.checks import shown, whole_number
 from beammodes.problem.beam import Beam
@@ -56,7 +57,7 @@ class Chain(ChainNumbers):
         Its two ends, such as "clamped-free"; arrays run from the end named first.
     segments : int
         N, how many equal segments the beam is cut into (1 to 10 million).
-    rule : str, Rule, or a record from `mode_tuned` or `matched`
+    rule : str, Rule or any Layout, such as a record from `mode_tuned` or `matched`
         Where the hinges sit and how stiff they are.
 
     Raises
@@ -83,8 +84,7 @@ class Chain(ChainNumbers):
         boundary, record = Boundary.of(boundary), layout_of(rule)
         count = whole_number("segments", segments, most=MAX_PIECES)
         units, exact = Units.of(beam, count), ExactUnits.of(beam, count)
-        lengths = record.piece_lengths(boundary, count)
-        weights = list(record.hinge_weights(boundary, count))
+        lengths, weights = _cut(record, boundary, count)
         for hinge, added in profile_weights(beam, boundary, record, lengths, exact).items():
             weights[hinge] += added
         if any(each_once(lambda weight: weight <= 0, weights)):
@@ -205,3 +205,23 @@ class Chain(ChainNumbers):
     def __repr__(self) -> str:
         by = f", segments={self.segments}, rule={self.rule.name!r}" if self.rule else ""
         return f"<Chain {self.boundary.name}: {self.pieces} pieces{by}>"
+
+
+def _cut(rule: Layout, boundary: Boundary, segments: int) -> tuple[list[Fraction], list[Number]]:
+    """Return a rule's piece lengths and hinge weights; what somebody's own layout gives is checked."""
+    if isinstance(rule, Rule):
+        return rule.piece_lengths(boundary, segments), list(rule.hinge_weights(boundary, segments))
+    given = piece_numbers(f"piece_lengths of {rule.name}", rule.piece_lengths(boundary, segments))
+    lengths = [Fraction(length) for length in given]
+    weights = list(piece_numbers(f"hinge_weights of {rule.name}", rule.hinge_weights(boundary, segments)))
+    if len(weights) != len(lengths) - 1:
+        raise ValueError(
+            f"hinge_weights of {rule.name} must have {len(lengths) - 1} entries for {len(lengths)} pieces, "
+            f"got {len(weights)}"
+        )
+    if min(lengths) < 0 or abs(float(sum(lengths)) / segments - 1) > 1e-9:
+        raise ValueError(
+            f"piece_lengths of {rule.name} must not be negative, and add up to {segments} segments, "
+            f"got {shown(lengths)}"
+        )
+    return lengths, weights

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from fractions import Fraction
 
 from beammodes.chains.chain import Chain
-from beammodes.chains.rules import Rule, Weight
+from beammodes.chains.rules import Rule
 from beammodes.chains.units import ExactUnits
 from beammodes.problem.beam import Beam
 from beammodes.problem.ends import Boundary
@@ -42,12 +41,12 @@ def shortened(
     >>> chain.hinge_stiffness[0], chain.pieces - 1 + rods           # 6 N/(3 N - 1) at the wall
     (Fraction(6000, 2999), 1000)
     """
-    kept = 2 * max(len(rule.clamped), len(rule.guided)) + _BETWEEN
+    kept = 2 * max(map(len, (rule.clamped, rule.guided, rule.carried))) + _BETWEEN
     kept = min(segments, kept + (segments - kept) % 2)
     units = ExactUnits.of(Beam.unit(), segments)
     length = rule.piece_lengths(boundary, kept)
     turning = {value: (rule.rotary_inertia * value**2 + section * segments**2) * value for value in length}
-    weights = _with_weights_of(rule, segments).hinge_weights(boundary, kept)
+    weights = rule.hinge_weights(boundary, kept, size=segments)
     if min(weights, default=1) <= 0:
         return None
     chain = Chain.from_pieces(
@@ -58,15 +57,6 @@ def shortened(
         boundary=Boundary(_in_units(boundary.left, units), _in_units(boundary.right, units)),
     )
     return chain, segments - kept
-
-
-def _with_weights_of(rule: Rule, segments: int) -> Rule:
-    """Return a rule that has at any length the end weights of `rule` at N segments."""
-    size = Fraction(segments)
-    clamped, guided = (
-        tuple(Weight(weight.at(size)) for weight in weights) for weights in (rule.clamped, rule.guided)
-    )
-    return replace(rule, clamped=clamped, guided=guided)
 
 
 def _in_units(end: End, units: ExactUnits) -> End:

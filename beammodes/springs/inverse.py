@@ -120,6 +120,11 @@ class Matched:
         """What tables call it, such as "matched(3)"."""
         return f"matched({self.modes})"
 
+    @property
+    def exact_modes(self) -> int:
+        """How many frequencies, from the first, are the beam's at every N that has them."""
+        return self.modes
+
     def springs(self, boundary: BoundaryLike, segments: int) -> MatchedSprings:
         """Return the springs for one pair of ends and N, of the beam with L = EI = ρA = 1; solved once.
 
