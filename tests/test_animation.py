@@ -107,7 +107,7 @@ def decoded(path: Path) -> list[np.ndarray]:
         ["ffmpeg", "-v", "error", "-i", str(path), "-f", "image2pipe", "-vcodec", "ppm", "-"],
         capture_output=True,
         check=True,
-        timeout=60,
+        timeout=600,
     ).stdout
     frames = []
     while read:

@@ -276,7 +276,7 @@ def test_importing_changes_no_matplotlib_settings(tmp_path: Path) -> None:
         text=True,
         cwd=tmp_path,
         env={**os.environ, "MPLBACKEND": "Agg"},
-        timeout=120,
+        timeout=600,
         check=False,
     )
     assert ran.stderr == ""

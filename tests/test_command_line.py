@@ -396,7 +396,7 @@ def run(*arguments: str, **options: Any) -> subprocess.CompletedProcess[str]:
         text=True,
         encoding="utf-8",
         env=environment,
-        timeout=60,
+        timeout=600,
         check=False,
         **options,
     )
@@ -432,7 +432,7 @@ def test_a_reader_that_has_seen_enough(tmp_path: Path) -> None:
         assert process.stdout.readline().startswith(b"hinge")
         process.stdout.close()
         assert process.stderr.read() == b""
-        assert process.wait(60) == 0
+        assert process.wait(600) == 0
 
 
 @pytest.mark.parametrize("command", ["error", "segments"])

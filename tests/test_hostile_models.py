@@ -9,7 +9,6 @@ import sys
 import tracemalloc
 from collections.abc import Callable
 from pathlib import Path
-from time import perf_counter
 
 import pytest
 from hypothesis import given, settings
@@ -169,10 +168,8 @@ def model(folder: Path, case: str) -> tuple[Path, str]:
 @pytest.mark.parametrize("case", FILES)
 def test_refused_in_one_line_and_in_bounds(case: str, tmp_path: Path) -> None:
     path, message = model(tmp_path, case)
-    began = perf_counter()
     with pytest.raises((ValueError, OSError), match=message.replace("+", r"\+")) as caught:
         audit_file(path, BEAM)
-    assert perf_counter() - began < 10  # measured: at most 1.0 s
     text = str(caught.value)
     assert "\n" not in text
     assert len(text) < 400

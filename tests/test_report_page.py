@@ -14,6 +14,7 @@ from types import ModuleType
 
 import numpy as np
 import pytest
+from drawn_ends import RULES_DRAWN
 from page_reading import Tables, rows, same, stiffnesses
 
 import beammodes as bm
@@ -165,7 +166,7 @@ def record(pair: str, rule: str) -> dict[str, list[list[float]]]:
 def test_the_data_of_the_atlas_are_the_librarys() -> None:
     data, random = atlas_data.atlas(), np.random.default_rng(8)
     for _ in range(150):
-        pair, rule = str(random.choice(data["pairs"])), str(random.choice(list(bm.RULES)))
+        pair, rule = str(random.choice(data["pairs"])), str(random.choice(RULES_DRAWN))
         n, mode = int(random.integers(2, data["segments"] + 1)), int(random.integers(1, data["modes"] + 1))
         known, chain = record(pair, rule), bm.Chain(bm.Beam.unit(), pair, n, rule)
         error = known["error"][n - 1][mode - 1]
@@ -179,7 +180,7 @@ def test_the_data_of_the_atlas_are_the_librarys() -> None:
 def test_segments_needed_of_the_atlas_are_the_librarys() -> None:
     data, random = atlas_data.atlas(), np.random.default_rng(9)
     for _ in range(60):
-        pair, rule = str(random.choice(data["pairs"])), str(random.choice(list(bm.RULES)))
+        pair, rule = str(random.choice(data["pairs"])), str(random.choice(RULES_DRAWN))
         modes, place = (
             int(random.integers(1, data["modes"] + 1)),
             int(random.integers(len(data["tolerances"]))),

@@ -52,7 +52,7 @@ def test_interrupted_studies_keep_what_is_finished(tmp_path: Path) -> None:
         heard += running.stderr.readline()
     time.sleep(0.5)
     running.send_signal(signal.SIGINT)
-    _, rest = running.communicate(timeout=120)
+    _, rest = running.communicate(timeout=600)
     assert running.returncode == 130
     assert "interrupted" in rest and "Traceback" not in rest
     written = {path.name for path in tmp_path.iterdir()}

@@ -49,7 +49,7 @@ def process(
         **{"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, **options},
         cwd=folder,
         env=plain | (settings or {}),
-        timeout=120,
+        timeout=600,
         check=False,
     )
 

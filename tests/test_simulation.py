@@ -676,7 +676,7 @@ def test_an_interrupt_from_the_keyboard_within_compiled_code(method: str, tmp_pa
     with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as run:
         assert run.stdout is not None and int(run.stdout.readline()) == 2000
         run.send_signal(signal.SIGINT)
-        out, err = run.communicate(timeout=60)
+        out, err = run.communicate(timeout=600)
     last = out.splitlines()[-1]
     assert (run.returncode, err) == (0, "") and last.startswith("interrupted after step")
     with xarray.open_dataset(path, engine="h5netcdf") as kept:

@@ -195,13 +195,13 @@ def test_workers_end_with_their_parent(tmp_path: Path, number: signal.Signals) -
         os.killpg(process.pid, number)
     else:
         process.send_signal(number)
-    assert process.wait(30) != 0
+    assert process.wait(600) != 0
     assert process.stderr is not None
     said = process.stderr.read().decode()
     process.stderr.close()
     assert said.count("Traceback") == (number == signal.SIGINT), said  # the parent's own, none of workers
     assert ("the same call goes on from there" in said) == (number == signal.SIGINT)
-    deadline = time.monotonic() + 10
+    deadline = time.monotonic() + 600  # only so that the test ends
     while _alive(process.pid) and time.monotonic() < deadline:
         time.sleep(0.05)
     assert _alive(process.pid) == []

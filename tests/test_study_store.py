@@ -470,32 +470,43 @@ def test_differences_in_words() -> None:
 
 PROGRAM = """
 import sys, beammodes as bm
+RULES = "mitiguy double_wall naive gregory gregory2 hencky half_stub half_stub_corrected".split()
+RULES += ["rigid_stub", "rigid_stub_corrected"]
+
+def lockstep(done, of):
+    # Says that a chunk is there, and waits to be told to go on.
+    print(done, flush=True)
+    sys.stdin.readline()
+
 bm.Study.grid(
-    boundary=list(bm.BOUNDARIES), rule=list(bm.RULES), segments=range(1, 1001), mode=range(1, 6),
+    boundary=list(bm.BOUNDARIES), rule=RULES, segments=range(1, 1001), mode=range(1, 6),
     compute="relative_error", chunk=500,
-).run(store=sys.argv[1])
+).run(store=sys.argv[1], progress=lockstep if sys.argv[2:] else False)
 """
 
 
-def start(folder: Path) -> subprocess.Popen[bytes]:
-    return subprocess.Popen([sys.executable, "-c", PROGRAM, str(folder)])
+def start(folder: Path, *more: str) -> subprocess.Popen[bytes]:
+    pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE} if more else {}
+    return subprocess.Popen([sys.executable, "-c", PROGRAM, str(folder), *more], **pipes)
 
 
 @pytest.mark.slow
 @pytest.mark.skipif(sys.platform == "win32", reason="no SIGKILL there")
 def test_killed_ten_times_the_store_is_the_same(tmp_path: Path) -> None:
-    # The issue's own study, ten times killed at random moments once it has begun to write.
+    # Ten times killed at random moments of a chunk's computing and writing, once it has written others.
     assert start(tmp_path / "whole").wait() == 0
     folder, moments = tmp_path / "killed", random.Random(8)
     counts = []
     for _ in range(10):
-        before = len(names(folder))
-        process = start(folder)
-        while len(names(folder)) <= before and process.poll() is None:
-            time.sleep(0.002)
-        time.sleep(moments.uniform(0.0, 0.1))
-        process.send_signal(signal.SIGKILL)
-        assert process.wait() == -signal.SIGKILL, "finished before it could be killed ten times"
+        with start(folder, "in lockstep") as process:
+            assert process.stdin is not None and process.stdout is not None
+            for _ in range(moments.randint(2, 12)):
+                assert process.stdout.readline()
+                process.stdin.write(b"\n")
+                process.stdin.flush()
+            time.sleep(moments.uniform(0.0, 0.05))  # It may be killed within a chunk, or after it.
+            process.send_signal(signal.SIGKILL)
+        assert process.returncode == -signal.SIGKILL
         counts.append(len(names(folder)))
     assert counts == sorted(set(counts)) and counts[-1] < 200  # each had done more, none all
     assert start(folder).wait() == 0

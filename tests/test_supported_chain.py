@@ -10,6 +10,7 @@ from fractions import Fraction
 import mpmath
 import numpy as np
 import pytest
+from drawn_ends import RULES_DRAWN
 from numpy.typing import NDArray
 
 from beammodes.chains.chain import Chain
@@ -72,7 +73,7 @@ def half_of_buckling(model: LinearModel) -> float:
 
 
 def random_model(random: np.random.Generator, most: int) -> tuple[LinearModel, Boundary, int, Rule]:
-    rule = random.choice(np.array(list(RULES.values()), dtype=object))
+    rule = RULES[str(random.choice(RULES_DRAWN))]
     size = int(np.exp(random.uniform(0, np.log(most + 0.99))))
     pair = Boundary(random_end(random), random_end(random))
     chain = Chain(Beam.unit(), pair, size, rule)
