@@ -508,7 +508,7 @@ def test_export_about_both_axes_with_a_damping_ratio(
     export_chain(chain, tmp_path / "same.xml", second=across, damping=joint_dampers(chain, 0.02))
     assert (tmp_path / "both.xml").read_bytes() == (tmp_path / "same.xml").read_bytes()
     for options, message in (
-        (["both.sdf", "--ei-across", "340"], "--ei-across must be left out for sdf files"),
+        (["both.csv", "--ei-across", "340"], "--ei-across must be left out for csv files"),
         (["x.xml", "--ei-across", "-3"], "--ei-across must be greater than 0, got -3"),
         (["x.xml", "--damping-ratio", "0"], "--damping-ratio must be greater than 0, got 0"),
         (["x.xml", "--damping-ratio", "1", "--stiffness-damping", "1"], "without --stiffness-damping"),

@@ -166,7 +166,8 @@ def test_any_path_is_written_or_refused(
         ({"path": "beam.urdf", "fragment": True}, "fragment must be left out for urdf"),
         ({"path": "beam.urdf", "timestep": 0.001}, "timestep must be left out for urdf"),
         ({"path": "beam.sdf", "integrator": "Euler"}, "integrator must be left out for sdf"),
-        ({"path": "beam.sdf", "second": CHAIN}, "second must be left out for sdf"),
+        ({"path": "beam.csv", "second": CHAIN}, "second must be left out for csv"),
+        ({"path": "beam.urdf", "load": Load(gravity=9.81)}, "load must be left out for urdf"),
         ({"path": "beam.csv", "damping": Damping()}, "damping must be left out for csv"),
         ({"second": Chain(BEAM, "clamped-free", 5)}, "second must have the length of chain"),
         ({"second": Chain(Beam(1.2, 1.0, 1.0), "clamped-free", 4)}, "second must have the mass of chain"),
@@ -192,6 +193,7 @@ def test_what_is_refused(options: dict[str, Any], message: str, tmp_path: Path) 
         ({"format": 3}, "format must be one of"),
         ({"second": 3}, "second must be a Chain or None"),
         ({"damping": 0.1}, "damping must be a Damping or None"),
+        ({"load": 9.81}, "load must be a Load or None"),
         ({"timestep": "1"}, "timestep must be a real number"),
     ],
 )

@@ -135,11 +135,11 @@ def export_options(sub: Options) -> None:
     sub.add_argument("--output", required=True, metavar="FILE", help=".xml (MJCF), .sdf, .urdf or .csv")
     sub.add_argument("--format", help="mjcf, sdf, urdf or csv (default: by the file's ending)")
     sub.add_argument("--name", default="chain", help="prefix of all names in the file (default: chain)")
-    sub.add_argument("--fragment", action="store_true", help="bodies only, to include in a model (MJCF)")
+    sub.add_argument("--fragment", action="store_true", help="bodies only, to include in a model (MJCF, SDF)")
     sub.add_argument("--timestep", type=_number, metavar="h", help=_TIMESTEP)
     text = "MuJoCo's RK4, Euler, implicit or implicitfast (default: RK4)"
     sub.add_argument("--integrator", default="RK4", help=text)
-    text = "EI of bending along y [N m²]: hinges about both axes (MJCF)"
+    text = "EI of bending along y [N m²]: hinges about both axes (not CSV)"
     sub.add_argument("--ei-across", type=_number, metavar="X", help=text)
     _load_options(sub)
     _damping_options(sub)

@@ -65,8 +65,10 @@ def export_chain(
     fragment : bool
         For "mjcf" and "sdf": a part to include in other models, without gravity and time step.
     second : Chain, optional
-        For "mjcf": the same pieces with the springs of bending along y, for hinges about both axes. Twist is
-        not modelled.
+        Not for "csv": the same pieces with the springs of bending along y, for hinges about both axes. They
+        come in turns, about y first at every other node and about z first between them: in one fixed order a
+        chain that bends out of both planes would twist by an angle of first order in 1/N, so by second order
+        only. In "sdf" and "urdf" a nearly massless link stands between the two. Twist is not modelled.
     damping : Damping, optional
         Of joints and supports; not for "csv".
     timestep : float [s], optional
@@ -216,7 +218,7 @@ def _fill(parts: Iterable[str], file: BinaryIO) -> None:
 
 _TAKEN_BY = {
     "fragment": ("mjcf", "sdf"),
-    "second": ("mjcf",),
+    "second": ("mjcf", "sdf", "urdf"),
     "damping": ("mjcf", "sdf", "urdf"),
     "timestep": ("mjcf", "sdf"),
     "integrator": ("mjcf",),

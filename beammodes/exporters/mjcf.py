@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator, Sequence
 
 from beammodes.exporters.export_facts import digits as _n
-from beammodes.exporters.planar_tree import Body, Joint, Tie, Tree, Vector
+from beammodes.exporters.planar_tree import Body, Joint, Tie, Tree, Vector, bending_planes
 
 __all__ = ["MAX_BODIES", "mjcf_text"]
 
@@ -77,9 +77,7 @@ def mjcf_text(
 
 
 def _notes(tree: Tree, timestep: float, integrator: str, fragment: bool, heavy: bool) -> Iterator[str]:
-    planes = {joint.axis for body in tree.bodies for joint in body.joints if joint.kind == "hinge"}
-    both = len(planes) == 2
-    yield f"x runs along the beam; it bends in {'the x-z and x-y planes' if both else 'the x-z plane only'}"
+    yield f"x runs along the beam; it bends in {bending_planes(tree)}"
     yield "twist, stretch and shear are not modelled; the small inertia about x stands for nothing"
     if fragment:
         where = "at the top of a model" if tree.ties else "in <worldbody> or a body"

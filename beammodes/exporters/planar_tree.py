@@ -21,7 +21,7 @@ from beammodes.exporters.bending_plane import Plane, Spring, bending_plane
 from beammodes.vibration.damping import Damping
 from beammodes.vibration.spectrum import is_turned
 
-__all__ = ["Body", "Joint", "Link", "Tie", "Tree", "Vector", "links", "planar_tree"]
+__all__ = ["Body", "Joint", "Link", "Tie", "Tree", "Vector", "bending_planes", "links", "planar_tree"]
 
 Vector = tuple[float, float, float]
 
@@ -90,6 +90,10 @@ def planar_tree(
 ) -> Tree:
     """Return a chain as bodies and joints named after `name`, bending about both axes if `second` is given.
 
+    The two hinges of a node come in turns: about y first at every other node, about z first between them. In
+    one fixed order R = R_z R_y they would have a spurious twist of the rate  κ_y κ_z ℓ/2  and so of first
+    order in ℓ; turned about at every other node the rates cancel, and the twist is of second order.
+
     Raises
     ------
     ValueError
@@ -112,6 +116,12 @@ def planar_tree(
     grounded = any(end.is_grounded for each in chains for end in (each.boundary.left, each.boundary.right))
     joints = [_joints(planes, i, name, grounded) for i in range(len(planes[0].length))]
     return Tree(tuple(_bodies(planes, joints, name)), tuple(_ties(planes, name)), turned)
+
+
+def bending_planes(tree: Tree) -> str:
+    """Return in words where a tree bends, for the head of its file."""
+    about = {joint.axis for body in tree.bodies for joint in body.joints if joint.kind == "hinge"}
+    return "the x-z and x-y planes" if len(about) == 2 else "the x-z plane only"
 
 
 def links(tree: Tree) -> Iterator[Link]:
@@ -146,7 +156,9 @@ def _joints(planes: Sequence[Plane], i: int, name: str, grounded: bool) -> tuple
             found.append(Joint(f"{name}_slide_{letter}", "slide", along, *across))
         if turning[0] != math.inf:
             hinges.append(Joint(_hinge_name(planes, plane, i, name), "hinge", about, *turning))
-    return (*found, *hinges)
+    # Two hinges in one fixed order at every node twist a chain that bends out of both planes, to first order
+    # in 1/N; in the other order at every other node they do so to second order.
+    return (*found, *(reversed(hinges) if i % 2 else hinges))
 
 
 def _hinge_name(planes: Sequence[Plane], plane: Plane, i: int, name: str) -> str:

@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 from beammodes.exporters.export_facts import digits as _n
-from beammodes.exporters.planar_tree import Body, Joint, Link, Tree, Vector, links
+from beammodes.exporters.planar_tree import Body, Joint, Link, Tree, Vector, bending_planes, links
 
 __all__ = ["sdformat_text"]
 
@@ -62,7 +62,8 @@ def sdformat_text(
         model += [*_link(link.body, place, thickness), *_joint(link)]
     inner = [f'<model name="{name}">', *(f" {line}" for line in model), "</model>"]
     notes = [
-        "x runs along the beam; it bends in the x-z plane only; twist, stretch and shear are not modelled",
+        f"x runs along the beam; it bends in {bending_planes(tree)}",
+        "twist, stretch and shear are not modelled",
         f"step: {timestep!r} s, for Gazebo here and for a discrete plant of Drake, which takes it from you;",
         "Drake takes springs explicitly and dampers implicitly; DART, Gazebo's usual engine, takes both",
         "implicitly: stable at any step, it adds a damping ratio of half the step times angular frequency",

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 from beammodes.exporters.export_facts import digits as _n
-from beammodes.exporters.planar_tree import Body, Joint, Link, Tree, links
+from beammodes.exporters.planar_tree import Body, Joint, Link, Tree, bending_planes, links
 
 __all__ = ["springs_text", "urdf_text"]
 
@@ -34,7 +34,8 @@ def urdf_text(tree: Tree, lines: Sequence[str], name: str, *, springs: str) -> s
     head = ['<?xml version="1.0" encoding="utf-8"?>', "<!--", f"  {name}: a flexible beam"]
     notes = [
         f"URDF knows no springs: without those in {springs} this is a loose chain",
-        "x runs along the beam; it bends in the x-z plane only; twist, stretch and shear are not modelled",
+        f"x runs along the beam; it bends in {bending_planes(tree)}",
+        "twist, stretch and shear are not modelled",
         "gravity is not part of a URDF file: with it the beam sags and rings at other frequencies",
     ]
     head += [*(f"  {line}" for line in (*notes, *lines)), "-->", f'<robot name="{name}">']
