@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from beammodes.auditing.better_springs import Suggestion, listed_errors, suggestions_for
-from beammodes.auditing.judged_pieces import UNKNOWN, Columns, JudgedPieces
+from beammodes.auditing.judged_pieces import UNKNOWN, Columns, JudgedPieces, percent
 from beammodes.checks import positive_real
 from beammodes.problem.beam import Beam
 from beammodes.problem.ends import Boundary, BoundaryLike
 
-__all__ = ["UNKNOWN", "Audit", "Suggestion", "audit_chain"]
+__all__ = ["UNKNOWN", "Audit", "StepVerdict", "Suggestion", "audit_chain"]
 
 Array = NDArray[np.float64]
 
@@ -22,50 +23,110 @@ _SAME = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
-class Audit:
-    """What `audit_chain` or `audit_file` found.
+class StepVerdict:
+    """The file's time step beside the longest stable one.
 
     Attributes
     ----------
+    timestep, limit : float [s]
+    integrator : str
+        As the file names it.
+    with_weight : bool
+        Whether the limit is that of the chain with its weight along it.
+    """
+
+    timestep: float
+    limit: float
+    integrator: str
+    with_weight: bool
+
+    @property
+    def is_stable(self) -> bool:
+        """Whether the file's step is below the limit."""
+        return self.timestep < self.limit
+
+    def __str__(self) -> str:
+        under = ", damping and the weight along it" if self.with_weight else " and damping"
+        share = self.timestep / self.limit
+        verdict = "is stable" if self.is_stable else "is NOT STABLE: the motion grows without bounds"
+        return (
+            f"the file's time step of {self.timestep:.6g} s with {self.integrator} {verdict}: {share:.3g} of the "
+            f"limit of {self.limit:.4g} s, of this chain's fastest mode{under}"
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class Audit:
+    """What `audit_chain` or `audit_file` found: what is given, what is assumed, and what is found.
+
+    Attributes
+    ----------
+    given : tuple of str
+        What was read from the file.
+    assumed : tuple of str
+        What the file does not say and was taken for granted, and what is left out.
     boundary : Boundary
     angular_frequency : ndarray, shape (modes,) [rad/s]
-        Of the chain; NaN beyond its last mode, as in `errors`.
+        Of the chain with the armature of its hinges, without damping; NaN beyond its last mode, as in `errors`.
     errors : ndarray, shape (modes,) [-]
         Relative, against the exact beam.
-    length_mismatch, mass_mismatch : float [-]
-        How much longer and heavier the chain is than the beam, relatively.
+    errors_with_rods : ndarray, shape (modes,) [-]
+        Of the same springs between rods that are pieces of the beam; what is between is due to matter.
+    errors_without_armature : ndarray, shape (modes,) [-]
+    damping_ratio : ndarray, shape (modes,) [-]
+        Of each mode by the hinges' dampers; 1 and more does not swing.
+    length_mismatch, mass_mismatch, rotary_inertia_mismatch : float [-]
+        How much longer and heavier the chain is than the beam, and how much more rotary inertia its segments
+        have than rods of their mass and length, relatively.
+    centre_mismatch : float [-]
+        How far centres of mass are off the segments' middles, at most, in a segment's length.
     segments : int or None
         N, where the hinges are those of a rule.
     layout : str
         Name of the rule with these hinges and springs, or "no known layout".
     order : int or None
-        Of that rule for these ends and this rotary inertia: e ~ 1/N**order if the pieces are uniform.
+        Of that rule for these ends: e ~ 1/N**order if the pieces are uniform, down to what the rods' own rotary
+        inertia costs; at most 2 if that is no rod's and no section's.
     remark : str
         The layout in one sentence.
+    matter : tuple of str
+        What is said of rotary inertia, centres of mass and shares of mass that are no beam's.
     suggestions : tuple of Suggestion
+        Each lowers the error.
     tolerance : float
     joint_stiffness : ndarray, shape (hinges,) [N m/rad]
         Of the chain as it is.
     hinge_names : tuple of str
         As the file has them; "hinge 1" and so on for arrays.
-    notes : tuple of str
-        What was read from the file, what was assumed, and what is left out.
+    step : StepVerdict or None
+        None where the file has no time step or the chain more than 500 hinges.
+    other_readings : tuple of str
+        What else the file may mean, and what is found then.
     """
 
     boundary: Boundary
     angular_frequency: Array
     errors: Array
+    errors_with_rods: Array
+    errors_without_armature: Array
+    damping_ratio: Array
     length_mismatch: float
     mass_mismatch: float
+    rotary_inertia_mismatch: float
+    centre_mismatch: float
     segments: int | None
     layout: str
     order: int | None
     remark: str
+    matter: tuple[str, ...]
     suggestions: tuple[Suggestion, ...]
     tolerance: float
     joint_stiffness: Array
     hinge_names: tuple[str, ...]
-    notes: tuple[str, ...] = ()
+    given: tuple[str, ...] = ()
+    assumed: tuple[str, ...] = ()
+    step: StepVerdict | None = None
+    other_readings: tuple[str, ...] = ()
 
     @property
     def meets(self) -> bool:
@@ -73,26 +134,68 @@ class Audit:
         return bool((np.abs(self.errors) <= self.tolerance).all())
 
     @property
+    def swings(self) -> tuple[bool, ...]:
+        """Whether each mode swings, not creeps back."""
+        return tuple((self.damping_ratio < 1).tolist())
+
+    @property
     def mismatches(self) -> tuple[str, ...]:
-        """What is said of a length or a mass that is not the beam's."""
+        """What is said of matter that is not the beam's, before any spring is blamed."""
         off = {"length": self.length_mismatch, "mass": self.mass_mismatch}
-        return tuple(
+        found = [
             f"{name} is {100 * part:+.3g} % off the beam's: more segments do not remove that error"
             for name, part in off.items()
             if abs(part) > _SAME
-        )
+        ]
+        if not (self.matter or abs(self.mass_mismatch) > _SAME):
+            return tuple(found)
+        with_rods = f"with the beam's own rods the same springs give {listed_errors(self.errors_with_rods)}"
+        return (*found, *self.matter, f"{with_rods}; the rest is due to matter")
 
     @property
-    def text(self) -> str:
-        """A short report."""
+    def found(self) -> tuple[str, ...]:
+        """What is found, in sentences: the verdict first, then what it is due to."""
         verdict = "meets" if self.meets else "does not meet"
         lines = [
             f"{self.boundary.name} chain {verdict} {100 * self.tolerance:.3g} %: {listed_errors(self.errors)}"
         ]
-        lines.append(self.remark)
-        lines += self.mismatches
-        lines += self.notes
-        return "\n".join(lines + [f"  {suggestion}" for suggestion in self.suggestions])
+        return (*lines, *self.mismatches, self.remark, *self._motion(), *self.other_readings)
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """All that is said beside the verdict: what is given, assumed, and found of damping and time step."""
+        return (*self.given, *self.assumed, *self._motion(), *self.other_readings)
+
+    def _motion(self) -> list[str]:
+        lines = []
+        pairs = zip(self.errors, self.errors_without_armature, strict=True)
+        costs = [(1 + with_it) / (1 + without) - 1 for with_it, without in pairs]
+        if any(cost < 0 for cost in costs):
+            without = listed_errors(self.errors_without_armature)
+            lines.append(
+                f"the armature of its hinges, which no beam has, changes the modes by {_listed(costs)}; without it: "
+                f"{without}"
+            )
+        if np.any(self.damping_ratio > 0):
+            ratios = [_ratio(value) for value in self.damping_ratio.tolist()]
+            lines.append(f"the dampers of its hinges give the modes damping ratios of {', '.join(ratios)}")
+        return [*lines, *([str(self.step)] if self.step else [])]
+
+    @property
+    def text(self) -> str:
+        """A short report: what is given, what is assumed, what is found."""
+        lines = [f"given: {line}" for line in self.given] + [f"assumed: {line}" for line in self.assumed]
+        return "\n".join([*lines, *self.found, *(f"  {suggestion}" for suggestion in self.suggestions)])
+
+
+def _listed(parts: list[float]) -> str:
+    return ", ".join("no such mode" if math.isnan(part) else percent(part) for part in parts)
+
+
+def _ratio(value: float) -> str:
+    if math.isnan(value):
+        return "no such mode"
+    return f"{value:.4g}" + (" (overdamped: does not swing)" if value >= 1 else "")
 
 
 def audit_chain(
@@ -104,6 +207,8 @@ def audit_chain(
     rotary_inertia: Columns,
     joint_stiffness: Columns,
     centre: Columns | None = None,
+    armature: Columns | None = None,
+    damping: Columns | None = None,
     modes: int = 3,
     tolerance: float = 0.01,
 ) -> Audit:
@@ -120,6 +225,9 @@ def audit_chain(
         Of pieces and hinges, as `Chain.from_pieces` takes them. A segment welded to a wall is a first piece,
         which the clamped end holds; a hinge at the wall follows a first piece of length zero. Bodies and
         springs of the ends belong to `boundary`, not here.
+    armature : sequence, shape (hinges,) [kg m²], optional
+        Inertia of each hinge's own rotation: it is added to that of the relative angle.
+    damping : sequence, shape (hinges,) [N m s/rad], optional
     modes : int
         How many, 1 to 100.
     tolerance : float
@@ -143,10 +251,12 @@ def audit_chain(
       gregory: hinges moved to 0, 0.1, ...:
         springs 26.667, 8.5714, 10.435, 10, ...: errors +0.000515 %, -0.00976 %
     """
-    given = {"length": length, "mass": mass, "rotary_inertia": rotary_inertia}
-    given |= {} if centre is None else {"centre": centre}
+    columns = {"length": length, "mass": mass, "rotary_inertia": rotary_inertia}
+    columns |= {} if centre is None else {"centre": centre}
     limit = positive_real("tolerance", tolerance)
-    judged = JudgedPieces.of(beam, Boundary.of(boundary), given, joint_stiffness, modes)
+    judged = JudgedPieces.of(
+        beam, Boundary.of(boundary), columns, joint_stiffness, modes, armature=armature, damping=damping
+    )
     layouts = judged.layouts()
     rules = judged.followed(layouts)
     errors = judged.errors(judged.springs)
@@ -154,12 +264,18 @@ def audit_chain(
         boundary=judged.boundary,
         angular_frequency=judged.exact * (1 + errors),
         errors=errors,
+        errors_with_rods=judged.errors_with_rods,
+        errors_without_armature=judged.errors_without_armature,
+        damping_ratio=judged.damping_ratio,
         length_mismatch=float(judged.length.sum() / beam.length - 1),
         mass_mismatch=float(judged.mass.sum() / (beam.mean_mass_per_length * beam.length) - 1),
+        rotary_inertia_mismatch=judged.rotary_inertia_mismatch,
+        centre_mismatch=judged.centre_mismatch,
         segments=(rules or layouts)[0][1] if layouts else None,
         layout=rules[0][0].name if rules else UNKNOWN,
         order=judged.order(rules[0][0]) if rules else None,
         remark=judged.remark(layouts, rules, errors[0]),
+        matter=tuple(judged.mismatches()),
         suggestions=suggestions_for(judged, rules or layouts),
         tolerance=limit,
         joint_stiffness=judged.springs,

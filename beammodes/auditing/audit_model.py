@@ -11,23 +11,27 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from beammodes.auditing.audit import UNKNOWN, Audit, audit_chain
-from beammodes.auditing.body_tree import Model
-from beammodes.auditing.bounded_xml import BadModel, bounded_bytes, read_xml
+from beammodes.auditing.audit import UNKNOWN, Audit, StepVerdict, audit_chain
+from beammodes.auditing.better_springs import listed_errors
+from beammodes.auditing.body_tree import FileStep, Model
+from beammodes.auditing.bounded_xml import BadModel, read_xml
 from beammodes.auditing.far_ties import far_end
-from beammodes.auditing.hinge_line import Frame, frame_of, moves_alone, root_support
+from beammodes.auditing.file_dynamics import pull_of_weight, swing_of
+from beammodes.auditing.hinge_line import Frame, floats, frame_of, root_support
 from beammodes.auditing.model_ends import JudgedChain, judged_chains
 from beammodes.auditing.planar_chain import planar_chain
 from beammodes.auditing.read_mjcf import read_mjcf
 from beammodes.auditing.read_sdf import read_sdf
 from beammodes.auditing.read_urdf import read_urdf
-from beammodes.auditing.rigid_pieces import Piece, PlanarChain, with_wall_hinges
+from beammodes.auditing.rigid_pieces import Piece, PlanarChain, Spring, with_wall_hinges
 from beammodes.auditing.serial_chains import HingePath, chosen_path, hinge_paths
 from beammodes.auditing.urdf_springs import read_springs
+from beammodes.chains.chain import Chain
 from beammodes.checks import choice, positive_real, shown
 from beammodes.exporters.chain_csv import read_chain_csv
 from beammodes.problem.beam import Beam
 from beammodes.problem.ends import Boundary, BoundaryLike
+from beammodes.vibration.modes import MAX_DENSE
 
 __all__ = ["audit_file"]
 
@@ -38,10 +42,13 @@ _LISTED = 5
 
 @dataclass(frozen=True)
 class _Read:
-    """A chain in its plane, and what to say of how it was read."""
+    """Readings of one chain in its plane, the likeliest first, and what to say of how it was read."""
 
-    chain: PlanarChain
-    notes: tuple[str, ...]
+    chains: tuple[PlanarChain, ...]
+    given: tuple[str, ...] = ()
+    left_out: tuple[str, ...] = ()
+    step: FileStep | None = None
+    weight: float = 0.0
 
 
 def audit_file(
@@ -108,34 +115,81 @@ def audit_file(
     place = Path(path)
     try:
         read = _read(place, beam, given, chain, plane, None if springs is None else Path(springs))
-        found, judged = _best(beam, judged_chains(read.chain, given), modes, tolerance)
+        audits = [_audited(beam, read, each, modes, tolerance) for each in _readings(read, given)]
     except BadModel as error:
         raise BadModel(f"{place}: {error}") from None
-    ends = f"ends {judged.boundary.name}" + ("" if given else ", as far as the file tells")
-    notes = (*read.notes, ends, *filter(None, [judged.assumed]))
-    return replace(found, hinge_names=tuple(name for name, _ in judged.springs), notes=notes)
+    if given is None:
+        others = zip(audits[1:], read.chains[1:], strict=True)
+        return replace(audits[0][0], other_readings=tuple(_other(each, chain) for (each, _), chain in others))
+    # What was taken out of the wrong end leaves a spring of no rule there, or a piece of another mass.
+    return min(audits, key=lambda pair: (pair[0].layout == UNKNOWN, pair[1]))[0]
 
 
-def _best(
-    beam: Beam, readings: Sequence[JudgedChain], modes: int, tolerance: float
-) -> tuple[Audit, JudgedChain]:
-    """Return the reading whose springs follow a rule and whose pieces are even.
+def _readings(read: _Read, given: Boundary | None) -> list[JudgedChain]:
+    """Return the chain's readings with its ends, those that `given` fits."""
+    found: list[JudgedChain] = []
+    refusals = []
+    for chain in read.chains:
+        try:
+            found += judged_chains(chain, given)
+        except ValueError as error:
+            refusals.append(error)
+        if given is not None and found:
+            return found
+    if not found:
+        raise refusals[0]
+    return found
 
-    What was taken out of the wrong end leaves a spring of no rule there, or a piece of another mass.
-    """
-    audits = [
-        audit_chain(
-            beam,
-            judged.boundary,
-            **_columns(judged.pieces),
-            joint_stiffness=[value for _, value in judged.springs],
-            modes=modes,
-            tolerance=tolerance,
-        )
-        for judged in readings
-    ]
-    pairs = zip(audits, readings, strict=True)
-    return min(pairs, key=lambda pair: (pair[0].layout == UNKNOWN, pair[1].unevenness))
+
+def _audited(
+    beam: Beam, read: _Read, judged: JudgedChain, modes: int, tolerance: float
+) -> tuple[Audit, float]:
+    """Return the audit of one reading, and how uneven its pieces are."""
+    columns = _columns(judged.pieces)
+    springs = {
+        "joint_stiffness": [spring.stiffness for spring in judged.springs],
+        "armature": [spring.armature for spring in judged.springs],
+        "damping": [spring.damping for spring in judged.springs],
+    }
+    try:
+        found = audit_chain(beam, judged.boundary, **columns, **springs, modes=modes, tolerance=tolerance)
+    except (ValueError, OverflowError, ZeroDivisionError, FloatingPointError, np.linalg.LinAlgError) as error:
+        first, last = judged.springs[0].name, judged.springs[-1].name
+        raise BadModel(f"chain from hinge {first} to hinge {last} cannot be judged: {error}") from None
+    ends = () if judged.said else (f"ends {judged.boundary.name}, as far as the file tells",)
+    return replace(
+        found,
+        hinge_names=tuple(spring.name for spring in judged.springs),
+        given=(*read.given, *((f"ends {judged.boundary.name}",) if judged.said else ())),
+        assumed=(*judged.assumed, *ends, *read.left_out),
+        step=_step(read, judged, columns, springs),
+    ), judged.unevenness
+
+
+def _other(found: Audit, chain: PlanarChain) -> str:
+    hertz = ", ".join(f"{value / (2 * math.pi):.5g}" for value in found.angular_frequency if value == value)
+    return (
+        f"another reading: {chain.assumed[0]}: {found.boundary.name}, {hertz} Hz, {listed_errors(found.errors)}; "
+        f'say boundary "{found.boundary.name}" to have it judged so'
+    )
+
+
+def _step(
+    read: _Read, judged: JudgedChain, columns: dict[str, list[float]], springs: dict[str, list[float]]
+) -> StepVerdict | None:
+    if read.step is None or len(judged.springs) > MAX_DENSE:
+        return None
+    chain = Chain.from_pieces(
+        **columns, joint_stiffness=springs["joint_stiffness"], boundary=judged.boundary
+    )
+    left = judged.boundary.left
+    hangs = bool(read.weight) and left.holds_rotation and left.holds_deflection
+    pull = pull_of_weight(chain, read.weight) if hangs else None
+    swing = swing_of(chain, np.array(springs["armature"]), np.array(springs["damping"]), pull)
+    if hangs and np.linalg.eigvalsh(swing.stiffness)[0] <= 0:
+        # It falls over under its weight, whatever the step.
+        return None
+    return StepVerdict(read.step.timestep, swing.longest_step(read.step), read.step.integrator, hangs)
 
 
 def _columns(pieces: Sequence[Piece]) -> dict[str, list[float]]:
@@ -155,7 +209,7 @@ def _read(
     model = _model(place, springs)
     paths = hinge_paths(model)
     path = chosen_path(paths, name)
-    planes = {_label(frame): frame for frame in (frame_of(path, axis) for axis in path.planes())}
+    planes = _labelled([frame_of(path, axis) for axis in path.planes()])
     if not planes:
         raise BadModel(f"hinges of the chain at {path.name} must be parallel")
     if plane is not None:
@@ -163,14 +217,49 @@ def _read(
     else:
         frame = min(planes.values(), key=lambda each: _distance(each, beam))
     held = [why for body, why in model.held if path.has_body(body) or body in _joint_names(frame)]
-    if held and given is None:
+    if given is None and held:
         raise BadModel(f"{held[0]} holds the chain: say by boundary what its ends are")
+    if given is None and floats(path.root):
+        raise BadModel(
+            f"body {path.root.name}, which carries the chain at body {path.name}, is free in space and moves with "
+            "all that it carries: say by boundary what the chain's ends are, such as clamped-free if the body is "
+            "held"
+        )
     far = far_end(model.ties, *_coordinates(path, frame))
-    chain = planar_chain(path, frame, far, beam.length)
-    support = root_support(path.root, frame)
-    near = support.hinge.name if support and support.hinge else "near end"
-    full = with_wall_hinges(chain, near, far.spring, beam.length)
-    return _Read(full, (*_notes(paths, path, planes, frame), *model.notes, *held))
+    chains = [
+        with_wall_hinges(planar_chain(path, frame, far, beam.length, word), far.spring, beam.length)
+        for word in _words(path, frame, given)
+    ]
+    along = model.gravity @ frame.along
+    return _Read(
+        tuple(chains),
+        (*_given(path, planes, frame), *_others(paths, path)),
+        (*model.notes, *held),
+        model.step,
+        along if np.linalg.norm(model.gravity - along * frame.along) <= 1e-6 * abs(along) else 0.0,
+    )
+
+
+def _words(path: HingePath, frame: Frame, given: Boundary | None) -> list[str]:
+    """Return why what carries the chain is held, one for each reading; "" where it moves as its joints let it.
+
+    A file does not say whether a motor holds its joint: the user does.
+    """
+    support = root_support(path, frame)
+    if support is None:
+        carrier = path.root
+        moves = carrier.parent is not None
+        return [f"body {carrier.name}, which carries the chain and moves, is taken as held" if moves else ""]
+    loose = [
+        joint.name
+        for joint in path.root.joints
+        if not joint.stiffness and (joint in (support.hinge, support.slide) or joint.kind == "free")
+    ]
+    if not loose:
+        return [""]
+    if given is not None:
+        return ["", f"{' and '.join(loose)} held, because you say so"]
+    return ["", f"{loose[0]} held, as by a motor"] if support.hinge and len(loose) == 1 else [""]
 
 
 def _model(place: Path, springs: Path | None) -> Model:
@@ -188,8 +277,13 @@ def _model(place: Path, springs: Path | None) -> Model:
     return read_mjcf(root)
 
 
-def _label(frame: Frame) -> str:
-    return "xyz"[int(np.argmax(np.abs(frame.across)))]
+def _labelled(frames: Sequence[Frame]) -> dict[str, Frame]:
+    """Return frames by the axis along which they deflect; of two alike, each has a letter of its own."""
+    found: dict[str, Frame] = {}
+    for frame in frames:
+        order = np.argsort(-np.abs(frame.across).round(6), kind="stable")
+        found[next(letter for letter in ("xyz"[i] for i in order) if letter not in found)] = frame
+    return found
 
 
 def _distance(frame: Frame, beam: Beam) -> float:
@@ -204,7 +298,7 @@ def _joint_names(frame: Frame) -> set[str]:
 
 def _coordinates(path: HingePath, frame: Frame) -> tuple[dict[str, tuple[float, float]], dict[str, float]]:
     """Return place and sense of every joint that turns the chain, and the sense of those that shift it."""
-    support = root_support(path.root, frame)
+    support = root_support(path, frame)
     joints = [*frame.hinges]
     if support is not None and support.hinge is not None:
         joints.insert(0, support.hinge)
@@ -216,31 +310,31 @@ def _coordinates(path: HingePath, frame: Frame) -> tuple[dict[str, tuple[float, 
     return hinges, {joint.name: 1.0 if joint.axis @ frame.across > 0 else -1.0 for joint in slides}
 
 
-def _notes(
-    paths: Sequence[HingePath], path: HingePath, planes: dict[str, Frame], frame: Frame
-) -> tuple[str, ...]:
+def _given(path: HingePath, planes: dict[str, Frame], frame: Frame) -> tuple[str, ...]:
     count = len(path.groups)
-    notes = [f"chain at body {path.name}: {count} hinge{'s' * (count > 1)} with springs"]
-    others = [each.name for each in paths if each is not path]
-    if others:
-        more = ", ..." if len(others) > _LISTED else ""
-        notes.append(f"other chains in the file: {', '.join(others[:_LISTED])}{more}")
+    found = [f"chain at body {path.name}: {count} hinge{'s' * (count > 1)} with springs"]
     if len(planes) > 1:
-        notes.append(f"deflection along {_label(frame)}; there are hinges for {', '.join(planes)}")
-    if path.root.parent is not None and not moves_alone(path.root):
-        notes.append(f"body {path.root.name}, which carries the chain and moves, is taken as held")
-    return tuple(notes)
+        label = next(letter for letter, each in planes.items() if each is frame)
+        found.append(f"deflection along {label}; there are hinges for {', '.join(planes)}")
+    return tuple(found)
+
+
+def _others(paths: Sequence[HingePath], path: HingePath) -> list[str]:
+    others = [each.name for each in paths if each is not path]
+    more = ", ..." if len(others) > _LISTED else ""
+    return [f"other chains in the file: {', '.join(others[:_LISTED])}{more}"] if others else []
 
 
 def _from_csv(place: Path, length: float) -> _Read:
-    bounded_bytes(place)
     try:
         chain = read_chain_csv(place)
     except ValueError as error:
         raise BadModel(str(error).removeprefix(str(place)).lstrip(":, ")) from None
     columns = (chain.length, chain.mass, chain.centre, chain.rotary_inertia)
     pieces = tuple(Piece(*row) for row in zip(*(column.tolist() for column in columns), strict=True))
-    springs = tuple((f"hinge {i}", value) for i, value in enumerate(chain.joint_stiffness.tolist()))
+    springs = tuple(Spring(f"hinge {i}", value) for i, value in enumerate(chain.joint_stiffness.tolist()))
     near, far = (tuple(map(float, end)) for end in chain.support_stiffness)
-    planar = PlanarChain(pieces, springs, (near[0], near[1]), (far[0], far[1]))
-    return _Read(with_wall_hinges(planar, "left end", "right end", length), ())
+    planar = PlanarChain(
+        pieces, springs, (near[0], near[1]), (far[0], far[1]), Spring("left end", near[1])
+    )
+    return _Read((with_wall_hinges(planar, "right end", length),))

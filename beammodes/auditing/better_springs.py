@@ -69,8 +69,17 @@ def listed_errors(errors: Array) -> str:
 
 
 def suggestions_for(judged: JudgedPieces, layouts: list[Found]) -> tuple[Suggestion, ...]:
-    """Return better springs for a chain, those for the same hinges first."""
-    return (*_corrected(judged, layouts), *_tuned(judged), *_moved(judged, layouts))
+    """Return better springs for a chain, those for the same hinges first; none that raise its error."""
+    now = judged.errors(judged.springs)
+    found = (*_corrected(judged, layouts), *_tuned(judged), *_moved(judged, layouts))
+    return tuple(item for item in found if _is_better(item.errors, now))
+
+
+def _is_better(errors: Array, now: Array) -> bool:
+    """Whether the first mode's error is smaller, and the largest no larger."""
+    if np.isnan(now[0]) or not abs(errors[0]) < abs(now[0]):
+        return False
+    return bool(np.nanmax(np.abs(errors)) <= np.nanmax(np.abs(now)))
 
 
 def _corrected(judged: JudgedPieces, layouts: list[Found]) -> Iterator[Suggestion]:
@@ -78,7 +87,7 @@ def _corrected(judged: JudgedPieces, layouts: list[Found]) -> Iterator[Suggestio
     if not layouts or not len(judged.springs):
         return
     count, rule = layouts[0][1], RULES[_CORRECTED[float(layouts[0][0].stub)]]
-    weights = np.array(rule.hinge_weights(judged.boundary, count), dtype=np.float64)
+    weights = np.array(rule.hinge_weights(judged.rule_boundary, count), dtype=np.float64)
     if weights.min() <= 0 or judged.departure(rule, count) <= _SAME_SPRING:
         return
     springs = judged.unit(count) / weights
@@ -90,7 +99,7 @@ def _tuned(judged: JudgedPieces) -> Iterator[Suggestion]:
     if not len(judged.springs) or abs(judged.errors(judged.springs, 1)[0]) <= 1e-9:
         return
     at = -1 if judged.bends == (False, True) else 0
-    few = len(judged.springs) <= MAX_DENSE
+    few = len(judged.springs) <= MAX_DENSE and not np.any(judged.armature)
     stiffness = _by_all_modes(judged, at) if few else _by_search(judged, at)
     if stiffness > 0:
         springs = judged.springs.copy()
@@ -137,7 +146,8 @@ def _by_search(judged: JudgedPieces, at: int) -> float:
 def _moved(judged: JudgedPieces, layouts: list[Found]) -> Iterator[Suggestion]:
     """Yield the rule with hinges at the walls, of as many rods, unless the hinges are there already."""
     stubless = any(rule.stub == 0 for rule, _ in layouts)
-    if (layouts and stubless) or not any(judged.bends):
+    # What armature would cost at other hinges is not known.
+    if (layouts and stubless) or not any(judged.bends) or np.any(judged.armature):
         return
     rods = int(np.count_nonzero(judged.length))
     try:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from beammodes.auditing.bounded_xml import BadModel
 from beammodes.auditing.spatial import Inertial, joined
 
-__all__ = ["Group", "Model", "ModelBody", "ModelJoint", "ModelTie", "rigid_groups"]
+__all__ = ["FileStep", "Group", "Model", "ModelBody", "ModelJoint", "ModelTie", "rigid_groups"]
 
 Array = NDArray[np.float64]
 
@@ -34,6 +34,9 @@ class ModelJoint:
     stiffness : float [N m/rad or N/m]
     refusal : str
         Why a chain must not have this joint, empty if it may.
+    damping : float [N m s/rad or N s/m]
+    armature : float [kg m² or kg]
+        Inertia of the relative motion, such as a motor's rotor behind its gear has.
     """
 
     name: str
@@ -42,6 +45,8 @@ class ModelJoint:
     position: Array
     stiffness: float = 0.0
     refusal: str = ""
+    damping: float = 0.0
+    armature: float = 0.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,13 +89,37 @@ class ModelTie:
 
 
 @dataclass(frozen=True)
+class FileStep:
+    """The time step of a model file [s], its integrator, and whether that takes damping implicitly."""
+
+    timestep: float
+    integrator: str
+    implicit_damping: bool
+
+
+@dataclass(frozen=True, eq=False)
 class Model:
-    """Bodies, parents first, and ties; `held` are bodies tied otherwise, `notes` what the reader left out."""
+    """Bodies, parents first, and ties.
+
+    Attributes
+    ----------
+    bodies : tuple of ModelBody
+    ties : tuple of ModelTie
+    held : tuple of (str, str)
+        Bodies and joints that other constraints act on, each with the constraint's name.
+    notes : tuple of str
+        What the reader left out.
+    step : FileStep or None
+        None where the format or the file has none.
+    gravity : ndarray, shape (3,) [m/s²]
+    """
 
     bodies: tuple[ModelBody, ...]
     ties: tuple[ModelTie, ...] = ()
     held: tuple[tuple[str, str], ...] = ()
     notes: tuple[str, ...] = ()
+    step: FileStep | None = None
+    gravity: Array = field(default_factory=lambda: np.zeros(3))
 
 
 @dataclass(eq=False)

@@ -12,13 +12,15 @@ from beammodes.auditing.body_tree import Group, ModelJoint
 from beammodes.auditing.bounded_xml import BadModel
 from beammodes.auditing.serial_chains import PARALLEL, HingePath
 
-__all__ = ["OFF_LINE", "Frame", "RootSupport", "frame_of", "moves_alone", "root_support"]
+__all__ = ["OFF_LINE", "Frame", "RootSupport", "floats", "frame_of", "moves_alone", "root_support"]
 
 Array = NDArray[np.float64]
 
 #: How far off the line hinges and centres of mass may be, in mean distances between hinges; the error in a
 #: frequency is of the order of its square.
 OFF_LINE = 1e-4
+#: Shares of mass and length that segments of one chain have in common, as files round them.
+_SEGMENT = 1e-2
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,7 +62,7 @@ def frame_of(path: HingePath, axis: Array) -> Frame:
         If they lie on none, or fold back; the message names the hinge.
     """
     hinges = tuple(path.hinges(axis))
-    origin = hinges[0].position
+    origin, origin_name = hinges[0].position, hinges[0].name
     tip = path.groups[-1]
     reach = (tip.inertial.centre if tip.inertial.mass else tip.extent[0]) if len(hinges) < 2 else None
     along = (hinges[-1].position if reach is None else reach) - origin
@@ -71,7 +73,14 @@ def frame_of(path: HingePath, axis: Array) -> Frame:
             raise BadModel(
                 f"hinge {hinges[-1].name} must not turn about the chain's own line: twist is not judged"
             )
-        raise BadModel(f"hinges {hinges[0].name} and {hinges[-1].name} must be apart, along a straight line")
+        if len(hinges) > 1:
+            raise BadModel(
+                f"hinges {hinges[0].name} and {hinges[-1].name} must be apart: both are at one place"
+            )
+        raise BadModel(
+            f"body {tip.name} on hinge {origin_name} must have its centre of mass beside that hinge: as it is, it "
+            "only spins there, and no line says where a beam would run"
+        )
     along = along / size
     places = tuple(float((hinge.position - origin) @ along) for hinge in hinges)
     frame = Frame(axis, along, origin, hinges, places)
@@ -88,31 +97,57 @@ def frame_of(path: HingePath, axis: Array) -> Frame:
 def moves_alone(root: Group) -> bool:
     """Whether what carries the chain moves on the ground, and nothing else moves on it.
 
-    What is part of a larger mechanism is judged as if it were held.
+    What is part of a larger mechanism is judged as if it were held, and the audit says so.
     """
     return root.parent is not None and root.parent.parent is None and len(root.children) == 1
 
 
+def floats(root: Group) -> bool:
+    """Whether what carries the chain is free in space, with or below something else that moves."""
+    group: Group | None = root
+    while group is not None:
+        if any(joint.kind == "free" for joint in group.joints):
+            return not moves_alone(root)
+        group = group.parent
+    return False
+
+
 @dataclass(frozen=True)
 class RootSupport:
-    """Stiffnesses across and in turning under a root that moves, and the joints of both kinds."""
+    """Stiffnesses across and in turning under a root that moves, and the joints of both kinds.
+
+    Attributes
+    ----------
+    across, turning : float
+    slide, hinge : ModelJoint or None
+    in_space : bool
+        Whether another joint moves the chain out of its plane.
+    why : str
+        What is assumed, if this is not all that the file lets move.
+    """
 
     across: float = math.inf
     turning: float = math.inf
     slide: ModelJoint | None = None
     hinge: ModelJoint | None = None
+    in_space: bool = False
+    why: str = ""
 
 
-def root_support(root: Group, frame: Frame) -> RootSupport | None:
-    """Return what supports a root that moves on the ground, None if it does not.
+def root_support(path: HingePath, frame: Frame) -> RootSupport | None:
+    """Return what supports a root that moves, None if the ground or something that is taken as held carries it.
+
+    A hinge without a spring on a larger mechanism is the chain's own pinned end, if the piece that it turns is
+    a segment like the next.
 
     Raises
     ------
     BadModel
-        If one of its joints is oblique to the chain, or cannot be honoured.
+        If one of its joints is oblique to the chain, moves it across by a lever, or cannot be honoured.
     """
+    root = path.root
     if not moves_alone(root):
-        return None
+        return _own_pinned_end(path, frame)
     found = RootSupport()
     for joint in root.joints:
         if joint.refusal:
@@ -127,7 +162,53 @@ def root_support(root: Group, frame: Frame) -> RootSupport | None:
             _check_parallel(joint, frame.axis)
             _check_only(found.hinge, joint)
             found = replace(found, turning=joint.stiffness, hinge=joint)
+        elif joint.kind == "hinge":
+            _check_out_of_plane(joint, frame)
+            why = f"joint {joint.name}, which turns the chain out of its plane, is taken as at rest"
+            found = replace(found, in_space=True, why=why)
     return found
+
+
+def _own_pinned_end(path: HingePath, frame: Frame) -> RootSupport | None:
+    root = path.root
+    if len(root.joints) != 1 or len(root.children) != 1 or root.parent is None or len(frame.places) < 2:
+        return None
+    (joint,) = root.joints
+    length = -frame.place(joint.position)
+    parallel = float(np.linalg.norm(np.cross(joint.axis, frame.axis))) < PARALLEL
+    on_line = frame.off_line(joint.position) <= OFF_LINE * frame.spacing
+    if joint.kind != "hinge" or joint.stiffness or not parallel or not on_line or length <= 0:
+        return None
+    # A segment has its share of mass, at the same share of its length, as the next one.
+    own, other = root.inertial, path.groups[0].inertial
+    size = frame.places[1] - frame.places[0]
+    if not size or not other.mass or abs(own.mass / other.mass * size / length - 1) > _SEGMENT:
+        return None
+    shares = (1 + frame.place(own.centre) / length, frame.place(other.centre) / size)
+    if abs(shares[0] - shares[1]) > _SEGMENT:
+        return None
+    if joint.refusal:
+        raise BadModel(joint.refusal)
+    why = (
+        f"hinge {joint.name} has no spring and is the chain's pinned end; body {root.parent.name}, which carries "
+        "it and moves, is taken as held"
+    )
+    return RootSupport(turning=0.0, hinge=joint, why=why)
+
+
+def _check_out_of_plane(joint: ModelJoint, frame: Frame) -> None:
+    """Raise BadModel if a hinge at right angles to those of the chain moves it in their plane all the same."""
+    lever = float(np.cross(joint.axis, frame.origin - joint.position) @ frame.across)
+    if abs(lever) > OFF_LINE * (frame.spacing or 1.0):
+        raise BadModel(
+            f"joint {joint.name} must be on the line of the chain's hinges: at {abs(lever):.3g} m beside it, it "
+            "moves the whole chain across"
+        )
+    if joint.stiffness:
+        raise BadModel(
+            f"joint {joint.name} must be parallel to {frame.hinges[0].name}: what its spring lets swing out of "
+            "the plane of bending is not judged"
+        )
 
 
 def _check_parallel(joint: ModelJoint, direction: Array) -> None:

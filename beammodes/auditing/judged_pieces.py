@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from beammodes.auditing.file_dynamics import swing_of
 from beammodes.chains.chain import Chain, Number
 from beammodes.chains.pieces import piece_numbers
 from beammodes.chains.rules import RULES, Rule
@@ -18,8 +20,9 @@ from beammodes.exact.beam_theory import euler_bernoulli
 from beammodes.problem.beam import Beam
 from beammodes.problem.ends import Boundary
 from beammodes.problem.profiles import mean_over
+from beammodes.problem.supports import End
 from beammodes.vibration.linear import linearize
-from beammodes.vibration.modes import solve_modes
+from beammodes.vibration.modes import MAX_DENSE, solve_modes
 
 __all__ = ["UNKNOWN", "Found", "JudgedPieces", "percent"]
 
@@ -33,11 +36,10 @@ Found = tuple[Rule, int]
 
 #: Relative differences up to which hinges, springs and rods are those of a rule: files round their numbers.
 _SAME_CUT, _SAME_SPRING, _SAME_ROD = 1e-3, 1e-3, 1e-3
-_WHERE = {
-    0.0: "first hinge is at the held end",
-    0.5: "half a segment is rigid with its parent",
-    1.0: "first segment is rigid with its parent",
-}
+#: A rotary inertia this far off a rod's is reported.
+_NOTED = 1e-3
+#: Less is the rounding of numbers in files.
+_ROUNDING = 1e-5
 
 
 def percent(error: float, digits: int = 3) -> str:
@@ -61,10 +63,19 @@ class JudgedPieces:
     pieces: dict[str, Any]
     springs: Array
     exact: Array
+    armature: Array
+    damping: Array
 
     @classmethod
     def of(
-        cls, beam: Beam, boundary: Boundary, given: dict[str, Columns], springs: Columns, modes: int
+        cls,
+        beam: Beam,
+        boundary: Boundary,
+        given: dict[str, Columns],
+        springs: Columns,
+        modes: int,
+        armature: Columns | None = None,
+        damping: Columns | None = None,
     ) -> JudgedPieces:
         """Return the chain of given arrays beside its beam; raises as `audit_chain`."""
         if not isinstance(beam, Beam):
@@ -80,7 +91,8 @@ class JudgedPieces:
                 "length must have pieces that springs or supports let vibrate, got a rigid chain"
             )
         exact = euler_bernoulli(beam, boundary, count).angular_frequency
-        return cls(beam, boundary, pieces, stiffness, exact)
+        own = [_of_hinges(*column, stiffness) for column in (("armature", armature), ("damping", damping))]
+        return cls(beam, boundary, pieces, stiffness, exact, *own)
 
     @cached_property
     def length(self) -> Array:
@@ -101,7 +113,8 @@ class JudgedPieces:
     def bends(self) -> tuple[bool, bool]:
         """Whether the left and the right end can bend the beam."""
         left, right = (
-            end.statics in ("clamped", "guided") for end in (self.boundary.left, self.boundary.right)
+            end.statics in ("clamped", "guided")
+            for end in (self.rule_boundary.left, self.rule_boundary.right)
         )
         return left, right
 
@@ -111,18 +124,73 @@ class JudgedPieces:
 
     def errors(self, springs: Array, modes: int | None = None) -> Array:
         """Return the relative errors of the frequencies with these springs, NaN for missing modes."""
-        found = solve_modes(linearize(self.chain(springs)), modes or len(self.exact)).angular_frequency
+        chain, count = self.chain(springs), modes or len(self.exact)
+        if np.any(self.armature):
+            return self._against_exact(swing_of(chain, self.armature, self.damping).angular_frequency)
+        return self._against_exact(solve_modes(linearize(chain), count).angular_frequency)
+
+    def _against_exact(self, omega: Array) -> Array:
+        count = min(len(omega), len(self.exact))
         errors = np.full(len(self.exact), np.nan)
-        errors[: len(found)] = found / self.exact[: len(found)] - 1
+        errors[:count] = omega[:count] / self.exact[:count] - 1
         return errors
+
+    @cached_property
+    def errors_without_armature(self) -> Array:
+        """Errors of the chain with its springs, if its hinges had no inertia of their own."""
+        return replace(self, armature=np.zeros_like(self.armature)).errors(self.springs)
+
+    @cached_property
+    def damping_ratio(self) -> Array:
+        """ζ of each mode by its hinges' dampers; NaN for missing modes."""
+        if not np.any(self.damping):
+            return np.where(np.isnan(self.errors(self.springs)), np.nan, 0.0)
+        chain = self.chain(self.springs)
+        if len(self.springs) <= MAX_DENSE:
+            found = swing_of(chain, self.armature, self.damping).damping_ratio
+        else:
+            # All modes of a long chain are too many: each mode by itself, as light damping leaves it.
+            modes = solve_modes(linearize(chain), len(self.exact))
+            turns = np.diff(modes.rotation, axis=1) ** 2
+            found = turns @ self.damping / (2 * modes.angular_frequency)
+        ratios = np.full(len(self.exact), np.nan)
+        count = min(len(found), len(ratios))
+        ratios[:count] = found[:count]
+        return ratios
+
+    @cached_property
+    def errors_with_rods(self) -> Array:
+        """Errors of the same springs, without armature, between rods that are pieces of the beam."""
+        mass = self.beam.mean_mass_per_length * self.length
+        inertia = self._rod_ratio * mass * self.length**2 + self._section * self.length
+        # Only an outer piece may be massless: a rule's hinge at a wall, or a body of no length.
+        rods = {"length": self.length, "mass": mass, "rotary_inertia": inertia}
+        plain = np.zeros_like(self.armature)
+        return replace(self, pieces=rods, armature=plain).errors(self.springs)
+
+    @cached_property
+    def rule_boundary(self) -> Boundary:
+        """The ends by which a rule is told: without bodies that are rigid with the last segment.
+
+        Where a body has no hinge of its own to the beam, a rule has none there either.
+        """
+        bare = Boundary(*(replace(end, mass=0.0, rotary_inertia=0.0, offset=0.0) for end in self._ends))
+        return self.boundary if self._layouts(self.boundary) else bare
+
+    @property
+    def _ends(self) -> tuple[End, End]:
+        return self.boundary.left, self.boundary.right
 
     def layouts(self) -> list[Found]:
         """Return the rules that put hinges where this chain has them, each with its N."""
+        return self._layouts(self.rule_boundary)
+
+    def _layouts(self, boundary: Boundary) -> list[Found]:
         pieces, total = len(self.length), self.length.sum()
         found = []
         for rule in RULES.values():
             for count in range(max(1, pieces - 2), pieces + 1):
-                cut = np.array(rule.piece_lengths(self.boundary, count), dtype=np.float64)
+                cut = np.array(rule.piece_lengths(boundary, count), dtype=np.float64)
                 if len(cut) == pieces and np.abs(self.length * count / total - cut).max() <= _SAME_CUT:
                     found.append((rule, count))
         return found
@@ -132,61 +200,170 @@ class JudgedPieces:
         off = [self.departure(rule, count) for rule, count in layouts]
         least = min([*off, _SAME_SPRING])
         rules = [found for found, part in zip(layouts, off, strict=True) if part <= least + 1e-12]
-        return [found for found in rules if self._has_rods_of(found[0])] or rules
+        # Rules that differ in the rods' rotary inertia only: the one whose rods are nearer.
+        nearer = [found for found in rules if float(found[0].rotary_inertia) == self._rod_ratio]
+        return (nearer if self._is_uniform else []) or rules
 
     def departure(self, rule: Rule, count: int) -> float:
         """Return the largest relative difference of a spring from the rule's."""
-        weights = np.array(rule.hinge_weights(self.boundary, count), dtype=np.float64)
+        weights = np.array(rule.hinge_weights(self.rule_boundary, count), dtype=np.float64)
         return float(np.abs(self.springs * weights / self.unit(count) - 1).max(initial=0.0))
 
     def unit(self, count: int) -> float:
         """EI/ell."""
         return float(self.beam.mean_bending_stiffness * count / self.length.sum())
 
-    def _has_rods_of(self, rule: Rule) -> bool:
-        """Whether pieces that move are uniform, with the rotary inertia that the rule gives them."""
-        turning = float(rule.rotary_inertia) * self._share * self.length**2
-        turning += mean_over(self.beam.rotary_inertia_per_length, self.beam.length) * self.length
-        return self._is_uniform and self._agree(self.pieces["rotary_inertia"], turning)
+    @cached_property
+    def _moving(self) -> NDArray[np.bool_]:
+        """Which pieces have a length and turn."""
+        moves = self.length > 0
+        moves[0] &= not self.boundary.left.holds_rotation
+        moves[-1] &= not self.boundary.right.holds_rotation
+        return np.asarray(moves)
+
+    @property
+    def _section(self) -> float:
+        """The beam's own rotary inertia per length [kg m]."""
+        return mean_over(self.beam.rotary_inertia_per_length, self.beam.length)
+
+    @cached_property
+    def _gyration(self) -> Array:
+        """J/(m l²) of the pieces that turn, without what the beam's section has."""
+        on = self._moving
+        own = np.array(self.pieces["rotary_inertia"], dtype=np.float64)[on] - self._section * self.length[on]
+        return np.asarray(own / (self.mass[on] * self.length[on] ** 2))
+
+    @cached_property
+    def _rod_ratio(self) -> float:
+        """J/(m l²) of the kind of rods that is nearer: 1/12 of slender rods, 1/4 of masses at two tips."""
+        kinds = {float(rule.rotary_inertia) for rule in RULES.values()}
+        middle = float(np.median(self._gyration)) if len(self._gyration) else 1 / 12
+        # Far above any kind the slender rod is what was meant.
+        return min(kinds, key=lambda kind: abs(kind - middle)) if middle < 2 * max(kinds) else min(kinds)
+
+    @cached_property
+    def rotary_inertia_mismatch(self) -> float:
+        """How much more rotary inertia the pieces that turn have than rods of their mass, relatively."""
+        on = self._moving
+        weights = self.mass[on] * self.length[on] ** 2
+        due = self._rod_ratio * weights.sum() + self._section * self.length[on].sum()
+        own = np.array(self.pieces["rotary_inertia"], dtype=np.float64)[on].sum()
+        return float(own / due - 1) if due else 0.0
+
+    @cached_property
+    def centre_mismatch(self) -> float:
+        """How far the centre of mass of a piece that turns is off its middle, at most, in its length."""
+        on, centre = self._moving, np.array(self.pieces.get("centre", self.length / 2), dtype=np.float64)
+        return float(np.abs(centre[on] / self.length[on] - 0.5).max(initial=0.0))
+
+    @cached_property
+    def share_mismatch(self) -> float:
+        """How far the mass of a piece that turns is off its share by length, at most, relatively."""
+        on = self._moving
+        return float(np.abs(self.mass[on] / self._share[on] - 1).max(initial=0.0))
 
     @property
     def _share(self) -> Array:
-        return np.asarray(self.mass.sum() * self.length / self.length.sum())
+        # Held pieces do not move, so their mass does not count.
+        on = self._moving
+        whole = self.mass[on].sum() / self.length[on].sum() if on.any() else 1.0
+        return np.asarray(whole * self.length)
 
     @property
     def _is_uniform(self) -> bool:
         """Whether the mass is that of a uniform beam, each piece's centre of mass at its middle."""
-        middle = self.length / 2
-        return self._agree(self.mass, self._share) and self._agree(self.pieces.get("centre", middle), middle)
+        return self.share_mismatch <= _SAME_ROD and self.centre_mismatch <= _SAME_ROD
 
-    def _agree(self, own: Any, due: Array) -> bool:
-        inside = slice(self.boundary.left.holds_rotation, len(due) - self.boundary.right.holds_rotation)
-        given = np.array(own, dtype=np.float64)
-        return np.allclose(given[inside], due[inside], rtol=0, atol=_SAME_ROD * due.max())
+    @property
+    def _has_section(self) -> bool:
+        """Whether all pieces have the rotary inertia of rods, with the same positive rest per mass if any."""
+        on = self._moving
+        rest = (self._gyration - self._rod_ratio) * self.length[on] ** 2
+        rounding = _SAME_ROD * self._rod_ratio * self.length[on] ** 2
+        even = np.abs(rest - np.median(rest)) <= rounding + _SAME_ROD * abs(np.median(rest))
+        return not len(rest) or bool((rest >= -rounding).all() and even.all())
 
     def order(self, rule: Rule) -> int:
         """Return the order of a rule's error for this beam, its ends and these pieces' rotary inertia.
 
-        Another rotary inertia than the rule's is an error of order 2 in the kinetic energy.
+        What a section has of rotary inertia beyond the beam's does not change with N: the error falls with the
+        rule's order down to what that costs. Any other rotary inertia than a rod's is an error of order 2.
         """
-        declared = rule.declared_order(self.boundary)
-        kept = self._has_rods_of(rule) and not self.beam.has_rotary_inertia
+        declared = rule.declared_order(self.rule_boundary)
+        kept = self._is_uniform and self._has_section and not self.beam.has_rotary_inertia
         return declared if kept else min(declared, 2)
 
     def remark(self, layouts: list[Found], rules: list[Found], error: float) -> str:
         """Return the layout in one sentence."""
         if not layouts:
             return f"{UNKNOWN}: hinges are not where a rule with equal segments puts them"
-        stub = float((rules or layouts)[0][0].stub)
-        between = (
-            f"hinges are {'at the middles of equal segments' if stub == 0.5 else 'where equal segments meet'}"
-        )
-        where = _WHERE[stub] if any(self.bends) else between
+        where = self._where((rules or layouts)[0][0])
         if not rules:
             return f"{where}, with springs of no rule: {UNKNOWN}, {percent(error, 2)} at N = {layouts[0][1]}"
         (rule, count), order = rules[0], self.order(rules[0][0])
         falls = "falls only as 1/N" if order == 1 else f"falls as 1/N{'⁰¹²³⁴⁵⁶⁷⁸⁹'[order]}"
         same = ", ".join(other.name for other, _ in rules[1:])
         text = f"{where}: {rule.name}{f' (here the same as {same})' if same else ''}"
-        rods = "" if self._is_uniform else " with uniform pieces, which these are not"
-        return f"{text}, {percent(error, 2)} at N = {count}, {falls}{rods}"
+        return f"{text}, {percent(error, 2)} at N = {count}, {falls}{self._down_to(rule, error)}"
+
+    def _down_to(self, rule: Rule, error: float) -> str:
+        if not self._is_uniform:
+            return " with uniform pieces, which these are not"
+        if self.order(rule) == 1:
+            return ""
+        if np.any(self.armature):
+            return " without the armature"
+        cost = error - float(self.errors_with_rods[0])
+        if not self._has_section:
+            return " with rods of a rod's rotary inertia, which these are not"
+        if self.rotary_inertia_mismatch > _ROUNDING:
+            return f" down to the {percent(cost, 2)} of the rods' own rotary inertia"
+        return ""
+
+    def _where(self, rule: Rule) -> str:
+        stub = float(rule.stub)
+        left, right = self.bends
+        if not (left or right):
+            middle = stub == 0.5
+            return f"hinges are {'at the middles of equal segments' if middle else 'where equal segments meet'}"
+        end = self.rule_boundary.left if left else self.rule_boundary.right
+        which = "first" if left or end.holds_rotation else "last"
+        carrier = "its parent" if end.holds_rotation else "the body at that end"
+        return {
+            0.0: f"{which} hinge is at the {'held end' if end.holds_rotation else 'body at that end'}",
+            0.5: f"half a segment is rigid with {carrier}",
+            1.0: f"{which} segment is rigid with {carrier}",
+        }[stub]
+
+    def mismatches(self) -> list[str]:
+        """Return what is said of matter that is not the beam's, and what it costs."""
+        found = []
+        if abs(self.rotary_inertia_mismatch) > _NOTED or not self._has_section:
+            found.append(self._about_rotation())
+        if self.centre_mismatch > _SAME_ROD:
+            part = f"{100 * self.centre_mismatch:.3g} % of a segment's length"
+            found.append(f"centres of mass are up to {part} off the segments' middles")
+        if self.share_mismatch > _SAME_ROD:
+            part = f"{100 * self.share_mismatch:.3g} %"
+            found.append(f"masses of segments are up to {part} off their shares by length")
+        return found
+
+    def _about_rotation(self) -> str:
+        rods = "slender rods" if self._rod_ratio < 1 / 6 else "masses at their tips"
+        part = f"rotary inertia of the segments is {100 * self.rotary_inertia_mismatch:+.3g} % off that of {rods}"
+        if not self._has_section or self.rotary_inertia_mismatch < 0:
+            return f"{part}, which no section explains"
+        on = self._moving
+        rest = np.median((self._gyration - self._rod_ratio) * self.length[on] ** 2)
+        return f"{part}, as of a section with a radius of gyration of {math.sqrt(rest):.3g} m"
+
+
+def _of_hinges(name: str, values: Columns | None, springs: Array) -> Array:
+    if values is None:
+        return np.zeros_like(springs)
+    found = np.array(piece_numbers(name, values), dtype=np.float64)
+    if found.shape != springs.shape or (found < 0).any():
+        raise ValueError(
+            f"{name} must have {len(springs)} numbers of at least 0, one for each hinge, got {shown(values)}"
+        )
+    return found

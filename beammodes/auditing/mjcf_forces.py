@@ -9,7 +9,7 @@ from beammodes.auditing.body_tree import ModelTie
 from beammodes.auditing.bounded_xml import XmlElement
 from beammodes.auditing.mjcf_settings import Settings
 
-__all__ = ["acted_sites", "held_ends", "linear_stiffness", "servos", "ties"]
+__all__ = ["acted_sites", "held_ends", "linear_damping", "linear_stiffness", "servo_dampers", "servos", "ties"]
 
 _PLAIN_ACTUATORS = ("motor", "damper", "plugin", "adhesion")
 #: Shortcuts that make a servo of every <general> of their class.
@@ -24,6 +24,47 @@ def linear_stiffness(element: XmlElement) -> float:
     if value < 0:
         element.refuse(f"must have a stiffness of at least 0, got {value:g}")
     return value
+
+
+def linear_damping(element: XmlElement) -> float:
+    """Return the damping of a joint; in MuJoCo 4 it may be a polynomial of one term."""
+    value, *more = element.numbers("damping", (1, 2, 3), "0")
+    if any(more):
+        element.refuse("must have a linear damper, got a damping with more than one number")
+    if value < 0:
+        element.refuse(f"must have a damping of at least 0, got {value:g}")
+    return value
+
+
+def servo_dampers(root: XmlElement, settings: Settings) -> Iterator[tuple[str, float]]:
+    """Yield the joints on which servos of velocity act, and their damping: kv times the square of the gear."""
+    for actuators in root.all("actuator"):
+        for element in actuators.children:
+            if _is_damper(element, settings):
+                own = settings.with_defaults(element, element.tag, "main")
+                gain = _velocity_gain(own)
+                (gear, *_) = own.numbers("gear", (1, 2, 3, 4, 5, 6), "1")
+                yield own.attributes["joint"], gain * gear**2
+
+
+def _velocity_gain(own: XmlElement) -> float:
+    if own.tag == "velocity":
+        return own.numbers("kv", 1, "1")[0]
+    terms = own.numbers("biasprm", tuple(range(1, 11)), "0")
+    return -terms[2] if len(terms) > 2 else 0.0
+
+
+def _is_damper(element: XmlElement, settings: Settings) -> bool:
+    """Whether a servo of one joint has a force of its velocity only, so that it is 0 at rest."""
+    if element.tag not in ("velocity", "general"):
+        return False
+    own = settings.with_defaults(element, element.tag, "main")
+    if "joint" not in own.attributes or _velocity_gain(own) < 0:
+        return False
+    if element.tag == "velocity":
+        return True
+    terms = own.numbers("biasprm", tuple(range(1, 11)), "0")
+    return own.attributes.get("biastype") == "affine" and not any(terms[:2]) and not any(terms[3:])
 
 
 def servos(root: XmlElement, settings: Settings) -> Iterator[tuple[str, str]]:
@@ -48,7 +89,7 @@ def _servo_elements(root: XmlElement, settings: Settings) -> Iterator[XmlElement
                 inherited = "affine" if tags & set(_SERVO_DEFAULTS) else "none"
                 if own.attributes.get("biastype", inherited) == "none":
                     continue
-            if element.tag not in _PLAIN_ACTUATORS:
+            if element.tag not in _PLAIN_ACTUATORS and not _is_damper(element, settings):
                 yield element
 
 

@@ -8,8 +8,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from beammodes.auditing.body_tree import FileStep
 from beammodes.auditing.bounded_xml import XmlElement
 from beammodes.auditing.spatial import Pose, about, from_euler, from_quaternion, from_z_to
+from beammodes.checks import shown
 
 __all__ = ["Settings", "settings_of"]
 
@@ -36,6 +38,8 @@ class Settings:
         Whether a range alone makes a joint limited.
     left_out : tuple of str
         What is said of the surroundings that the audit leaves out.
+    step : FileStep or None
+    gravity : tuple of float
     """
 
     angle: float
@@ -45,6 +49,8 @@ class Settings:
     classes: dict[str, dict[str, Attributes]]
     automatic_limits: bool = True
     left_out: tuple[str, ...] = ()
+    step: FileStep | None = None
+    gravity: tuple[float, ...] = (0.0, 0.0, 0.0)
 
     def with_defaults(self, element: XmlElement, tag: str, class_name: str) -> XmlElement:
         """Return an element with the attributes that it takes from its class."""
@@ -84,6 +90,7 @@ class Settings:
         return Pose(_from_axes(element, values), position)
 
 
+_INTEGRATORS = ("Euler", "RK4", "implicit", "implicitfast")
 _TURNS = {"euler": 3, "quat": 4, "axisangle": 4, "zaxis": 3, "xyaxes": 6}
 
 
@@ -132,22 +139,47 @@ def settings_of(root: XmlElement) -> Settings:
         (low, high),
         _classes(root),
         found.get("autolimits", "true") == "true",
-        tuple(_left_out(root)),
+        tuple(_left_out(root, *options_of(root))),
+        _step(*options_of(root)),
+        _gravity(*options_of(root)),
     )
 
 
-def _left_out(root: XmlElement) -> Iterator[str]:
-    """Yield what is left out of the surroundings; raises BadModel where springs are switched off."""
+def options_of(root: XmlElement) -> tuple[XmlElement, XmlElement]:
+    """Return a model's <option> and its <flag>, each with the attributes of all of its kind."""
     said, flags = XmlElement("option", {}, 0), XmlElement("flag", {}, 0)
     for option in root.all("option"):
         said = XmlElement("option", said.attributes | option.attributes, option.line)
         for flag in option.all("flag"):
             flags = XmlElement("flag", flags.attributes | flag.attributes, flag.line)
+    return said, flags
+
+
+def _step(said: XmlElement, flags: XmlElement) -> FileStep | None:
+    """Return the step and the integrator, MuJoCo's own where the file says none."""
+    integrator = said.attributes.get("integrator", "Euler")
+    if integrator not in _INTEGRATORS:
+        said.refuse(f"must have one of the integrators {', '.join(_INTEGRATORS)}, got {shown(integrator)}")
+    (timestep,) = said.numbers("timestep", 1, "0.002")
+    if timestep <= 0:
+        said.refuse(f"must have a timestep greater than 0, got {timestep:g}")
+    off = {flags.attributes.get(name) for name in ("eulerdamp", "damper", "passive")}
+    implicit = integrator.startswith("implicit") or (integrator == "Euler" and "disable" not in off)
+    return FileStep(timestep, integrator, implicit)
+
+
+def _gravity(said: XmlElement, flags: XmlElement) -> tuple[float, ...]:
+    if flags.attributes.get("gravity") == "disable":
+        return (0.0, 0.0, 0.0)
+    return tuple(said.numbers("gravity", 3, "0 0 -9.81"))
+
+
+def _left_out(root: XmlElement, said: XmlElement, flags: XmlElement) -> Iterator[str]:
+    """Yield what is left out of the surroundings; raises BadModel where springs are switched off."""
     for name in ("spring", "passive"):
         if flags.attributes.get(name) == "disable":
             flags.refuse(f'must not have {name}="disable", which switches springs off')
-    falls = flags.attributes.get("gravity") != "disable" and any(said.numbers("gravity", 3, "0 0 -9.81"))
-    if root.tag == "mujoco" and falls:
+    if root.tag == "mujoco" and any(_gravity(said, flags)):
         yield "gravity is left out here: with it the chain sags and rings at other frequencies"
     if said.numbers("density", 1, "0")[0] or said.numbers("viscosity", 1, "0")[0]:
         yield "the fluid around is left out here: its drag and added mass lower frequencies"

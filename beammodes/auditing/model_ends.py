@@ -10,6 +10,7 @@ from beammodes.auditing.rigid_pieces import (
     SAME,
     Piece,
     PlanarChain,
+    Spring,
     held_piece,
     rod_like,
     without_body,
@@ -22,12 +23,13 @@ __all__ = ["JudgedChain", "judged_chains"]
 
 @dataclass(frozen=True)
 class JudgedChain:
-    """A chain's pieces without the bodies at its ends, which `boundary` has; `springs` with names."""
+    """A chain's pieces without the bodies at its ends, which `boundary` has; `said` if the user named these."""
 
     boundary: Boundary
     pieces: tuple[Piece, ...]
-    springs: tuple[tuple[str, float], ...]
-    assumed: str = ""
+    springs: tuple[Spring, ...]
+    assumed: tuple[str, ...] = ()
+    said: bool = False
 
     @property
     def unevenness(self) -> float:
@@ -73,7 +75,9 @@ def judged_chains(chain: PlanarChain, given: Boundary | None) -> list[JudgedChai
     for pair in orders:
         if _fits(chain.near, pair.left) and chain.far == (0.0, 0.0):
             held = replace(chain, far=_supports(pair.right))
-            return [replace(_stated(held, pair), assumed=f"the far end is {pair.right} because you say so")]
+            found = _stated(held, pair)
+            said = f"the far end is {pair.right} because you say so"
+            return [replace(found, assumed=(*found.assumed, said))]
     found = _inferred(chain).boundary
     raise ValueError(f"boundary must fit the file, whose ends are {found}, got {given}")
 
@@ -104,11 +108,14 @@ def _inferred(chain: PlanarChain) -> JudgedChain:
     for at, supports in ((0, chain.near), (-1, chain.far)):
         between = [piece for piece in pieces[1:-1] if piece.length]
         own = _mirrored(pieces[0]) if at == 0 else pieces[-1]
-        body = _body(own, between[at] if between else None, supports)
+        neighbour = between[at] if between else None
+        if neighbour and at == 0:
+            neighbour = _mirrored(neighbour)
+        body = _body(own, neighbour, supports)
         ends.append(End(*supports, *body))
         rest = without_body(own, ends[-1])
         pieces[at] = _mirrored(rest) if at == 0 else rest
-    return JudgedChain(Boundary(*ends), tuple(pieces), chain.springs)
+    return JudgedChain(Boundary(*ends), tuple(pieces), chain.springs, chain.assumed)
 
 
 def _stated(chain: PlanarChain, given: Boundary) -> JudgedChain:
@@ -127,20 +134,21 @@ def _stated(chain: PlanarChain, given: Boundary) -> JudgedChain:
         own = _mirrored(pieces[at]) if at >= 0 else pieces[at]
         rest = without_body(own, end)
         pieces[at] = _mirrored(rest) if at >= 0 else rest
-    return JudgedChain(given, tuple(pieces), tuple(springs))
+    return JudgedChain(given, tuple(pieces), tuple(springs), chain.assumed, said=True)
 
 
-def _take_support_out(pieces: list[Piece], springs: list[tuple[str, float]], at: int, support: float) -> None:
+def _take_support_out(pieces: list[Piece], springs: list[Spring], at: int, support: float) -> None:
     """Leave of an outer spring what is not the end's own: the rule's wall spring, in series with it."""
-    name, spring = springs[at]
+    hinge = springs[at]
+    spring = hinge.stiffness
     if abs(spring / support - 1) <= SAME:
         # Nothing but the support: the rule puts no hinge there.
         del pieces[at], springs[at]
     elif spring < support:
-        springs[at] = (name, 1 / (1 / spring - 1 / support))
+        springs[at] = replace(hinge, stiffness=1 / (1 / spring - 1 / support))
     else:
         raise ValueError(
-            f"boundary must have a rotational_stiffness above {spring:.6g}, the spring of {name}, "
+            f"boundary must have a rotational_stiffness above {spring:.6g}, the spring of {hinge.name}, "
             f"got {support:.6g}"
         )
 
@@ -183,8 +191,8 @@ def _body(piece: Piece, neighbour: Piece | None, supports: tuple[float, float]) 
     if mass < -SAME * rod.mass:
         return none
     if mass <= NOTABLE * rod.mass:
-        extra = piece.inertia - rod.inertia
-        return (0.0, extra, 0.0) if extra > NOTABLE * scale else none
+        # As heavy as a segment: another rotary inertia is the segment's own, and is reported as such.
+        return none
     arm = (piece.mass * piece.centre - rod.mass * rod.centre) / mass
     extra = piece.inertia - rod.inertia - rod.mass * mass / piece.mass * (arm - rod.centre) ** 2
     offset = arm - piece.length

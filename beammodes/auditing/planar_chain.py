@@ -6,30 +6,46 @@
              s runs along the beam, from the chain's root to its tip
 
 Where the ground itself carries the first hinge, piece 0 is what is rigid with the ground: of no length, or a
-welded segment. A file does not say where a beam begins and ends, only where its hinges are; geometry, centres
-of mass and neighbours suggest lengths of the outer pieces, and of these the ones are taken that come nearest
-to the beam's length in sum. They do not touch the frequencies of a chain with a free or clamped end.
+welded segment. A file says where hinges are, not where a beam begins and ends. What an outer piece is made of
+tells its length: matter like its neighbour's, or a solid as long as its neighbour. Only where neither tells,
+the length is taken that comes nearest to the beam's, and that is said. These lengths do not touch the
+frequencies of a chain with a free or clamped end. The world's origin tells nothing.
 """
 
 from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
 from beammodes.auditing.body_tree import Group, ModelJoint
 from beammodes.auditing.bounded_xml import BadModel
 from beammodes.auditing.far_ties import FarEnd
-from beammodes.auditing.hinge_line import OFF_LINE, Frame, RootSupport, moves_alone, root_support
-from beammodes.auditing.rigid_pieces import Piece, PlanarChain, held_piece
-from beammodes.auditing.serial_chains import PARALLEL, HingePath
+from beammodes.auditing.hinge_line import OFF_LINE, Frame, RootSupport, root_support
+from beammodes.auditing.rigid_pieces import Piece, PlanarChain, Spring, held_piece
+from beammodes.auditing.serial_chains import HingePath
+from beammodes.auditing.spatial import Inertial
 
 __all__ = ["planar_chain"]
 
+#: Matter is that of a neighbour's kind up to this share of its length; solids and rods of files are rounded.
+_ALIKE = 2e-3
+#: A piece this much heavier or lighter than its neighbour is no longer or shorter one of its kind.
+_LEAST, _MOST = 0.05, 2.5
 
-def planar_chain(path: HingePath, frame: Frame, far: FarEnd, length: float) -> PlanarChain:
+
+@dataclass(frozen=True)
+class _Outer:
+    """What the length of an outer piece may be [m], the likeliest first, and whether its matter tells."""
+
+    lengths: tuple[float, ...]
+    certain: bool = True
+
+
+def planar_chain(path: HingePath, frame: Frame, far: FarEnd, length: float, word: str = "") -> PlanarChain:
     """Return a chain's numbers in one plane.
 
     Parameters
@@ -41,34 +57,54 @@ def planar_chain(path: HingePath, frame: Frame, far: FarEnd, length: float) -> P
         What ties hold of its tip.
     length : float [m]
         Of the beam.
+    word : str
+        Why the body that carries the chain is held although it has joints, empty if it moves as they let it.
 
     Raises
     ------
     BadModel
         If something moves on the chain that is no part of it, or cannot be honoured.
     """
-    _check(path, frame)
-    root = root_support(path.root, frame)
-    moves = root is not None
+    root = None if word else root_support(path, frame)
+    _check(path, frame, root)
     span = frame.places[-1] - frame.places[0]
-    starts = _stubs(path.root, frame) if root is None else _starts(path.root, frame, root)
-    ends = _lengths(path.groups[-1], frame, frame.places[-1], 1.0)
-    if far.place is not None:
-        ends = [far.place - frame.places[-1]]
-    elif far.turning and path.groups[-1].extent:
-        ends = ends[:1]
-    if far.turning and moves:
+    near = _begin(path, frame, root)
+    tip = _end(path, frame, far, span)
+    if far.turning and root is not None:
         # Beyond the far hinge the beam may go on, so its length does not tell where it begins.
-        starts = starts[:1]
-    start, end = _nearest(starts, ends, length - span)
+        near = _Outer(near.lengths[:1])
+    start, end = _nearest(near.lengths, tip.lengths, length - span)
     cuts = [frame.places[0] - start, *frame.places, frame.places[-1] + end]
-    groups = [path.root if moves else None, *path.groups]
+    groups = [path.root if root else None, *path.groups]
     pieces = [_piece(group, frame, *cut) for group, cut in zip(groups, itertools.pairwise(cuts), strict=True)]
-    if not moves:
+    if root is None:
         pieces[0] = held_piece(start, pieces[1:])
-    springs = tuple((hinge.name, hinge.stiffness) for hinge in frame.hinges)
     support = root or RootSupport()
-    return PlanarChain(tuple(pieces), springs, (support.across, support.turning), (far.across, far.turning))
+    return PlanarChain(
+        tuple(pieces),
+        tuple(map(_spring, frame.hinges)),
+        (support.across, support.turning),
+        (far.across, far.turning),
+        _spring(support.hinge) if support.hinge else None,
+        tuple(_assumed(frame, (near, start), (tip, end), word or (support.why if root else ""))),
+    )
+
+
+def _spring(hinge: ModelJoint) -> Spring:
+    return Spring(hinge.name, hinge.stiffness, hinge.damping, hinge.armature)
+
+
+def _assumed(frame: Frame, near: tuple[_Outer, float], tip: tuple[_Outer, float], why: str) -> Iterable[str]:
+    if why:
+        yield why
+    ends = (("begins", "before", frame.hinges[0], near), ("ends", "past", frame.hinges[-1], tip))
+    for does, where, hinge, (outer, taken) in ends:
+        others = [f"{value:.6g}" for value in outer.lengths if abs(value - taken) > _ALIKE * abs(taken)]
+        if not outer.certain and others:
+            yield (
+                f"the beam {does} {taken:.6g} m {where} hinge {hinge.name}, which comes nearest to its length; "
+                f"the file fits {' or '.join(dict.fromkeys(others))} m too"
+            )
 
 
 def _nearest(starts: Sequence[float], ends: Sequence[float], rest: float) -> tuple[float, float]:
@@ -79,7 +115,7 @@ def _nearest(starts: Sequence[float], ends: Sequence[float], rest: float) -> tup
     return starts[i], ends[j]
 
 
-def _check(path: HingePath, frame: Frame) -> None:
+def _check(path: HingePath, frame: Frame, support: RootSupport | None) -> None:
     for group, after in itertools.zip_longest(path.groups, path.groups[1:]):
         _check_refusals(group)
         for other in group.children:
@@ -87,10 +123,11 @@ def _check(path: HingePath, frame: Frame) -> None:
                 _check_refusals(other)
                 raise BadModel(
                     f"{other.joints[0].name} on body {group.name} must be a hinge with a spring, parallel "
-                    f"to {frame.hinges[0].name}: nothing else may move on the chain"
+                    f"to {frame.hinges[0].name}: nothing else may move on the chain. If a motor holds it, weld "
+                    "it; what is beyond is not judged as held, whatever boundary says"
                 )
-    root = [path.root] if moves_alone(path.root) else []
-    both = len(path.planes()) > 1
+    root = [path.root] if support else []
+    both = len(path.planes()) > 1 or (support is not None and support.in_space)
     for group in (*root, *path.groups):
         _check_matter(group, frame, both)
 
@@ -124,12 +161,97 @@ def _piece(group: Group | None, frame: Frame, start: float, end: float) -> Piece
     return Piece(end - start, inertial.mass, frame.place(inertial.centre) - start, about)
 
 
-def _starts(root: Group, frame: Frame, support: RootSupport) -> list[float]:
-    """Return what the length of a first piece that moves may be: from its hinge on, or as `_lengths`."""
-    if support.hinge is not None:
-        return [_pivot(support.hinge, frame)]
-    joints = [-frame.place(joint.position) for joint in root.joints if joint.kind == "slide"]
-    return [*(value for value in joints if value >= 0), *_lengths(root, frame, 0.0, -1.0)]
+def _begin(path: HingePath, frame: Frame, root: RootSupport | None) -> _Outer:
+    """Return what the length of the first piece may be: up to the hinge that turns it, or as matter tells."""
+    if root is not None and root.hinge is not None:
+        return _Outer((_pivot(root.hinge, frame),))
+    slides = [] if root is None else [-frame.place(j.position) for j in path.root.joints if j.kind == "slide"]
+    known = [value for value in slides if value >= 0]
+    inside = _inside(path, frame, -1)
+    found = _by_matter(path.root, frame, frame.places[0], -1.0, inside)
+    if found is not None:
+        return _Outer((found,))
+    if known:
+        return _Outer(tuple(known[:1]))
+    if root is None and path.root.parent is not None:
+        # A body of a mechanism that carries the chain is no part of the beam.
+        return _Outer((0.0,))
+    return _by_solids(path.root, frame, frame.places[0], -1.0, inside, held=root is None)
+
+
+def _end(path: HingePath, frame: Frame, far: FarEnd, span: float) -> _Outer:
+    """Return what the length of the last piece may be."""
+    hinge, tip = frame.places[-1], path.groups[-1]
+    if far.place is not None:
+        return _Outer((far.place - hinge,))
+    inside = _inside(path, frame, 1)
+    found = _by_matter(tip, frame, hinge, 1.0, inside)
+    if found is not None:
+        return _Outer((found,))
+    outer = _by_solids(tip, frame, hinge, 1.0, inside, held=False)
+    positive = tuple(value for value in outer.lengths if value > 0) if not span else outer.lengths
+    return _Outer(positive or (0.0,), outer.certain)
+
+
+def _inside(path: HingePath, frame: Frame, way: float) -> Piece | None:
+    """Return the piece between two hinges that is nearest to an end, seen from its hinge towards that end."""
+    pairs = list(zip(itertools.pairwise(frame.places), path.groups, strict=False))
+    for (start, end), group in pairs[::-1] if way > 0 else pairs:
+        if end > start and group.inertial.mass:
+            piece = _piece(group, frame, start, end)
+            centre = piece.centre if way > 0 else piece.length - piece.centre
+            return Piece(piece.length, piece.mass, centre, piece.inertia)
+    return None
+
+
+def _by_matter(group: Group, frame: Frame, hinge: float, way: float, inside: Piece | None) -> float | None:
+    """Return the length of an outer piece that is made as its neighbour is, alone or with a body on it."""
+    if inside is None:
+        return None
+    for part in (group.inertial, *(body.inertial for body in group.bodies)):
+        found = _alike(part, frame, hinge, way, inside)
+        if found is not None:
+            return found
+    return None
+
+
+def _alike(part: Inertial, frame: Frame, hinge: float, way: float, inside: Piece) -> float | None:
+    share = part.mass / inside.mass
+    if frame.off_line(part.centre) > _ALIKE * inside.length:
+        return None
+    centre = way * (frame.place(part.centre) - hinge)
+    if abs(share - 1) > _ALIKE and share < _MOST and abs(centre - inside.centre) <= _ALIKE * inside.length:
+        # Another mass at the same place, as lumped masses have at the last hinge or the tip.
+        return inside.length
+    if _LEAST < share < _MOST and abs(centre - share * inside.centre) <= _ALIKE * inside.length:
+        return share * inside.length if abs(share - 1) > _ALIKE else inside.length
+    return None
+
+
+def _by_solids(
+    group: Group, frame: Frame, hinge: float, way: float, inside: Piece | None, held: bool
+) -> _Outer:
+    """Return lengths by how far a piece's solids reach: a whole or half segment, if one ends there."""
+    reach = {round(way * (frame.place(point) - hinge), 12) for point in group.extent}
+    ahead = sorted(value for value in reach if value > 0)
+    if inside is not None:
+        ends = [
+            part * inside.length
+            for part in (1.0, 0.5)
+            if any(abs(value - part * inside.length) <= _ALIKE * inside.length for value in ahead)
+        ]
+        if ends:
+            return _Outer((*ends, 0.0), certain=False) if held else _Outer(tuple(ends[:1]))
+        if held:
+            return _Outer((0.0, *(v for v in ahead if v <= 1.5 * inside.length)), certain=False)
+    elif held:
+        return _Outer((0.0,))
+    double = 2 * way * (frame.place(group.inertial.centre) - hinge)
+    longest = max(ahead, default=0.0)
+    if inside is None:
+        return _Outer((longest or max(double, 0.0),))
+    found = [longest, double, inside.length, 0.0]
+    return _Outer(tuple(value for value in found if value >= 0), certain=False)
 
 
 def _pivot(hinge: ModelJoint, frame: Frame) -> float:
@@ -141,22 +263,3 @@ def _pivot(hinge: ModelJoint, frame: Frame) -> float:
             f"hinge {hinge.name} must be on the line of the chain's hinges, at its beginning or before"
         )
     return max(start, 0.0)
-
-
-def _lengths(group: Group, frame: Frame, hinge: float, way: float) -> list[float]:
-    """Return what the length of an outer piece that moves may be, `way` from its hinge."""
-    reach = [way * (frame.place(point) - hinge) for point in group.extent]
-    double = 2 * way * (frame.place(group.inertial.centre) - hinge)
-    spaces = np.diff(frame.places).tolist()
-    near = spaces[:1] if way < 0 else spaces[-1:]
-    found = [max(reach, default=0.0), double, *near, 0.0]
-    return [value for value in found if value >= 0]
-
-
-def _stubs(root: Group, frame: Frame) -> list[float]:
-    """Return what the length of the piece that is rigid with the ground may be."""
-    places = [body.origin for body in root.bodies if frame.off_line(body.origin) < PARALLEL + frame.spacing]
-    places += [np.zeros(3), *(point for body in root.bodies for point in body.extent)]
-    found = {round(-frame.place(point), 15) for point in places if frame.off_line(point) <= frame.spacing}
-    longest = 1.5 * frame.spacing if frame.spacing else math.inf
-    return [0.0, *sorted(value for value in found if 0 < value <= longest)]

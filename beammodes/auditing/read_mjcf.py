@@ -9,7 +9,15 @@ import numpy as np
 
 from beammodes.auditing.body_tree import Model, ModelBody, ModelJoint
 from beammodes.auditing.bounded_xml import XmlElement
-from beammodes.auditing.mjcf_forces import acted_sites, held_ends, linear_stiffness, servos, ties
+from beammodes.auditing.mjcf_forces import (
+    acted_sites,
+    held_ends,
+    linear_damping,
+    linear_stiffness,
+    servo_dampers,
+    servos,
+    ties,
+)
 from beammodes.auditing.mjcf_matter import matter_of
 from beammodes.auditing.mjcf_settings import Settings, settings_of
 from beammodes.auditing.spatial import Pose
@@ -28,6 +36,7 @@ class _Reader:
     bodies: list[ModelBody] = field(default_factory=list)
     notes: list[str] = field(default_factory=list)
     servos: dict[str, str] = field(default_factory=dict)
+    dampers: dict[str, float] = field(default_factory=dict)
     acted: dict[str, str] = field(default_factory=dict)
     homes: dict[str, str] = field(default_factory=dict)
 
@@ -38,8 +47,9 @@ def read_mjcf(root: XmlElement) -> Model:
     Honoured are the compiler's angle, eulerseq, autolimits, inertiafromgeom and inertiagrouprange, default
     classes, explicit inertials, solids with mass or density, poses, hinges, slides and free joints, fixed
     tendons with stiffness, and equality constraints on these. What cannot be honoured is refused where a
-    chain needs it: composites, plugins, meshes, ball joints, armatures, dry friction, stops at rest, servos,
-    spatial tendons with springs.
+    chain needs it: composites, plugins, meshes, ball joints, dry friction, stops at rest, servos that act like
+    springs, spatial tendons with springs. Armature is inertia of a hinge's own rotation; servos of velocity
+    without other terms are dampers.
 
     Raises
     ------
@@ -56,12 +66,23 @@ def read_mjcf(root: XmlElement) -> Model:
     else:
         worlds = list(root.all("worldbody"))
     reader.servos = dict(servos(root, reader.settings))
+    for name, damping in servo_dampers(root, reader.settings):
+        reader.dampers[name] = reader.dampers.get(name, 0.0) + damping
     reader.acted = dict(acted_sites(root, reader.settings))
     for world in worlds:
         _read_children(reader, world, -1, Pose.identity(), "main")
     reader.notes += reader.settings.left_out
     held = tuple(held_ends(root, reader.homes))
-    return Model(tuple(reader.bodies), tuple(ties(root, reader.settings)), held, tuple(reader.notes))
+    # A file without its root, to be included, takes its step and its gravity from the one that includes it.
+    alone = root.tag == "mujoco"
+    return Model(
+        tuple(reader.bodies),
+        tuple(ties(root, reader.settings)),
+        held,
+        tuple(reader.notes),
+        reader.settings.step if alone else None,
+        np.array(reader.settings.gravity) if alone else np.zeros(3),
+    )
 
 
 def _read_children(reader: _Reader, top: XmlElement, above: int, pose: Pose, inherited: str) -> None:
@@ -114,7 +135,19 @@ def _joints(
         position = pose.point(np.array(own.numbers("pos", 3, "0 0 0")))
         stiffness = linear_stiffness(own)
         refusal = _why_not(reader.settings, own, kind, stiffness) or reader.servos.get(name, "")
-        yield ModelJoint(name, kind, pose.rotation @ (axis / size), position, stiffness, refusal)
+        damping, armature = linear_damping(own), own.numbers("armature", 1, "0")[0]
+        if armature < 0:
+            child.refuse(f"must have an armature of at least 0, got {armature:g}")
+        yield ModelJoint(
+            name,
+            kind,
+            pose.rotation @ (axis / size),
+            position,
+            stiffness,
+            refusal,
+            damping + reader.dampers.get(name, 0.0),
+            armature,
+        )
 
 
 def _why_not(settings: Settings, joint: XmlElement, kind: str, stiffness: float) -> str:
@@ -122,8 +155,6 @@ def _why_not(settings: Settings, joint: XmlElement, kind: str, stiffness: float)
         return f"{joint.where} must be a hinge, got type {kind!r}: {_BALL}"
     if kind == "free" and stiffness:
         return f"{joint.where} must have no spring, or be a <freejoint>, which takes no defaults"
-    if joint.numbers("armature", 1, "0")[0]:
-        return f"{joint.where} must have no armature, which is inertia that no beam has"
     if joint.numbers("frictionloss", 1, "0")[0]:
         return f"{joint.where} must have no frictionloss: dry friction holds a hinge still"
     if min(joint.numbers("springdamper", 2, "0 0")) > 0:

@@ -119,9 +119,11 @@ def _joint(joint: XmlElement, link: Pose) -> Iterator[ModelJoint]:
     bent = stiffness and any(_numbers(dynamics, "spring_reference", 1, "0"))
     refusal = f"{joint.where} must have spring_reference 0: straight at rest" if bent else ""
     refusal = refusal or why_driven(joint, joint) or _why_not_at_rest(joint, axis, dynamics)
-    yield ModelJoint(
-        name, _KINDS[kind], place.rotation @ (direction / size), place.position, stiffness, refusal
-    )
+    (damping,) = _numbers(dynamics, "damping", 1, "0")
+    if damping < 0:
+        joint.refuse(f"must have a damping of at least 0, got {damping:g}")
+    own = place.rotation @ (direction / size)
+    yield ModelJoint(name, _KINDS[kind], own, place.position, stiffness, refusal, damping)
 
 
 def _why_not_at_rest(joint: XmlElement, axis: XmlElement, dynamics: XmlElement) -> str:

@@ -146,7 +146,11 @@ def _joint(
     if stiffness < 0:
         joint.refuse(f"must have a stiffness of at least 0, got {stiffness:g}")
     own = place.rotation @ (along / size)
-    yield ModelJoint(name, _KINDS.get(kind, kind), own, place.position, stiffness, refusal)
+    dynamics = joint.first("dynamics")
+    (damping,) = [0.0] if dynamics is None else dynamics.numbers("damping", 1, "0")
+    if damping < 0:
+        joint.refuse(f"must have a damping of at least 0, got {damping:g}")
+    yield ModelJoint(name, _KINDS.get(kind, kind), own, place.position, stiffness, refusal, damping)
 
 
 def _matter(link: XmlElement) -> tuple[Inertial, list[np.ndarray]]:

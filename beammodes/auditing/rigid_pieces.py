@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -15,6 +15,7 @@ __all__ = [
     "SAME",
     "Piece",
     "PlanarChain",
+    "Spring",
     "held_piece",
     "rod_like",
     "with_wall_hinges",
@@ -38,21 +39,37 @@ class Piece:
 
 
 @dataclass(frozen=True)
+class Spring:
+    """One hinge: its name, stiffness [N m/rad], damping [N m s/rad] and armature [kg m²]."""
+
+    name: str
+    stiffness: float
+    damping: float = 0.0
+    armature: float = 0.0
+
+
+@dataclass(frozen=True)
 class PlanarChain:
-    """Pieces from root to tip, the springs between them with names, and stiffnesses of the supports.
+    """Pieces from root to tip, the springs between them, and stiffnesses of the supports.
 
     Attributes
     ----------
     pieces : tuple of Piece
-    springs : tuple of (str, float)
+    springs : tuple of Spring
     near, far : (float, float)
         Across and in turning, of the outer pieces; infinite where held.
+    near_hinge : Spring or None
+        The hinge behind `near`, for its damping and armature.
+    assumed : tuple of str
+        What was taken for granted in reading it so.
     """
 
     pieces: tuple[Piece, ...]
-    springs: tuple[tuple[str, float], ...]
+    springs: tuple[Spring, ...]
     near: tuple[float, float]
     far: tuple[float, float]
+    near_hinge: Spring | None = None
+    assumed: tuple[str, ...] = ()
 
 
 def held_piece(length: float, others: Sequence[Piece]) -> Piece:
@@ -62,7 +79,7 @@ def held_piece(length: float, others: Sequence[Piece]) -> Piece:
     return Piece(length, share, length / 2, share * length**2 / 12)
 
 
-def with_wall_hinges(chain: PlanarChain, near: str, far: str, length: float) -> PlanarChain:
+def with_wall_hinges(chain: PlanarChain, far: str, length: float) -> PlanarChain:
     """Return a chain whose springs to the ground are hinges to pieces of their own, as wall springs are.
 
     A body of no length at an end keeps the spring as its support: the rule's own spring follows it.
@@ -70,28 +87,32 @@ def with_wall_hinges(chain: PlanarChain, near: str, far: str, length: float) -> 
     Parameters
     ----------
     chain : PlanarChain
-    near, far : str
-        Names for these hinges.
+    far : str
+        Name for the far one.
     length : float [m]
         Of the beam: what it has beyond the far hinge is a piece that the ground holds.
     """
     pieces = [_without_traces(piece, chain.pieces) for piece in chain.pieces]
     springs, ends = list(chain.springs), [chain.near, chain.far]
     if ends[0][1] == math.inf and len(pieces) > 2 and pieces[0].length == pieces[1].length == 0:
-        ends[0] = (ends[0][0], springs[0][1])
+        ends[0] = (ends[0][0], springs[0].stiffness)
         del pieces[0], springs[0]
     if 0 < ends[0][1] < math.inf and pieces[0].length:
         pieces.insert(0, held_piece(0.0, ()))
-        springs.insert(0, (near, chain.near[1]))
+        hinge = chain.near_hinge or Spring("near end", chain.near[1])
+        springs.insert(0, replace(hinge, stiffness=chain.near[1]))
         ends[0] = (chain.near[0], math.inf)
+    elif chain.near_hinge and chain.near_hinge.armature and ends[0][1] == 0:
+        # The armature of the hinge on which all turns is inertia of the first piece's own rotation.
+        pieces[0] = replace(pieces[0], inertia=pieces[0].inertia + chain.near_hinge.armature)
     if 0 < chain.far[1] < math.inf and pieces[-1].length:
         missing = length - sum(piece.length for piece in pieces)
         typical = max(piece.length for piece in pieces)
         stub = held_piece(missing if 1e-9 * length < missing < 1.05 * typical else 0.0, pieces)
         pieces.append(stub)
-        springs.append((far, chain.far[1]))
+        springs.append(Spring(far, chain.far[1]))
         ends[1] = (chain.far[0], math.inf)
-    return PlanarChain(tuple(pieces), tuple(springs), ends[0], ends[1])
+    return replace(chain, pieces=tuple(pieces), springs=tuple(springs), near=ends[0], far=ends[1])
 
 
 def _without_traces(piece: Piece, others: Sequence[Piece]) -> Piece:
@@ -138,8 +159,9 @@ def without_body(piece: Piece, end: End) -> Piece:
 
 def rod_like(rod: Piece, length: float) -> Piece:
     """Return a rod of another length and the same kind: slender, of some section, or mass at its ends."""
-    mass = rod.mass * length / rod.length
+    share = length / rod.length
+    mass = rod.mass * share
     ratio = rod.inertia / (rod.mass * rod.length**2)
     kind = 1 / 4 if abs(ratio - 1 / 4) < NOTABLE else min(ratio, 1 / 12)
     section = (ratio - kind) * rod.mass * rod.length
-    return Piece(length, mass, length / 2, kind * mass * length**2 + section * length)
+    return Piece(length, mass, share * rod.centre, kind * mass * length**2 + section * length)

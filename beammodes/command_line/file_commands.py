@@ -61,7 +61,8 @@ def answer_audit(options: argparse.Namespace) -> Answer:
         springs=options.springs,
     )
     rows = _modes(found)
-    answer = {"file": str(options.file), **_facts(found), "modes": rows, **_lists(found)}
+    said = {name: list(getattr(found, name)) for name in ("given", "assumed", "found")}
+    answer = {"file": str(options.file), **said, **_facts(found), "modes": rows, **_lists(found)}
     return answer, "\n".join([*_verdict(found), frequency_table(rows), *_changes(found)])
 
 
@@ -75,6 +76,8 @@ def _facts(found: Audit) -> dict[str, Any]:
         "remark",
         "length_mismatch",
         "mass_mismatch",
+        "rotary_inertia_mismatch",
+        "centre_mismatch",
     )
     return {"boundary": found.boundary.name} | {name: getattr(found, name) for name in names}
 
@@ -83,14 +86,27 @@ def _lists(found: Audit) -> dict[str, Any]:
     return {
         "hinges": _hinges(found.hinge_names, found.joint_stiffness.tolist()),
         "suggestions": [_suggestion(found, item) for item in found.suggestions],
-        "notes": list(found.notes),
+        "step": _step(found),
+    }
+
+
+def _step(found: Audit) -> dict[str, Any] | None:
+    if found.step is None:
+        return None
+    return {
+        "timestep_s": found.step.timestep,
+        "longest_stable_s": found.step.limit,
+        "integrator": found.step.integrator,
+        "with_weight": found.step.with_weight,
+        "stable": found.step.is_stable,
     }
 
 
 def _modes(found: Audit) -> list[dict[str, Any]]:
     hertz = (found.angular_frequency / (2 * math.pi)).tolist()
     rows = []
-    for n, (frequency, error) in enumerate(zip(hertz, found.errors.tolist(), strict=True), start=1):
+    costs = (found.errors.tolist(), found.errors_without_armature.tolist(), found.damping_ratio.tolist())
+    for n, (frequency, error, bare, ratio) in enumerate(zip(hertz, *costs, strict=True), start=1):
         exists = math.isfinite(error)
         rows.append(
             {
@@ -98,6 +114,9 @@ def _modes(found: Audit) -> list[dict[str, Any]]:
                 "frequency_hz": frequency if exists else None,
                 "exact_frequency_hz": frequency / (1 + error) if exists else None,
                 "relative_error": error if exists else None,
+                "relative_error_without_armature": bare if exists else None,
+                "damping_ratio": ratio if exists else None,
+                "swings": ratio < 1 if exists else None,
             }
         )
     return rows
@@ -126,7 +145,11 @@ def _verdict(found: Audit) -> list[str]:
     verdict = "meets" if found.meets else "does not meet"
     modes = f"{len(found.errors)} mode{'s' * (len(found.errors) > 1)}"
     first = f"{verdict} {100 * found.tolerance:.4g} % in {modes}"
-    return [first, found.remark, *found.mismatches, *found.notes]
+    lines = []
+    for head in ("given", "assumed"):
+        listed = getattr(found, head)
+        lines += [head, *(f"  {line}" for line in listed)] if listed else []
+    return [*lines, "found", f"  {first}", *(f"  {line}" for line in found.found[1:]), ""]
 
 
 def _changes(found: Audit) -> list[str]:

@@ -55,7 +55,11 @@ def percents(fraction: float) -> str:
 
 
 def frequency_table(rows: Sequence[dict[str, Any]]) -> str:
-    """Return modes with `frequency_hz`, `exact_frequency_hz` and `relative_error`, None where missing."""
+    """Return modes with `frequency_hz`, `exact_frequency_hz` and `relative_error`, None where missing.
+
+    A mode that has a `damping_ratio` shows it; one that does not swing says so beside its frequency.
+    """
+    damped = any(row.get("damping_ratio") for row in rows)
     cells = [
         [str(row["mode"])]
         + [
@@ -68,4 +72,14 @@ def frequency_table(rows: Sequence[dict[str, Any]]) -> str:
         ]
         for row in rows
     ]
-    return text_table(["mode", "chain [Hz]", "exact [Hz]", "error [%]"], cells)
+    heads = ["mode", "chain [Hz]", "exact [Hz]", "error [%]"]
+    if damped:
+        heads = [*heads, "damping ratio"]
+        cells = [[*cell, _ratio(row["damping_ratio"])] for cell, row in zip(cells, rows, strict=True)]
+    return text_table(heads, cells)
+
+
+def _ratio(value: float | None) -> str:
+    if value is None:
+        return ""
+    return f"{value:.4g}" if value < 1 else f"{value:.4g}: does not swing"

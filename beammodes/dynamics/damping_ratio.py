@@ -16,7 +16,7 @@ from beammodes.vibration.modes import solve_modes
 if TYPE_CHECKING:
     import xarray
 
-__all__ = ["damped_modes", "joint_dampers"]
+__all__ = ["damped_modes", "damped_pairs", "joint_dampers"]
 
 Array = NDArray[np.float64]
 
@@ -98,7 +98,7 @@ def damped_modes(chain: Chain, damping: Damping) -> xarray.Dataset:
     modal = damping_of_modes(chain, damping)
     omega, coupling = modal.angular_frequency, modal.coupling
     if np.any(np.asarray(damping.joint)):
-        natural, ratio = _pairs(damped_eigenvalues(omega, coupling))
+        natural, ratio = damped_pairs(damped_eigenvalues(omega, coupling))
     else:
         natural, ratio = omega, coupling.diagonal() / (2 * omega)
     under, over = (np.sqrt(np.maximum(sign * (1 - ratio**2), 0.0)) for sign in (1, -1))
@@ -114,8 +114,8 @@ def damped_modes(chain: Chain, damping: Damping) -> xarray.Dataset:
     return _labelled(columns, chain.boundary.rigid_body_modes)
 
 
-def _pairs(values: NDArray[np.complex128]) -> tuple[Array, Array]:
-    """Return |λ| and ζ of each pair, ascending by |λ|."""
+def damped_pairs(values: NDArray[np.complex128]) -> tuple[Array, Array]:
+    """Return |λ| and ζ of each pair of eigenvalues, ascending by |λ|; the convention is that of `damped_modes`."""
     # A tiny imaginary part is a double root's rounding.
     upper = values[values.imag > 0]
     lone = np.sort(-values[values.imag == 0].real)
