@@ -287,7 +287,8 @@ def test_a_body_at_the_tip_is_told_from_the_rod(end: str, word: str, tmp_path: P
 
 REFUSED = {
     "a ball": (ROD + '<joint type="ball" stiffness="200"/>', "must be a hinge, got type 'ball'"),
-    "an armature": (ROD + HINGE.replace("/>", ' armature="0.01"/>'), "must have no armature"),
+    "a negative armature": (ROD + HINGE.replace("/>", ' armature="-0.01"/>'), "armature of at least 0"),
+    "a negative damping": (ROD + HINGE.replace("/>", ' damping="-0.01"/>'), "damping of at least 0"),
     "a bent rest": (ROD + HINGE.replace("/>", ' springref="3"/>'), "springref equal to ref"),
     "a mesh": ('<geom type="mesh" mesh="m" mass="1"/>' + HINGE, "<geom> must be a sphere"),
     "a shell": (ROD.replace("/>", ' shellinertia="true"/>') + HINGE, "filled"),

@@ -179,9 +179,7 @@ def _step(
 ) -> StepVerdict | None:
     if read.step is None or len(judged.springs) > MAX_DENSE:
         return None
-    chain = Chain.from_pieces(
-        **columns, joint_stiffness=springs["joint_stiffness"], boundary=judged.boundary
-    )
+    chain = Chain.from_pieces(**columns, joint_stiffness=springs["joint_stiffness"], boundary=judged.boundary)
     left = judged.boundary.left
     hangs = bool(read.weight) and left.holds_rotation and left.holds_deflection
     pull = pull_of_weight(chain, read.weight) if hangs else None
@@ -334,7 +332,5 @@ def _from_csv(place: Path, length: float) -> _Read:
     pieces = tuple(Piece(*row) for row in zip(*(column.tolist() for column in columns), strict=True))
     springs = tuple(Spring(f"hinge {i}", value) for i, value in enumerate(chain.joint_stiffness.tolist()))
     near, far = (tuple(map(float, end)) for end in chain.support_stiffness)
-    planar = PlanarChain(
-        pieces, springs, (near[0], near[1]), (far[0], far[1]), Spring("left end", near[1])
-    )
+    planar = PlanarChain(pieces, springs, (near[0], near[1]), (far[0], far[1]), Spring("left end", near[1]))
     return _Read((with_wall_hinges(planar, "right end", length),))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from beammodes.auditing.judged_pieces import Found, JudgedPieces, percent
 from beammodes.chains.chain import Chain
 from beammodes.chains.rules import RULES
+from beammodes.problem.ends import Boundary
 from beammodes.vibration.linear import linearize
 from beammodes.vibration.modes import MAX_DENSE, solve_modes
 
@@ -19,7 +20,7 @@ __all__ = ["MOVED", "TUNED", "Suggestion", "listed_errors", "suggestions_for"]
 Array = NDArray[np.float64]
 
 #: Names of suggestions that are no rule for the chain's own hinges.
-TUNED, MOVED = "first_spring_tuned", "gregory"
+TUNED, MOVED, HINGED = "first_spring_tuned", "gregory", "gregory with a hinge at the body"
 _SAME_SPRING = 1e-4
 _CORRECTED = {0.0: "gregory", 0.5: "half_stub_corrected", 1.0: "rigid_stub_corrected"}
 
@@ -32,7 +33,7 @@ class Suggestion:
     ----------
     name : str
         Of the rule, or "first_spring_tuned": only the spring nearest the held end is changed, so that
-        mode 1 is exact.
+        mode 1 is exact; or "gregory with a hinge at the body", which is rigid with the last segment now.
     moves_hinges : bool
         Whether the hinges are others than the chain's; if so its rods are the rule's too.
     hinge_position : ndarray, shape (hinges,) [m]
@@ -69,17 +70,22 @@ def listed_errors(errors: Array) -> str:
 
 
 def suggestions_for(judged: JudgedPieces, layouts: list[Found]) -> tuple[Suggestion, ...]:
-    """Return better springs for a chain, those for the same hinges first; none that raise its error."""
+    """Return better springs for a chain, those for the same hinges first; none that raise its first error."""
     now = judged.errors(judged.springs)
-    found = (*_corrected(judged, layouts), *_tuned(judged), *_moved(judged, layouts))
+    found = (
+        *_corrected(judged, layouts),
+        *_tuned(judged),
+        *_moved(judged, layouts),
+        *_hinged_bodies(judged, layouts),
+    )
     return tuple(item for item in found if _is_better(item.errors, now))
 
 
 def _is_better(errors: Array, now: Array) -> bool:
-    """Whether the first mode's error is smaller, and the largest no larger."""
-    if np.isnan(now[0]) or not abs(errors[0]) < abs(now[0]):
-        return False
-    return bool(np.nanmax(np.abs(errors)) <= np.nanmax(np.abs(now)))
+    """Whether the error of the first mode is smaller, and of at least half of the modes."""
+    smaller = np.abs(errors) < np.abs(now)
+    missing = np.isnan(errors) | np.isnan(now)
+    return bool(smaller[0] and 2 * smaller.sum() >= (~missing).sum())
 
 
 def _corrected(judged: JudgedPieces, layouts: list[Found]) -> Iterator[Suggestion]:
@@ -149,13 +155,27 @@ def _moved(judged: JudgedPieces, layouts: list[Found]) -> Iterator[Suggestion]:
     # What armature would cost at other hinges is not known.
     if (layouts and stubless) or not any(judged.bends) or np.any(judged.armature):
         return
+    yield from _by_rule(judged, layouts, judged.rule_boundary, MOVED)
+
+
+def _hinged_bodies(judged: JudgedPieces, layouts: list[Found]) -> Iterator[Suggestion]:
+    """Yield the rule with a hinge between the beam and each body that is rigid with the last segment."""
+    ends = (judged.rule_boundary.left, judged.rule_boundary.right)
+    if any(end.statics == "carried" for end in ends) and not np.any(judged.armature):
+        boundary = Boundary(*(replace(end, on_segment=False) for end in ends))
+        yield from _by_rule(judged, layouts, boundary, HINGED)
+
+
+def _by_rule(
+    judged: JudgedPieces, layouts: list[Found], boundary: Boundary, name: str
+) -> Iterator[Suggestion]:
     rods = int(np.count_nonzero(judged.length))
     try:
-        chain = Chain(judged.beam, judged.boundary, layouts[0][1] if layouts else rods, MOVED)
+        chain = Chain(judged.beam, boundary, layouts[0][1] if layouts else rods, MOVED)
     except ValueError:
         # Too few rods for the rule's springs to be positive.
         return
     errors = np.full(len(judged.exact), np.nan)
     found = solve_modes(linearize(chain), len(errors)).angular_frequency
     errors[: len(found)] = found / judged.exact[: len(found)] - 1
-    yield Suggestion(MOVED, True, chain.hinge_position, chain.joint_stiffness, errors)
+    yield Suggestion(name, True, chain.hinge_position, chain.joint_stiffness, errors)

@@ -20,7 +20,6 @@ from beammodes.exact.beam_theory import euler_bernoulli
 from beammodes.problem.beam import Beam
 from beammodes.problem.ends import Boundary
 from beammodes.problem.profiles import mean_over
-from beammodes.problem.supports import End
 from beammodes.vibration.linear import linearize
 from beammodes.vibration.modes import MAX_DENSE, solve_modes
 
@@ -170,16 +169,11 @@ class JudgedPieces:
 
     @cached_property
     def rule_boundary(self) -> Boundary:
-        """The ends by which a rule is told: without bodies that are rigid with the last segment.
-
-        Where a body has no hinge of its own to the beam, a rule has none there either.
-        """
-        bare = Boundary(*(replace(end, mass=0.0, rotary_inertia=0.0, offset=0.0) for end in self._ends))
-        return self.boundary if self._layouts(self.boundary) else bare
-
-    @property
-    def _ends(self) -> tuple[End, End]:
-        return self.boundary.left, self.boundary.right
+        """The ends by which a rule is told: bodies are on the last segment if no hinge of their own is there."""
+        ends = (self.boundary.left, self.boundary.right)
+        if self._layouts(self.boundary):
+            return self.boundary
+        return Boundary(*(end if end.holds_rotation else replace(end, on_segment=True) for end in ends))
 
     def layouts(self) -> list[Found]:
         """Return the rules that put hinges where this chain has them, each with its N."""
@@ -325,7 +319,9 @@ class JudgedPieces:
         left, right = self.bends
         if not (left or right):
             middle = stub == 0.5
-            return f"hinges are {'at the middles of equal segments' if middle else 'where equal segments meet'}"
+            return (
+                f"hinges are {'at the middles of equal segments' if middle else 'where equal segments meet'}"
+            )
         end = self.rule_boundary.left if left else self.rule_boundary.right
         which = "first" if left or end.holds_rotation else "last"
         carrier = "its parent" if end.holds_rotation else "the body at that end"

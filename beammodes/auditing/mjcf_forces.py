@@ -9,7 +9,15 @@ from beammodes.auditing.body_tree import ModelTie
 from beammodes.auditing.bounded_xml import XmlElement
 from beammodes.auditing.mjcf_settings import Settings
 
-__all__ = ["acted_sites", "held_ends", "linear_damping", "linear_stiffness", "servo_dampers", "servos", "ties"]
+__all__ = [
+    "acted_sites",
+    "held_ends",
+    "linear_damping",
+    "linear_stiffness",
+    "servo_dampers",
+    "servos",
+    "ties",
+]
 
 _PLAIN_ACTUATORS = ("motor", "damper", "plugin", "adhesion")
 #: Shortcuts that make a servo of every <general> of their class.

@@ -111,8 +111,11 @@ def _inferred(chain: PlanarChain) -> JudgedChain:
         neighbour = between[at] if between else None
         if neighbour and at == 0:
             neighbour = _mirrored(neighbour)
-        body = _body(own, neighbour, supports)
-        ends.append(End(*supports, *body))
+        # Ten digits: what is beyond is left from taking the rod off.
+        body = [float(f"{value:.10g}") for value in _body(own, neighbour, supports)]
+        # A body that is rigid with a segment has no hinge of its own to the beam.
+        carried = bool(own.length and (body[1] or body[2])) and supports[1] < math.inf
+        ends.append(End(*supports, *body, on_segment=carried))
         rest = without_body(own, ends[-1])
         pieces[at] = _mirrored(rest) if at == 0 else rest
     return JudgedChain(Boundary(*ends), tuple(pieces), chain.springs, chain.assumed)
