@@ -32,7 +32,7 @@ class StepVerdict:
     integrator : str
         As the file names it.
     with_weight : bool
-        Whether the limit is that of the chain with its weight along it.
+        Whether the limit is that of the chain under its weight; across the chain, a lower bound of it.
     """
 
     timestep: float
@@ -46,11 +46,12 @@ class StepVerdict:
         return self.timestep < self.limit
 
     def __str__(self) -> str:
-        under = ", damping and the weight along it" if self.with_weight else " and damping"
+        under = ", its damping and its weight" if self.with_weight else " and its damping"
         share = self.timestep / self.limit
         verdict = "is stable" if self.is_stable else "is NOT STABLE: the motion grows without bounds"
         return (
-            f"the file's time step of {self.timestep:.6g} s with {self.integrator} {verdict}: {share:.3g} of the "
+            f"the file's time step of {self.timestep:.6g} s with {self.integrator} {verdict}: {share:.3g} "
+            "of the "
             f"limit of {self.limit:.4g} s, of this chain's fastest mode{under}"
         )
 
@@ -67,7 +68,8 @@ class Audit:
         What the file does not say and was taken for granted, and what is left out.
     boundary : Boundary
     angular_frequency : ndarray, shape (modes,) [rad/s]
-        Of the chain with the armature of its hinges, without damping; NaN beyond its last mode, as in `errors`.
+        Of the chain with the armature of its hinges, without damping; NaN beyond its last mode, as in
+        `errors`.
     errors : ndarray, shape (modes,) [-]
         Relative, against the exact beam.
     errors_with_rods : ndarray, shape (modes,) [-]
@@ -85,8 +87,8 @@ class Audit:
     layout : str
         Name of the rule with these hinges and springs, or "no known layout".
     order : int or None
-        Of that rule for these ends: e ~ 1/N**order if the pieces are uniform, down to what the rods' own rotary
-        inertia costs; at most 2 if that is no rod's and no section's.
+        Of that rule for these ends: e ~ 1/N**order if the pieces are uniform, down to what the rods' own
+        rotary inertia costs; at most 2 if that is no rod's and no section's.
     remark : str
         The layout in one sentence.
     matter : tuple of str
@@ -173,7 +175,8 @@ class Audit:
         if any(cost < 0 for cost in costs):
             without = listed_errors(self.errors_without_armature)
             lines.append(
-                f"the armature of its hinges, which no beam has, changes the modes by {_listed(costs)}; without it: "
+                f"the armature of its hinges, which no beam has, changes the modes by {_listed(costs)}; "
+                "without it: "
                 f"{without}"
             )
         if np.any(self.damping_ratio > 0):

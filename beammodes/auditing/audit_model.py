@@ -16,7 +16,7 @@ from beammodes.auditing.better_springs import listed_errors
 from beammodes.auditing.body_tree import FileStep, Model
 from beammodes.auditing.bounded_xml import BadModel, read_xml
 from beammodes.auditing.far_ties import far_end
-from beammodes.auditing.file_dynamics import pull_of_weight, swing_of
+from beammodes.auditing.file_dynamics import longest_step
 from beammodes.auditing.hinge_line import Frame, floats, frame_of, root_support
 from beammodes.auditing.model_ends import JudgedChain, judged_chains
 from beammodes.auditing.planar_chain import planar_chain
@@ -31,13 +31,16 @@ from beammodes.checks import choice, positive_real, shown
 from beammodes.exporters.chain_csv import read_chain_csv
 from beammodes.problem.beam import Beam
 from beammodes.problem.ends import Boundary, BoundaryLike
-from beammodes.vibration.modes import MAX_DENSE
+from beammodes.problem.loading import Load
 
 __all__ = ["audit_file"]
 
 Array = NDArray[np.float64]
 
 _LISTED = 5
+#: Longer chains take minutes.
+_MOST_PIECES = 10_000
+_OUT_OF_RANGE = (ArithmeticError, np.linalg.LinAlgError)
 
 
 @dataclass(frozen=True)
@@ -48,7 +51,7 @@ class _Read:
     given: tuple[str, ...] = ()
     left_out: tuple[str, ...] = ()
     step: FileStep | None = None
-    weight: float = 0.0
+    gravity: tuple[float, float] = (0.0, 0.0)
 
 
 def audit_file(
@@ -118,6 +121,8 @@ def audit_file(
         audits = [_audited(beam, read, each, modes, tolerance) for each in _readings(read, given)]
     except BadModel as error:
         raise BadModel(f"{place}: {error}") from None
+    except _OUT_OF_RANGE as error:
+        raise BadModel(f"{place}: numbers are too large, too small or too far apart: {error}") from None
     if given is None:
         others = zip(audits[1:], read.chains[1:], strict=True)
         return replace(audits[0][0], other_readings=tuple(_other(each, chain) for (each, _), chain in others))
@@ -151,9 +156,13 @@ def _audited(
         "armature": [spring.armature for spring in judged.springs],
         "damping": [spring.damping for spring in judged.springs],
     }
+    left_out = list(read.left_out)
+    if any(springs["damping"]) and _in_series(columns, springs["joint_stiffness"], judged.boundary):
+        left_out.append("damping is left out here: a hinge is in series with a support's spring")
+        springs["damping"] = [0.0] * len(judged.springs)
     try:
         found = audit_chain(beam, judged.boundary, **columns, **springs, modes=modes, tolerance=tolerance)
-    except (ValueError, OverflowError, ZeroDivisionError, FloatingPointError, np.linalg.LinAlgError) as error:
+    except (ValueError, *_OUT_OF_RANGE) as error:
         first, last = judged.springs[0].name, judged.springs[-1].name
         raise BadModel(f"chain from hinge {first} to hinge {last} cannot be judged: {error}") from None
     ends = () if judged.said else (f"ends {judged.boundary.name}, as far as the file tells",)
@@ -161,15 +170,21 @@ def _audited(
         found,
         hinge_names=tuple(spring.name for spring in judged.springs),
         given=(*read.given, *((f"ends {judged.boundary.name}",) if judged.said else ())),
-        assumed=(*judged.assumed, *ends, *read.left_out),
+        assumed=(*judged.assumed, *ends, *left_out),
         step=_step(read, judged, columns, springs),
     ), judged.unevenness
+
+
+def _in_series(columns: dict[str, list[float]], springs: list[float], boundary: Boundary) -> bool:
+    """Whether the chain has put one of these springs in series with that of a support."""
+    return Chain.from_pieces(**columns, joint_stiffness=springs, boundary=boundary).pieces != len(springs) + 1
 
 
 def _other(found: Audit, chain: PlanarChain) -> str:
     hertz = ", ".join(f"{value / (2 * math.pi):.5g}" for value in found.angular_frequency if value == value)
     return (
-        f"another reading: {chain.assumed[0]}: {found.boundary.name}, {hertz} Hz, {listed_errors(found.errors)}; "
+        f"another reading: {chain.assumed[0]}: {found.boundary.name}, {hertz} Hz, "
+        f"{listed_errors(found.errors)}; "
         f'say boundary "{found.boundary.name}" to have it judged so'
     )
 
@@ -177,17 +192,13 @@ def _other(found: Audit, chain: PlanarChain) -> str:
 def _step(
     read: _Read, judged: JudgedChain, columns: dict[str, list[float]], springs: dict[str, list[float]]
 ) -> StepVerdict | None:
-    if read.step is None or len(judged.springs) > MAX_DENSE:
+    if read.step is None:
         return None
     chain = Chain.from_pieces(**columns, joint_stiffness=springs["joint_stiffness"], boundary=judged.boundary)
-    left = judged.boundary.left
-    hangs = bool(read.weight) and left.holds_rotation and left.holds_deflection
-    pull = pull_of_weight(chain, read.weight) if hangs else None
-    swing = swing_of(chain, np.array(springs["armature"]), np.array(springs["damping"]), pull)
-    if hangs and np.linalg.eigvalsh(swing.stiffness)[0] <= 0:
-        # It falls over under its weight, whatever the step.
-        return None
-    return StepVerdict(read.step.timestep, swing.longest_step(read.step), read.step.integrator, hangs)
+    load = Load(gravity=read.gravity)
+    armature, damping = (np.array(springs[name]) for name in ("armature", "damping"))
+    limit = longest_step(chain, armature, damping, read.step, load)
+    return StepVerdict(read.step.timestep, limit, read.step.integrator, any(read.gravity))
 
 
 def _columns(pieces: Sequence[Piece]) -> dict[str, list[float]]:
@@ -219,8 +230,10 @@ def _read(
         raise BadModel(f"{held[0]} holds the chain: say by boundary what its ends are")
     if given is None and floats(path.root):
         raise BadModel(
-            f"body {path.root.name}, which carries the chain at body {path.name}, is free in space and moves with "
-            "all that it carries: say by boundary what the chain's ends are, such as clamped-free if the body is "
+            f"body {path.root.name}, which carries the chain at body {path.name}, is free in space and "
+            "moves with "
+            "all that it carries: say by boundary what the chain's ends are, such as clamped-free if the "
+            "body is "
             "held"
         )
     far = far_end(model.ties, *_coordinates(path, frame))
@@ -228,18 +241,19 @@ def _read(
         with_wall_hinges(planar_chain(path, frame, far, beam.length, word), far.spring, beam.length)
         for word in _words(path, frame, given)
     ]
-    along = model.gravity @ frame.along
+    along = float(model.gravity @ frame.along)
+    across = float(np.linalg.norm(model.gravity - along * frame.along))
     return _Read(
         tuple(chains),
         (*_given(path, planes, frame), *_others(paths, path)),
         (*model.notes, *held),
         model.step,
-        along if np.linalg.norm(model.gravity - along * frame.along) <= 1e-6 * abs(along) else 0.0,
+        (along, across if across > 1e-9 * abs(along) else 0.0),
     )
 
 
 def _words(path: HingePath, frame: Frame, given: Boundary | None) -> list[str]:
-    """Return why what carries the chain is held, one for each reading; "" where it moves as its joints let it.
+    """Return why what carries the chain is held, for each reading; "" where it moves as its joints let it.
 
     A file does not say whether a motor holds its joint: the user does.
     """
@@ -328,6 +342,8 @@ def _from_csv(place: Path, length: float) -> _Read:
         chain = read_chain_csv(place)
     except ValueError as error:
         raise BadModel(str(error).removeprefix(str(place)).lstrip(":, ")) from None
+    if chain.pieces > _MOST_PIECES:
+        raise BadModel(f"must have at most {_MOST_PIECES} pieces to be judged, got {chain.pieces}")
     columns = (chain.length, chain.mass, chain.centre, chain.rotary_inertia)
     pieces = tuple(Piece(*row) for row in zip(*(column.tolist() for column in columns), strict=True))
     springs = tuple(Spring(f"hinge {i}", value) for i, value in enumerate(chain.joint_stiffness.tolist()))

@@ -90,11 +90,11 @@ class ModelTie:
 
 @dataclass(frozen=True)
 class FileStep:
-    """The time step of a model file [s], its integrator, and whether that takes damping implicitly."""
+    """The time step of a model file [s], its integrator as the file names it, and its record's name."""
 
     timestep: float
     integrator: str
-    implicit_damping: bool
+    record: str
 
 
 @dataclass(frozen=True, eq=False)

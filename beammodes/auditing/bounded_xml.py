@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import math
 import os
-import stat
 from collections.abc import Iterator
 from dataclasses import dataclass, field
-from pathlib import Path
 from typing import Any, NoReturn
 from xml.parsers import expat
 
 from beammodes.checks import shown
+from beammodes.files import ordinary_bytes
 
 __all__ = [
     "MAX_BYTES",
@@ -32,6 +31,8 @@ MAX_DEPTH = 600
 _CHUNK = 2**16
 #: No length, mass or stiffness is larger, in any unit; products of two stay finite.
 _LARGEST = 1e30
+#: A smaller number than this, other than 0, is none of matter; its square would underflow.
+_SMALLEST = 1e-100
 _LONGEST_NUMBER, _LONGEST_NAME = 100, 200
 
 
@@ -89,7 +90,7 @@ def finite_number(name: str, text: str) -> float:
     Raises
     ------
     BadModel
-        If it is none, not finite, or larger than 1e30.
+        If it is none, not finite, larger than 1e30, or smaller than 1e-100 and not 0.
 
     Examples
     --------
@@ -104,6 +105,8 @@ def finite_number(name: str, text: str) -> float:
         raise BadModel(f"{name} must be a finite number, got {shown(text)}")
     if abs(value) > _LARGEST:
         raise BadModel(f"{name} must be at most {_LARGEST:g} in size, got {shown(text)}")
+    if 0 < abs(value) < _SMALLEST:
+        raise BadModel(f"{name} must be 0 or at least {_SMALLEST:g} in size, got {shown(text)}")
     return value
 
 
@@ -124,17 +127,14 @@ def bounded_bytes(path: str | os.PathLike[str]) -> bytes:
     ...     bounded_bytes(file.name)
     b''
     """
-    place = Path(path)
-    mode = place.stat().st_mode
-    if stat.S_ISDIR(mode):
-        raise IsADirectoryError(f"{place} is a folder, not a file")
-    if not stat.S_ISREG(mode):
-        raise BadModel("must be an ordinary file")
-    with place.open("rb") as file:
-        data = file.read(MAX_BYTES + 1)
-    if len(data) > MAX_BYTES:
-        raise BadModel(f"must have at most {MAX_BYTES // 2**20} MiB")
-    return data
+    try:
+        return ordinary_bytes(path, MAX_BYTES)
+    except UnicodeError:
+        raise
+    except ValueError as error:
+        if "null" in str(error):
+            raise
+        raise BadModel(str(error)) from None
 
 
 def read_xml(path: str | os.PathLike[str]) -> XmlElement:

@@ -78,7 +78,8 @@ def frame_of(path: HingePath, axis: Array) -> Frame:
                 f"hinges {hinges[0].name} and {hinges[-1].name} must be apart: both are at one place"
             )
         raise BadModel(
-            f"body {tip.name} on hinge {origin_name} must have its centre of mass beside that hinge: as it is, it "
+            f"body {tip.name} on hinge {origin_name} must have its centre of mass beside that hinge: as "
+            "it is, it "
             "only spins there, and no line says where a beam would run"
         )
     along = along / size
@@ -135,10 +136,10 @@ class RootSupport:
 
 
 def root_support(path: HingePath, frame: Frame) -> RootSupport | None:
-    """Return what supports a root that moves, None if the ground or something that is taken as held carries it.
+    """Return what supports a root that moves, None if the ground carries it or a body taken as held.
 
-    A hinge without a spring on a larger mechanism is the chain's own pinned end, if the piece that it turns is
-    a segment like the next.
+    A hinge without a spring on a larger mechanism is the chain's own pinned end, if the piece that it turns
+    is a segment like the next.
 
     Raises
     ------
@@ -190,23 +191,26 @@ def _own_pinned_end(path: HingePath, frame: Frame) -> RootSupport | None:
     if joint.refusal:
         raise BadModel(joint.refusal)
     why = (
-        f"hinge {joint.name} has no spring and is the chain's pinned end; body {root.parent.name}, which carries "
+        f"hinge {joint.name} has no spring and is the chain's pinned end; body {root.parent.name}, which "
+        "carries "
         "it and moves, is taken as held"
     )
     return RootSupport(turning=0.0, hinge=joint, why=why)
 
 
 def _check_out_of_plane(joint: ModelJoint, frame: Frame) -> None:
-    """Raise BadModel if a hinge at right angles to those of the chain moves it in their plane all the same."""
+    """Raise BadModel if a hinge at right angles to those of the chain moves it in their plane too."""
     lever = float(np.cross(joint.axis, frame.origin - joint.position) @ frame.across)
     if abs(lever) > OFF_LINE * (frame.spacing or 1.0):
         raise BadModel(
-            f"joint {joint.name} must be on the line of the chain's hinges: at {abs(lever):.3g} m beside it, it "
+            f"joint {joint.name} must be on the line of the chain's hinges: at {abs(lever):.3g} m beside "
+            "it, it "
             "moves the whole chain across"
         )
     if joint.stiffness:
         raise BadModel(
-            f"joint {joint.name} must be parallel to {frame.hinges[0].name}: what its spring lets swing out of "
+            f"joint {joint.name} must be parallel to {frame.hinges[0].name}: what its spring lets swing "
+            "out of "
             "the plane of bending is not judged"
         )
 

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from beammodes.auditing.file_dynamics import swing_of
+from beammodes.auditing.file_dynamics import damping_ratios, with_armature
 from beammodes.chains.chain import Chain, Number
 from beammodes.chains.pieces import piece_numbers
 from beammodes.chains.rules import RULES, Rule
@@ -21,7 +21,7 @@ from beammodes.problem.beam import Beam
 from beammodes.problem.ends import Boundary
 from beammodes.problem.profiles import mean_over
 from beammodes.vibration.linear import linearize
-from beammodes.vibration.modes import MAX_DENSE, solve_modes
+from beammodes.vibration.modes import solve_modes
 
 __all__ = ["UNKNOWN", "Found", "JudgedPieces", "percent"]
 
@@ -125,7 +125,7 @@ class JudgedPieces:
         """Return the relative errors of the frequencies with these springs, NaN for missing modes."""
         chain, count = self.chain(springs), modes or len(self.exact)
         if np.any(self.armature):
-            return self._against_exact(swing_of(chain, self.armature, self.damping).angular_frequency)
+            return self._against_exact(with_armature(chain, self.armature).angular_frequency)
         return self._against_exact(solve_modes(linearize(chain), count).angular_frequency)
 
     def _against_exact(self, omega: Array) -> Array:
@@ -144,18 +144,8 @@ class JudgedPieces:
         """ζ of each mode by its hinges' dampers; NaN for missing modes."""
         if not np.any(self.damping):
             return np.where(np.isnan(self.errors(self.springs)), np.nan, 0.0)
-        chain = self.chain(self.springs)
-        if len(self.springs) <= MAX_DENSE:
-            found = swing_of(chain, self.armature, self.damping).damping_ratio
-        else:
-            # All modes of a long chain are too many: each mode by itself, as light damping leaves it.
-            modes = solve_modes(linearize(chain), len(self.exact))
-            turns = np.diff(modes.rotation, axis=1) ** 2
-            found = turns @ self.damping / (2 * modes.angular_frequency)
-        ratios = np.full(len(self.exact), np.nan)
-        count = min(len(found), len(ratios))
-        ratios[:count] = found[:count]
-        return ratios
+        found = damping_ratios(self.chain(self.springs), self.armature, self.damping, len(self.exact))
+        return np.append(found, np.full(len(self.exact) - len(found), np.nan))
 
     @cached_property
     def errors_with_rods(self) -> Array:
@@ -169,7 +159,7 @@ class JudgedPieces:
 
     @cached_property
     def rule_boundary(self) -> Boundary:
-        """The ends by which a rule is told: bodies are on the last segment if no hinge of their own is there."""
+        """The ends by which a rule is told: a body without a hinge of its own is on the last segment."""
         ends = (self.boundary.left, self.boundary.right)
         if self._layouts(self.boundary):
             return self.boundary
@@ -280,8 +270,8 @@ class JudgedPieces:
     def order(self, rule: Rule) -> int:
         """Return the order of a rule's error for this beam, its ends and these pieces' rotary inertia.
 
-        What a section has of rotary inertia beyond the beam's does not change with N: the error falls with the
-        rule's order down to what that costs. Any other rotary inertia than a rod's is an error of order 2.
+        What a section has of rotary inertia beyond the beam's does not change with N: the error falls with
+        the rule's order down to what that costs. Any other rotary inertia than a rod's is an error of order 2.
         """
         declared = rule.declared_order(self.rule_boundary)
         kept = self._is_uniform and self._has_section and not self.beam.has_rotary_inertia
@@ -346,7 +336,8 @@ class JudgedPieces:
 
     def _about_rotation(self) -> str:
         rods = "slender rods" if self._rod_ratio < 1 / 6 else "masses at their tips"
-        part = f"rotary inertia of the segments is {100 * self.rotary_inertia_mismatch:+.3g} % off that of {rods}"
+        off = f"{100 * self.rotary_inertia_mismatch:+.3g} %"
+        part = f"rotary inertia of the segments is {off} off that of {rods}"
         if not self._has_section or self.rotary_inertia_mismatch < 0:
             return f"{part}, which no section explains"
         on = self._moving

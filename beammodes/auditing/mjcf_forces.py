@@ -45,7 +45,7 @@ def linear_damping(element: XmlElement) -> float:
 
 
 def servo_dampers(root: XmlElement, settings: Settings) -> Iterator[tuple[str, float]]:
-    """Yield the joints on which servos of velocity act, and their damping: kv times the square of the gear."""
+    """Yield the joints on which servos of velocity act, and their damping: kv gear²."""
     for actuators in root.all("actuator"):
         for element in actuators.children:
             if _is_damper(element, settings):

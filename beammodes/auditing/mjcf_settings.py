@@ -12,6 +12,7 @@ from beammodes.auditing.body_tree import FileStep
 from beammodes.auditing.bounded_xml import XmlElement
 from beammodes.auditing.spatial import Pose, about, from_euler, from_quaternion, from_z_to
 from beammodes.checks import shown
+from beammodes.vibration.integrators import find_integrator
 
 __all__ = ["Settings", "settings_of"]
 
@@ -90,7 +91,6 @@ class Settings:
         return Pose(_from_axes(element, values), position)
 
 
-_INTEGRATORS = ("Euler", "RK4", "implicit", "implicitfast")
 _TURNS = {"euler": 3, "quat": 4, "axisangle": 4, "zaxis": 3, "xyaxes": 6}
 
 
@@ -158,14 +158,16 @@ def options_of(root: XmlElement) -> tuple[XmlElement, XmlElement]:
 def _step(said: XmlElement, flags: XmlElement) -> FileStep | None:
     """Return the step and the integrator, MuJoCo's own where the file says none."""
     integrator = said.attributes.get("integrator", "Euler")
-    if integrator not in _INTEGRATORS:
-        said.refuse(f"must have one of the integrators {', '.join(_INTEGRATORS)}, got {shown(integrator)}")
+    try:
+        record = find_integrator(f"MuJoCo {integrator}")
+    except ValueError:
+        said.refuse(f"must have one of MuJoCo's integrators, got {shown(integrator)}")
     (timestep,) = said.numbers("timestep", 1, "0.002")
     if timestep <= 0:
         said.refuse(f"must have a timestep greater than 0, got {timestep:g}")
-    off = {flags.attributes.get(name) for name in ("eulerdamp", "damper", "passive")}
-    implicit = integrator.startswith("implicit") or (integrator == "Euler" and "disable" not in off)
-    return FileStep(timestep, integrator, implicit)
+    if integrator == "Euler" and flags.attributes.get("eulerdamp") == "disable":
+        record = find_integrator("semi_implicit_euler")
+    return FileStep(timestep, integrator, record.name)
 
 
 def _gravity(said: XmlElement, flags: XmlElement) -> tuple[float, ...]:

@@ -23,7 +23,7 @@ __all__ = ["JudgedChain", "judged_chains"]
 
 @dataclass(frozen=True)
 class JudgedChain:
-    """A chain's pieces without the bodies at its ends, which `boundary` has; `said` if the user named these."""
+    """A chain's pieces without the bodies at its ends, which `boundary` has; `said` if the user said so."""
 
     boundary: Boundary
     pieces: tuple[Piece, ...]
@@ -75,9 +75,9 @@ def judged_chains(chain: PlanarChain, given: Boundary | None) -> list[JudgedChai
     for pair in orders:
         if _fits(chain.near, pair.left) and chain.far == (0.0, 0.0):
             held = replace(chain, far=_supports(pair.right))
-            found = _stated(held, pair)
+            stated = _stated(held, pair)
             said = f"the far end is {pair.right} because you say so"
-            return [replace(found, assumed=(*found.assumed, said))]
+            return [replace(stated, assumed=(*stated.assumed, said))]
     found = _inferred(chain).boundary
     raise ValueError(f"boundary must fit the file, whose ends are {found}, got {given}")
 
@@ -112,10 +112,10 @@ def _inferred(chain: PlanarChain) -> JudgedChain:
         if neighbour and at == 0:
             neighbour = _mirrored(neighbour)
         # Ten digits: what is beyond is left from taking the rod off.
-        body = [float(f"{value:.10g}") for value in _body(own, neighbour, supports)]
+        mass, inertia, offset = (float(f"{value:.10g}") for value in _body(own, neighbour, supports))
         # A body that is rigid with a segment has no hinge of its own to the beam.
-        carried = bool(own.length and (body[1] or body[2])) and supports[1] < math.inf
-        ends.append(End(*supports, *body, on_segment=carried))
+        carried = bool(own.length and (inertia or offset)) and supports[1] < math.inf
+        ends.append(End(*supports, mass, inertia, offset, carried))
         rest = without_body(own, ends[-1])
         pieces[at] = _mirrored(rest) if at == 0 else rest
     return JudgedChain(Boundary(*ends), tuple(pieces), chain.springs, chain.assumed)

@@ -15,7 +15,6 @@ frequencies of a chain with a free or clamped end. The world's origin tells noth
 from __future__ import annotations
 
 import itertools
-import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
@@ -102,7 +101,8 @@ def _assumed(frame: Frame, near: tuple[_Outer, float], tip: tuple[_Outer, float]
         others = [f"{value:.6g}" for value in outer.lengths if abs(value - taken) > _ALIKE * abs(taken)]
         if not outer.certain and others:
             yield (
-                f"the beam {does} {taken:.6g} m {where} hinge {hinge.name}, which comes nearest to its length; "
+                f"the beam {does} {taken:.6g} m {where} hinge {hinge.name}, which comes nearest to its "
+                "length; "
                 f"the file fits {' or '.join(dict.fromkeys(others))} m too"
             )
 
@@ -123,7 +123,8 @@ def _check(path: HingePath, frame: Frame, support: RootSupport | None) -> None:
                 _check_refusals(other)
                 raise BadModel(
                     f"{other.joints[0].name} on body {group.name} must be a hinge with a spring, parallel "
-                    f"to {frame.hinges[0].name}: nothing else may move on the chain. If a motor holds it, weld "
+                    f"to {frame.hinges[0].name}: nothing else may move on the chain. If a motor holds it, "
+                    "weld "
                     "it; what is beyond is not judged as held, whatever boundary says"
                 )
     root = [path.root] if support else []

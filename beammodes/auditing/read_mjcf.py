@@ -47,7 +47,8 @@ def read_mjcf(root: XmlElement) -> Model:
     Honoured are the compiler's angle, eulerseq, autolimits, inertiafromgeom and inertiagrouprange, default
     classes, explicit inertials, solids with mass or density, poses, hinges, slides and free joints, fixed
     tendons with stiffness, and equality constraints on these. What cannot be honoured is refused where a
-    chain needs it: composites, plugins, meshes, ball joints, dry friction, stops at rest, servos that act like
+    chain needs it: composites, plugins, meshes, ball joints, dry friction, stops at rest, servos that act
+    like
     springs, spatial tendons with springs. Armature is inertia of a hinge's own rotation; servos of velocity
     without other terms are dampers.
 

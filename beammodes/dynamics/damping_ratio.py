@@ -115,7 +115,7 @@ def damped_modes(chain: Chain, damping: Damping) -> xarray.Dataset:
 
 
 def damped_pairs(values: NDArray[np.complex128]) -> tuple[Array, Array]:
-    """Return |λ| and ζ of each pair of eigenvalues, ascending by |λ|; the convention is that of `damped_modes`."""
+    """Return |λ| and ζ of each pair of eigenvalues, ascending by |λ|, paired as in `damped_modes`."""
     # A tiny imaginary part is a double root's rounding.
     upper = values[values.imag > 0]
     lone = np.sort(-values[values.imag == 0].real)

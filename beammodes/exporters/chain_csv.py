@@ -11,6 +11,7 @@ from pathlib import Path
 
 from beammodes.chains.chain import Chain
 from beammodes.checks import shown
+from beammodes.files import ordinary_bytes
 from beammodes.problem.ends import Boundary
 from beammodes.problem.supports import End
 
@@ -25,6 +26,10 @@ _COLUMNS = (
     "hinge_to_next_n_m_per_rad",
 )
 _ENDS = "# supports:"
+#: What is larger is no chain; within these a file is read and judged in seconds.
+_MOST_BYTES, _MOST_ROWS, _LONGEST_LINE = 16 * 2**20, 100_100, 10_000
+#: Products of numbers in between neither overflow nor underflow.
+_SMALLEST, _LARGEST = 1e-100, 1e30
 
 
 def csv_lines(chain: Chain, lines: Sequence[str]) -> Iterator[str]:
@@ -57,7 +62,9 @@ def csv_lines(chain: Chain, lines: Sequence[str]) -> Iterator[str]:
 def read_chain_csv(path: str | os.PathLike[str]) -> Chain:
     """Return the chain of a file that `export_chain` wrote; its numbers are those of the chain, to the bit.
 
-    The bodies at the ends are parts of the outer pieces then, and the beam and its rule are not known.
+    The bodies at the ends are parts of the outer pieces then, and the beam and its rule are not known. Rows
+    must be numbered from 0 in their order, and only the last has no hinge: so a file that is cut short or
+    sorted otherwise is refused.
 
     Parameters
     ----------
@@ -66,7 +73,8 @@ def read_chain_csv(path: str | os.PathLike[str]) -> Chain:
     Raises
     ------
     ValueError
-        If the file is no such table; the message names the line.
+        If the file is no such table, no ordinary file, larger than 16 MiB or of more than 100,000 pieces, or
+        a number is larger than 1e30 or smaller than 1e-100; the message names the line.
     OSError
         If it cannot be read.
 
@@ -84,10 +92,14 @@ def read_chain_csv(path: str | os.PathLike[str]) -> Chain:
     """
     place = Path(path)
     try:
-        text = place.read_text(encoding="utf-8-sig")
+        text = ordinary_bytes(place, _MOST_BYTES).decode("utf-8-sig")
     except UnicodeDecodeError:
         raise ValueError(f"{place} must be a text file in UTF-8") from None
+    except ValueError as error:
+        raise ValueError(f"{place} {error}") from None
     rows = list(enumerate(text.splitlines(), start=1))
+    if len(rows) > _MOST_ROWS:
+        raise ValueError(f"{place} must have at most {_MOST_ROWS} lines, got {len(rows)}")
     supports = [line for line in rows if line[1].startswith(_ENDS)]
     if len(supports) != 1:
         raise ValueError(f'{place} must have one line "{_ENDS} ...", got {len(supports)}')
@@ -104,17 +116,30 @@ def read_chain_csv(path: str | os.PathLike[str]) -> Chain:
 
 
 def _numbers(place: Path, rows: list[tuple[int, str]]) -> dict[str, list[float]]:
-    heading = rows[0][1].split(",") if rows else []
+    heading = rows[0][1][:_LONGEST_LINE].split(",") if rows else []
     missing = [name for name in _COLUMNS if name not in heading]
     if missing:
         raise ValueError(f"{place} must have a heading with column {missing[0]}")
     table: dict[str, list[float]] = {name: [] for name in _NAMES}
     last = len(rows) - 1
     for i, (number, text) in enumerate(rows[1:], start=1):
+        if len(text) > _LONGEST_LINE:
+            raise ValueError(f"{place}, line {number}: must have at most {_LONGEST_LINE} characters")
         cells = next(csv.reader([text]))
         if len(cells) != len(heading):
             raise ValueError(f"{place}, line {number}: must have {len(heading)} cells, got {len(cells)}")
         row = dict(zip(heading, cells, strict=True))
+        if row["piece"].strip() != str(i - 1):
+            raise ValueError(
+                f"{place}, line {number}: piece must be {i - 1}, as rows are numbered in their order, got "
+                f"{shown(row['piece'])}"
+            )
+        if (not row[_COLUMNS[-1]].strip()) != (i == last):
+            raise ValueError(
+                f"{place}, line {number}: {_COLUMNS[-1]} must be empty in the last row and in no other: "
+                "the file "
+                "is cut short or rows are missing"
+            )
         for name, column in _NAMES.items():
             if name != "joint_stiffness" or i < last:
                 table[name].append(_number(f"{place}, line {number}: {column}", row[column]))
@@ -128,6 +153,8 @@ def _number(name: str, text: str) -> float:
         value = math.nan
     if not math.isfinite(value):
         raise ValueError(f"{name} must be a finite number, got {shown(text)}")
+    if value and not _SMALLEST <= abs(value) <= _LARGEST:
+        raise ValueError(f"{name} must be 0 or from {_SMALLEST:g} to {_LARGEST:g} in size, got {shown(text)}")
     return value
 
 

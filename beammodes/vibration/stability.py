@@ -28,7 +28,7 @@ from beammodes.equations.axial_pull import axial_pull
 from beammodes.exact.exact_beam import wavenumber
 from beammodes.problem.beam import Beam
 from beammodes.problem.loading import Load, checked_load
-from beammodes.vibration.damping import Damping, damped_eigenvalues, damping_of_modes
+from beammodes.vibration.damping import Damping, ModalDamping, damped_eigenvalues, damping_of_modes
 from beammodes.vibration.integrators import (
     Integrator,
     accuracy_limit,
@@ -44,6 +44,7 @@ __all__ = [
     "SAFE_CONSTANT",
     "exact_constants",
     "highest_angular_frequency",
+    "modal_time_step",
     "published_constants",
     "published_time_step",
     "stable_time_step",
@@ -187,7 +188,11 @@ def stable_time_step(
         return stability_limit(record.name) / highest if highest else math.inf
     if len(chain.hinge_stiffness) > MAX_DENSE:
         return _bounded_step(record, chain, straight, damping)
-    modal = damping_of_modes(chain, damping, straight)
+    return modal_time_step(record, damping_of_modes(chain, damping, straight))
+
+
+def modal_time_step(record: Integrator, modal: ModalDamping) -> float:
+    """Return the largest stable step of an integrator that takes springs explicitly, for damped modes [s]."""
     omega = modal.angular_frequency
     if record.stages:
         values = map(complex, [*damped_eigenvalues(omega, modal.coupling), -modal.drag])
