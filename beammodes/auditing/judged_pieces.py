@@ -271,7 +271,7 @@ class JudgedPieces:
         """Return the order of a rule's error for this beam, its ends and these pieces' rotary inertia.
 
         What a section has of rotary inertia beyond the beam's does not change with N: the error falls with
-        the rule's order down to what that costs. Any other rotary inertia than a rod's is an error of order 2.
+        the rule's order down to what that costs. Other rotary inertia than a rod's is an error of order 2.
         """
         declared = rule.declared_order(self.rule_boundary)
         kept = self._is_uniform and self._has_section and not self.beam.has_rotary_inertia

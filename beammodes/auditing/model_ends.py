@@ -115,7 +115,7 @@ def _inferred(chain: PlanarChain) -> JudgedChain:
         mass, inertia, offset = (float(f"{value:.10g}") for value in _body(own, neighbour, supports))
         # A body that is rigid with a segment has no hinge of its own to the beam.
         carried = bool(own.length and (inertia or offset)) and supports[1] < math.inf
-        ends.append(End(*supports, mass, inertia, offset, carried))
+        ends.append(End(*supports, mass, inertia, offset, on_segment=carried))
         rest = without_body(own, ends[-1])
         pieces[at] = _mirrored(rest) if at == 0 else rest
     return JudgedChain(Boundary(*ends), tuple(pieces), chain.springs, chain.assumed)
