@@ -35,7 +35,7 @@ class Response(NamedTuple):
     midspan_deflection: Number
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False)
 class Statics:
     """Response to a load of unit size, 1 N, 1 N m or 1 N/m; `beam_statics` and `chain_statics` make it.
 
@@ -56,6 +56,8 @@ class Statics:
     >>> sag = beam_statics(beam, "clamped-free", "tip_force")
     >>> sag.own.deflection, sag.deflection                          # F L³ / (3 EI)
     (Fraction(1, 3), 0.03333333333333333)
+    >>> print(sag)
+    Statics(tip_force of 1 N: deflection 0.0333333 m, rotation 0.025 rad, midspan deflection 0.0104167 m)
     """
 
     load: str
@@ -76,6 +78,16 @@ class Statics:
     def midspan_deflection(self) -> float:
         """Deflection half way between the ends [m]."""
         return self._physical(self.own.midspan_deflection, 1)
+
+    def __repr__(self) -> str:
+        one = {"tip_force": "1 N", "tip_moment": "1 N m", "uniform_load": "1 N/m"}[self.load]
+        values = (
+            ("deflection", self.deflection, "m"),
+            ("rotation", self.rotation, "rad"),
+            ("midspan deflection", self.midspan_deflection, "m"),
+        )
+        told = (f"{name} {value:.6g} {unit}" for name, value, unit in values if not math.isnan(value))
+        return f"Statics({self.load} of {one}: {', '.join(told)})"
 
     def _physical(self, value: Number, lengths: int) -> float:
         # A product leaves the range of doubles as inf, where a power would raise an unhelpful error.
