@@ -10,13 +10,14 @@ from typing import Any
 import numpy as np
 import pytest
 import sympy
+from scipy.integrate import quad
 
 from beammodes.accuracy.static_errors import static_dataset
 from beammodes.accuracy.statics import LOADS, Response, Statics, beam_statics, chain_statics
 from beammodes.chains.chain import Chain
 from beammodes.chains.rules import RULES, Rule, Weight
 from beammodes.problem.beam import Beam
-from beammodes.problem.ends import BOUNDARIES, ENDS
+from beammodes.problem.ends import BOUNDARIES, ENDS, Boundary
 from beammodes.springs.inverse import match_springs, matched
 from beammodes.springs.tuning import mode_tuned
 from beammodes.vibration.nodal import nodal_deflections, nodal_matrices
@@ -415,3 +416,81 @@ def test_bad_input(call: Any, kind: type[Exception], message: str) -> None:
 def test_statics_are_what_both_routes_return() -> None:
     assert isinstance(beam_statics(UNIT, "clamped-free", "tip_force"), Statics)
     assert chain_statics(Chain(STEEL, "clamped-free", 3), "tip_force").units.length == pytest.approx(0.4)
+
+
+# --- Beams that vary --------------------------------------------------------------------------------------
+
+
+def test_a_stepped_cantilever() -> None:
+    # 20 ∫ (4 - x)²/EI dx, EI 1.5 to x = 2 and 1 beyond: 20 ((64 - 8)/3/1.5 + 8/3) = 2720/9.
+    beam = Beam(4.0, [1.5, 1.0], 1.0)
+    assert 20 * beam_statics(beam, "clamped-free", "tip_force").deflection == pytest.approx(
+        2720 / 9, rel=1e-12
+    )
+    turned = Beam(4.0, [1.0, 1.5], 1.0)
+    assert 20 * beam_statics(turned, "free-clamped", "tip_force").deflection == pytest.approx(
+        2720 / 9, rel=1e-12
+    )
+
+
+@pytest.mark.parametrize("load", LOADS)
+@pytest.mark.parametrize("pair", [pair for pair in BOUNDARIES if not pair.rigid_body_modes])
+def test_quadrature_of_a_uniform_beam_is_the_fraction(pair: Boundary, load: str) -> None:
+    exact = beam_statics(Beam(2.0, 3.0, 1.0), pair, load)
+    found = beam_statics(Beam(2.0, lambda x: 3.0 + 0.0 * x, 1.0), pair, load)
+    for quantity in ("deflection", "rotation", "midspan_deflection"):
+        assert getattr(found, quantity) == pytest.approx(getattr(exact, quantity), abs=1e-13, nan_ok=True)
+
+
+def test_a_taper_by_virtual_work() -> None:
+    # y = ∫ M m/EI dx, m the moment of a unit force or couple where y or the rotation is wanted.
+    length = 1.5
+
+    def stiffness(x: float) -> float:
+        return (1 - x / 2) ** 3
+
+    def work(moment: Any, virtual: Any) -> float:
+        return float(
+            quad(lambda x: moment(x) * virtual(x) / stiffness(x), 0, length, epsabs=0, points=[0.75])[0]
+        )
+
+    def at(place: float) -> Any:
+        return lambda x: max(place - x, 0.0)
+
+    taper = Beam(length, lambda x: (1 - x / 2) ** 3, 1.0)
+    moments = {
+        "tip_force": at(length),
+        "tip_moment": lambda x: 1.0,
+        "uniform_load": lambda x: (length - x) ** 2 / 2,
+    }
+    for load, moment in moments.items():
+        found = beam_statics(taper, "clamped-free", load)
+        assert found.deflection == pytest.approx(work(moment, at(length)), rel=1e-10)
+        assert found.rotation == pytest.approx(work(moment, lambda x: 1.0), rel=1e-10)
+        assert found.midspan_deflection == pytest.approx(work(moment, at(length / 2)), rel=1e-10)
+    # The reaction that keeps a propped tip down, by superposition.
+    prop = -work(moments["uniform_load"], at(length)) / work(at(length), at(length))
+    sag = work(moments["uniform_load"], at(length / 2)) + prop * work(at(length), at(length / 2))
+    assert beam_statics(taper, "clamped-pinned", "uniform_load").midspan_deflection == pytest.approx(
+        sag, rel=1e-9
+    )
+    assert beam_statics(taper, "clamped-pinned", "tip_force").midspan_deflection == pytest.approx(
+        0.0, abs=1e-12
+    )
+
+
+@pytest.mark.parametrize("pair", ["clamped-free", "clamped-clamped", "pinned-pinned", "guided-clamped"])
+def test_a_taper_against_a_long_chain(pair: str) -> None:
+    taper = Beam(1.5, lambda x: (1 - x / 2) ** 3, 1.0)
+    exact = beam_statics(taper, pair, "uniform_load")
+    chain = chain_statics(Chain(taper, pair, 400, "gregory"), "uniform_load")
+    assert chain.midspan_deflection == pytest.approx(exact.midspan_deflection, rel=1e-4)
+
+
+def test_statics_print_what_they_answer_in_si_units() -> None:
+    assert repr(
+        chain_statics(Chain(Beam(2.0, 80.0, 1.0), "clamped-free", 8, "gregory"), "tip_force")
+    ).startswith("Statics(tip_force of 1 N: deflection 0.0333333 m, rotation ")
+    assert repr(beam_statics(Beam(2.0, 80.0, 1.0), "clamped-guided", "uniform_load")) == (
+        "Statics(uniform_load of 1 N/m: deflection 0.00833333 m, midspan deflection 0.0046875 m)"
+    )

@@ -69,7 +69,7 @@ def frequency_error(
 
     Parameters
     ----------
-    boundary : str, Boundary, or array of them
+    boundary : str, pair of ends, Boundary, or array of them
         Such as "clamped-free"; either order of the ends. Numbers of an `End` count for L = EI = ρA = 1:
         "clamped-free(mass=0.5)" carries half the beam's mass at its tip.
     segments : int or array of int

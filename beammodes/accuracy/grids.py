@@ -9,7 +9,7 @@ import numpy as np
 
 from beammodes.chains.rules import Layout, layout_of
 from beammodes.checks import whole_number
-from beammodes.problem.ends import Boundary
+from beammodes.problem.ends import Boundary, is_pair
 
 if TYPE_CHECKING:
     from beammodes.chains.chain import Chain
@@ -20,16 +20,17 @@ __all__ = ["ChainGrid", "listed", "stands_alone"]
 def stands_alone(value: Any, single: tuple[type, ...]) -> bool:
     """Whether `value` is one value and not several: no iterable, or an instance of `single`.
 
-    A tuple is one pair of ends where `single` names tuples, unless its items are pairs themselves.
+    Where `single` names tuples, for boundaries, a pair of ends is one value, as a tuple or as a list.
 
     Examples
     --------
     >>> from beammodes.problem.ends import BOUNDARIES
-    >>> [stands_alone(pair, (str, tuple)) for pair in (("clamped", "free"), BOUNDARIES)]
-    [True, False]
+    >>> pairs = (("clamped", "free"), ["clamped", "free"], ("clamped-free", "free-free"), BOUNDARIES)
+    >>> [stands_alone(pair, (str, tuple)) for pair in pairs]
+    [True, True, False, False]
     """
-    if isinstance(value, tuple) and value and all(isinstance(item, Boundary) for item in value):
-        return False
+    if tuple in single and isinstance(value, tuple | list):
+        return is_pair(value)
     return isinstance(value, single) or not isinstance(value, Iterable)
 
 

@@ -18,7 +18,7 @@ from beammodes.checks import whole_number
 from beammodes.closed_form.lookup import MAX_SEGMENTS
 from beammodes.exact.wavenumbers import whole_numbers
 from beammodes.problem.beam import Beam
-from beammodes.problem.ends import Boundary
+from beammodes.problem.ends import Boundary, with_pairs_read
 from beammodes.problem.loading import Load
 
 __all__ = ["MAX_SUPPORTED_MODE", "beam_frequencies", "supported_errors", "supported_frequencies"]
@@ -43,7 +43,7 @@ def supported_errors(
     >>> round(supported_errors("clamped-free(mass=1)", 10, 1, "mitiguy", Load()), 6)
     -0.000213
     """
-    pairs, which = _objects(boundary, (str, Boundary), Boundary.of)
+    pairs, which = _objects(with_pairs_read(boundary), (str, Boundary), Boundary.of)
     records, chosen = _objects(rule, (str, Layout), layout_of)
     counts = whole_numbers("segments", segments, most=MAX_SEGMENTS)
     modes = whole_numbers("mode", mode, most=MAX_SUPPORTED_MODE)

@@ -49,7 +49,7 @@ def chain_frequency(
 
     Parameters
     ----------
-    boundary : str, Boundary, or array of them
+    boundary : str, pair of ends, Boundary, or array of them
         The two ends, in either order.
     segments : int or array of int
         N, 1 to 10⁹.

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from beammodes.chains.rules import Rule, RuleLike, rule_named
 from beammodes.closed_form.uniform import UniformChains, uniform_chains
 from beammodes.exact.wavenumbers import whole_numbers
-from beammodes.problem.ends import BOUNDARIES, Boundary, BoundaryLike, boundary_codes
+from beammodes.problem.ends import BOUNDARIES, Boundary, BoundaryLike, boundary_codes, with_pairs_read
 
 __all__ = ["MAX_MODE", "MAX_SEGMENTS", "Boundaries", "Floats", "Rules", "looked_up"]
 
@@ -82,6 +82,7 @@ def _rule_codes(rule: Rules) -> tuple[list[Rule], NDArray[np.intp]]:
 
 def _boundary_codes(boundary: Boundaries) -> NDArray[np.intp]:
     """Return `boundary_codes`, reading each object of an array once."""
+    boundary = with_pairs_read(boundary)
     if isinstance(boundary, str | Boundary):
         return boundary_codes(boundary)
     items, which = _distinct(boundary)

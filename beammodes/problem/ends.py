@@ -15,7 +15,17 @@ from numpy.typing import NDArray
 from beammodes.checks import choice, shown
 from beammodes.problem.supports import ENDS, End, end_from_text
 
-__all__ = ["BOUNDARIES", "ENDS", "Boundary", "BoundaryLike", "End", "NotPlain", "boundary_codes"]
+__all__ = [
+    "BOUNDARIES",
+    "ENDS",
+    "Boundary",
+    "BoundaryLike",
+    "End",
+    "NotPlain",
+    "boundary_codes",
+    "is_pair",
+    "with_pairs_read",
+]
 
 
 class NotPlain(ValueError):
@@ -125,8 +135,7 @@ def boundary_codes(value: BoundaryLike | Iterable[BoundaryLike] | NDArray[Any]) 
     Parameters
     ----------
     value : boundary, or array or list of boundaries
-        A tuple is read as a sequence here, never as one pair of ends: that form is for places
-        where exactly one boundary is expected.
+        A pair of ends, such as ("clamped", End(mass=0.5)), is one boundary.
 
     Raises
     ------
@@ -138,6 +147,7 @@ def boundary_codes(value: BoundaryLike | Iterable[BoundaryLike] | NDArray[Any]) 
     >>> boundary_codes(["clamped-free", "free-clamped"])
     array([3, 3])
     """
+    value = with_pairs_read(value)
     if isinstance(value, str | Boundary):
         return np.asarray(_code(value), dtype=np.intp)
     if isinstance(value, np.ndarray) and value.dtype.kind == "U":
@@ -146,6 +156,34 @@ def boundary_codes(value: BoundaryLike | Iterable[BoundaryLike] | NDArray[Any]) 
     listed = list(value) if isinstance(value, Iterable) and not isinstance(value, np.ndarray) else value
     items = np.asarray(listed, dtype=object)
     return np.array([_code(item) for item in items.ravel()], dtype=np.intp).reshape(items.shape)
+
+
+def is_pair(value: object) -> bool:
+    """Whether `value` is one pair of ends: two words of ends or `End`s, and not two boundaries.
+
+    Examples
+    --------
+    >>> [is_pair(value) for value in (("clamped", "free"), ("clamped-free", "free-free"), ["pinned", End()])]
+    [True, False, True]
+    """
+    if not isinstance(value, tuple | list) or len(value) != 2:
+        return False
+    return all(isinstance(item, End) or (isinstance(item, str) and len(_parts(item)) == 1) for item in value)
+
+
+def with_pairs_read(value: Any) -> Any:
+    """Return one boundary or several with each pair of ends, at any depth of lists, as a `Boundary`.
+
+    Examples
+    --------
+    >>> with_pairs_read([("clamped", "free"), "pinned-pinned"])
+    [Boundary('clamped-free'), 'pinned-pinned']
+    """
+    if is_pair(value):
+        return Boundary.of(value)
+    if isinstance(value, tuple | list):
+        return [with_pairs_read(item) for item in value]
+    return value
 
 
 def _code(value: BoundaryLike) -> int:
@@ -167,11 +205,15 @@ def _firmness(end: End) -> tuple[float | Fraction, ...]:
 
 
 def _split(value: str) -> tuple[str, ...]:
-    # Only outside parentheses: numbers in them have signs and commas of their own.
-    parts = tuple(re.split(r"[-/,](?![^(]*\))", value))
+    parts = _parts(value)
     if len(parts) != 2:
         _refuse(value)
     return parts
+
+
+def _parts(value: str) -> tuple[str, ...]:
+    # Only outside parentheses: numbers in them have signs and commas of their own.
+    return tuple(re.split(r"[-/,](?![^(]*\))", value))
 
 
 def _pair(value: object) -> tuple[object, ...]:
