@@ -460,13 +460,13 @@ def test_a_taper_by_virtual_work() -> None:
     taper = Beam(length, lambda x: (1 - x / 2) ** 3, 1.0)
     moments = {
         "tip_force": at(length),
-        "tip_moment": lambda x: 1.0,
+        "tip_moment": lambda _: 1.0,
         "uniform_load": lambda x: (length - x) ** 2 / 2,
     }
     for load, moment in moments.items():
         found = beam_statics(taper, "clamped-free", load)
         assert found.deflection == pytest.approx(work(moment, at(length)), rel=1e-10)
-        assert found.rotation == pytest.approx(work(moment, lambda x: 1.0), rel=1e-10)
+        assert found.rotation == pytest.approx(work(moment, lambda _: 1.0), rel=1e-10)
         assert found.midspan_deflection == pytest.approx(work(moment, at(length / 2)), rel=1e-10)
     # The reaction that keeps a propped tip down, by superposition.
     prop = -work(moments["uniform_load"], at(length)) / work(at(length), at(length))
