@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from fractions import Fraction
+from typing import Any
 
 import numpy as np
 import pytest
@@ -11,10 +12,13 @@ import scipy.linalg
 from drawn_ends import RULES_DRAWN
 from numpy.typing import NDArray
 
+from beammodes.accuracy.law import error_law
+from beammodes.chains.chain import Chain
 from beammodes.chains.rules import RULES, Rule, Weight
 from beammodes.closed_form.discretization import relative_error
 from beammodes.closed_form.dispersion import chain_frequency
 from beammodes.exact.exact_beam import wavenumber
+from beammodes.problem.beam import Beam
 from beammodes.problem.ends import BOUNDARIES, Boundary
 
 
@@ -144,3 +148,66 @@ def test_many_lookups_at_once_are_those_one_by_one() -> None:
     for k in draw.integers(0, count, 200):
         one = relative_error(pairs[k], segments[k], mode[k], rules[k])
         np.testing.assert_allclose(one, error[k], rtol=1e-12)
+
+
+# --- Against 50 digits -------------------------------------------------------------------------------------
+
+# Ends whose corrections reach over most of the chain, ends that turn waves by a whole turn, walls that let
+# modes leave the band: rules as wild as `Rule` allows. Fixed, so that no other rule's existence moves them.
+WILD = [
+    rule_of("both ends meet", ["3/10", "2", "1/5", "7/5"], ["7/10", "1/10"], "1"),
+    rule_of("turns far", ["12/5", "19/5", "23/10", "27/10"], ["1/10", "6/5", "1/5"], "1/2", "1/5"),
+    rule_of("turns back", ["19/10", "1/20", "6/5", "1/20"], ["7/5", "4"], "1", "1/4"),
+    rule_of("soft then stiff", ["3/10", "21/10", "3/20", "1/10"], ["3/10", "8/5", "19/5"], "1/2", "1/4"),
+]
+
+
+def assert_right_to_13_digits(rule: Rule, pair: Boundary, segments: int, exact: Any) -> None:
+    chain = Chain(Beam.unit(), pair, segments, rule)
+    expected = [float(value) * segments**2 for value in exact(chain)][pair.rigid_body_modes :]
+    found = chain_frequency(pair, segments, np.arange(1, len(expected) + 1), rule)
+    np.testing.assert_allclose(found, expected, rtol=1e-13, err_msg=f"{rule}, {pair}, {segments}")
+
+
+@pytest.mark.parametrize("rule", WILD, ids=lambda rule: rule.name)
+@pytest.mark.parametrize("segments", [4, 7, 8, 9, 10, 13])
+def test_wild_rules_to_13_digits(rule: Rule, segments: int, frequencies_in_50_digits: Any) -> None:
+    for pair in BOUNDARIES:
+        if min(rule.hinge_weights(pair, segments), default=1) > 0:
+            assert_right_to_13_digits(rule, pair, segments, frequencies_in_50_digits)
+
+
+def test_neighbouring_modes_of_a_short_chain() -> None:
+    # 50-digit eigenvalues of the rational matrices: this mode was 1.3e-9 off when the two ends' growing
+    # exponentials, three segments apart, were left out of the edge's determinant.
+    found = chain_frequency("clamped-guided", 9, 6, WILD[0])
+    assert found == pytest.approx(735.4348331568, rel=1e-13)
+
+
+@pytest.mark.slow
+def test_random_rules_to_13_digits(frequencies_in_50_digits: Any) -> None:
+    random = np.random.default_rng(2024)
+    for _ in range(300):
+        ends = [
+            [str(Fraction(int(k), 20)) for k in random.integers(1, 81, size=random.integers(0, 5))]
+            for _ in "cg"
+        ]
+        stub, inertia = str(random.choice(["0", "1/2", "1"])), str(random.choice(["1/12", "1/5", "1/4"]))
+        rule, segments = rule_of("random", *ends, stub, inertia), int(random.integers(1, 15))
+        pair = BOUNDARIES[int(random.integers(len(BOUNDARIES)))]
+        if min(rule.hinge_weights(pair, segments), default=1) > 0:
+            assert_right_to_13_digits(rule, pair, segments, frequencies_in_50_digits)
+
+
+def test_a_rule_that_turns_waves_too_far_in_a_long_chain() -> None:
+    # Two routes: counted roots, and the matrices.
+    rule, modes = WILD[1], np.arange(1, 6)
+    found = chain_frequency("clamped-guided", 60, modes, rule)
+    np.testing.assert_allclose(
+        found, dense_frequencies(rule, Boundary.of("clamped-guided"), 60)[:5], rtol=1e-9
+    )
+    assert relative_error("clamped-guided", 10**6, 1, rule) * 10**6 == pytest.approx(
+        error_law("clamped-guided", 1, rule).coefficient, rel=1e-3
+    )
+    with pytest.raises(ValueError, match=r"^mode must be at most 1000 with rule turns far"):
+        chain_frequency("clamped-guided", 10**6, 1001, rule)

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from beammodes.closed_form.roots import sign_changes
+from beammodes.closed_form.roots import NotFollowed, sign_changes
 from beammodes.closed_form.uniform import UniformChains
 
 __all__ = ["edge_frequencies"]
@@ -34,7 +34,7 @@ def edge_frequencies(chains: UniformChains, segments: int, below: float, count: 
         found = np.concatenate([sign_changes(curve, grid) for curve in curves])
         if len(found) == count:
             return np.sort(chains.omega(np.where(found < 0.0, np.cos(0.5 * found), np.cosh(0.5 * found))))
-    raise ArithmeticError(
+    raise NotFollowed(
         f"{chains.pair.name}, rule {chains.rule.name}, N = {segments}: {len(found)} modes found at the edge "
         f"of the band, {count} expected"
     )
@@ -64,9 +64,11 @@ def _edge(chains: UniformChains, segments: int, part: int, w: Floats) -> Floats:
         cos, sin = _near_edge(2 * span, span * w)
         c, d = right.cos_decaying, right.sin_decaying
         near = left.cos_sin * right.decaying_growing + left.decaying_growing * right.cos_sin
-        # E² is below 1e-12 of E here: it moves no sign change by a rounding.
         near = near * np.exp(-decay - span * np.maximum(w, 0.0))
-        return np.asarray(np.real((sin * (b * d - a * c) + cos * (a * d + b * c) - near) / t))
+        # Ends that reach over most of the chain leave few segments between them: E² counts as well.
+        e, f, g, h = left.cos_growing, left.sin_growing, right.cos_growing, right.sin_growing
+        far = np.exp(-2.0 * decay) * (sin * (f * h - e * g) + cos * (e * h + f * g))
+        return np.asarray(np.real((sin * (b * d - a * c) + cos * (a * d + b * c) - near - far) / t))
     cos, sin = _near_edge(span, 0.5 * span * w)
     fade = part * np.exp(-decay)
     a, b = a + fade * left.cos_growing, b + fade * left.sin_growing

@@ -29,7 +29,7 @@ from numpy.typing import ArrayLike, NDArray
 from beammodes.closed_form.band_edge import edge_frequencies
 from beammodes.closed_form.lookup import Boundaries, Floats, Rules, looked_up
 from beammodes.closed_form.reflection import exchange
-from beammodes.closed_form.roots import increasing_root, polynomial_roots
+from beammodes.closed_form.roots import NotFollowed, increasing_root, polynomial_roots
 from beammodes.closed_form.transfer import characteristic_polynomial
 from beammodes.closed_form.uniform import UniformChains
 
@@ -37,6 +37,9 @@ __all__ = ["chain_frequency", "frequencies"]
 
 # From the next mode on E < 1e-18, as χ > 0.56 q at any q: the exponentials of one end do not reach the other.
 _LAST_EXCHANGING = 24
+
+# Modes of rules that waves do not serve: each is some milliseconds' work.
+_MOST_COUNTED = 1000
 
 
 def chain_frequency(
@@ -83,8 +86,25 @@ def chain_frequency(
 
 
 def frequencies(chains: UniformChains, segments: Any, mode: Any) -> Floats:
-    """Return ω for L = EI = ρA = 1; every mode asked for must exist."""
+    """Return ω for L = EI = ρA = 1; every mode asked for must exist.
+
+    What the waves' roots do not prove complete, chain by chain, is counted.
+    """
     segments, mode = np.atleast_1d(segments), np.atleast_1d(mode)
+    try:
+        return _by_waves(chains, segments, mode)
+    except NotFollowed:
+        frequency: Floats = np.empty_like(segments)
+    for size in np.unique(segments):
+        chosen = segments == size
+        try:
+            frequency[chosen] = _by_waves(chains, segments[chosen], mode[chosen])
+        except NotFollowed:
+            frequency[chosen] = _counted(chains, int(size), mode[chosen].astype(np.int64))
+    return frequency
+
+
+def _by_waves(chains: UniformChains, segments: Floats, mode: Floats) -> Floats:
     frequency = np.empty_like(segments)
     inside = chains.in_band(segments, mode)
     n, m = segments[inside], mode[inside]
@@ -93,6 +113,8 @@ def frequencies(chains: UniformChains, segments: Any, mode: Any) -> Floats:
     outside = np.flatnonzero(~inside)
     for size in np.unique(segments[outside]):
         chosen = outside[segments[outside] == size]
+        if chains.shortest == math.inf:
+            raise NotFollowed(f"{chains.pair.name}, rule {chains.rule.name}: an end turns waves too far")
         first, listed = _listed(chains, int(size))
         frequency[chosen] = listed[mode[chosen].astype(np.int64) - first] * size**2
     return np.asarray(frequency)
@@ -108,7 +130,7 @@ def shift(chains: UniformChains, beta: Floats, segments: Floats, mode: Floats) -
     low, high = np.maximum(-most, 1e-3 - beta), np.minimum(most, math.pi * segments - beta)
     delta = increasing_root(excess, np.zeros_like(beta), low, high, 5e-16 * beta)
     if np.any(np.abs(excess(delta)) > 1e-3):
-        raise ArithmeticError(f"{chains.pair.name}, rule {chains.rule.name}: a reflected phase jumps")
+        raise NotFollowed(f"{chains.pair.name}, rule {chains.rule.name}: a reflected phase jumps")
     return delta
 
 
@@ -149,6 +171,20 @@ class _Equation:
             across = exchange(q * span, chains.evanescence(s) * span, *ends)
             total -= self.sign * (self._arcsin(across) - self.of_beam)
         return np.asarray(total)
+
+
+def _counted(chains: UniformChains, segments: int, mode: NDArray[np.int64]) -> Floats:
+    """Return ω of modes that waves do not serve, each a counted root of its own."""
+    from beammodes.closed_form.supported_chain import supported_chain_frequencies
+
+    most = int(mode.max())
+    if most > _MOST_COUNTED:
+        raise ValueError(
+            f"mode must be at most {_MOST_COUNTED} with rule {chains.rule.name}, whose end weights turn "
+            f"waves too far for a closed form, got {most}"
+        )
+    found: Floats = supported_chain_frequencies(chains.pair, segments, most, chains.rule)
+    return found[mode - 1]
 
 
 @lru_cache(maxsize=4096)

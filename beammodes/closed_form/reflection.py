@@ -52,7 +52,10 @@ def exchange(kappa: Any, decay: Any, left: Minors, right: Minors) -> Any:
 
 
 class Swing(NamedTuple):
-    """Middle of the range of an end's phase, less the beam's, and its steepest fall -dΦ/dq."""
+    """Middle of the range of an end's phase, less the beam's, and its steepest fall -dΦ/dq.
+
+    The fall is infinite where an end turns waves by nearly a whole turn or more.
+    """
 
     middle: float
     descent: float
@@ -69,7 +72,8 @@ def swing(end: EndWaves) -> Swing:
         low, high = min(low, float(curve.min())), max(high, float(curve.max()))
         descent = max(descent, -float(np.diff(curve).min()) / (q[1] - q[0]))
     if high - low > 6.0:
-        raise ValueError(f"rule {end.rule.name} turns waves by more than a whole turn at one end")
+        # Which phase belongs to which mode is then not known.
+        return Swing(0.0, math.inf)
     # A mode about to leave the band may still turn the phase by -π between q = 3.1 and π.
     within = max(high, -low) < 0.85 * math.pi
     return Swing(0.0 if within else 0.5 * (low + high), descent)

@@ -8,9 +8,13 @@ from fractions import Fraction
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["increasing_root", "polynomial_roots", "sign_changes"]
+__all__ = ["NotFollowed", "increasing_root", "polynomial_roots", "sign_changes"]
 
 Floats = NDArray[np.float64]
+
+
+class NotFollowed(ArithmeticError):
+    """Roots that this way does not tell apart or prove complete; counting them does."""
 
 
 def increasing_root(
@@ -76,7 +80,7 @@ def polynomial_roots(coefficients: list[Fraction], count: int) -> Floats:
     for root in map(Fraction, roots.tolist()):
         proved &= (_value(coefficients, root * below) > 0) != (_value(coefficients, root * above) > 0)
     if not proved:
-        raise ArithmeticError(f"roots of a characteristic polynomial of degree {count} were not separated")
+        raise NotFollowed(f"roots of a characteristic polynomial of degree {count} were not separated")
     return roots
 
 

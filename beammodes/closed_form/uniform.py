@@ -68,12 +68,14 @@ class UniformChains:
         return swing(self.left), swing(self.right)
 
     @cached_property
-    def shortest(self) -> int:
-        """The smallest N for which waves are used.
+    def shortest(self) -> float:
+        """The smallest N for which waves are used; infinite where none is.
 
         Springs corrected from both ends must not overlap, and κ + Φ must grow with q.
         """
         descent = self.swings[0].descent + self.swings[1].descent
+        if descent == math.inf:
+            return math.inf
         return max(SHORT, len(self.corrections) + 3, math.ceil(1.25 * descent))
 
     @cached_property
