@@ -88,8 +88,9 @@ def test_help_and_errors_in_every_encoding(name: str, tmp_path: Path) -> None:
 @pytest.mark.parametrize("command", COMMANDS, ids=lambda command: command.name)
 def test_every_command_in_every_encoding(command: Any, name: str, tmp_path: Path) -> None:
     arguments = [*shlex.split(command.example)[1:], *(["--force"] if command.name == "export" else [])]
+    folder = in_folder(tmp_path)
     for call in (arguments, [*arguments, "--json"], [command.name, "--help"]):
-        ran = process(call, in_folder(tmp_path), settings=ENCODINGS[name])
+        ran = process(call, folder, settings=ENCODINGS[name])
         expected = 1 if command.name == "audit" and "--help" not in call else 0
         assert (ran.returncode, ran.stderr) == (expected, b""), call
         assert "\\x" not in ran.stdout.decode(name if name != "C" else "ascii")
