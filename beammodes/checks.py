@@ -7,7 +7,7 @@ import math
 import numbers
 from collections.abc import Iterable
 
-__all__ = ["choice", "positive_real", "real", "shown", "whole_number"]
+__all__ = ["choice", "positive_real", "real", "shown", "small_fraction", "whole_number"]
 
 _SHOWN_CHARACTERS = 60
 
@@ -51,6 +51,25 @@ def positive_real(name: str, value: object) -> float:
     number = real(name, value)
     if number <= 0.0:
         raise ValueError(f"{name} must be greater than 0, got {shown(value)}")
+    return number
+
+
+def small_fraction(name: str, value: object) -> float:
+    """Return a tolerance as a float above zero and below one half.
+
+    A frequency that is wrong by half says nothing, so that 1 or 5 is a percentage, typed as a fraction.
+
+    Raises
+    ------
+    TypeError, ValueError
+        As `positive_real`, or if it is one half or more.
+    """
+    number = positive_real(name, value)
+    if number >= 0.5:
+        meant = f"; for {number:g} % give {number / 100:g}" if number <= 50 else ""
+        raise ValueError(
+            f"{name} must be a fraction less than 0.5, got {shown(value)}, {100 * number:g} %{meant}"
+        )
     return number
 
 

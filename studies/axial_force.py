@@ -85,7 +85,7 @@ def _error(pair: str, case: str, segments: int) -> float:
     if case == "gregory, no force":
         return float(bm.frequency_error(pair, segments=segments, mode=1, rule="gregory"))
     load = Load(axial_force=-HALF * buckling_load(bm.Beam.unit(), pair))
-    rule: AnyRule = axially_corrected("gregory", load) if case.endswith("corrected") else case
+    rule: AnyRule = axially_corrected("gregory", load, bm.Beam.unit()) if case.endswith("corrected") else case
     return float(chain_errors(bm.Chain(bm.Beam.unit(), pair, segments, rule), 1, load=load)[0])
 
 
@@ -104,7 +104,7 @@ def _squares(structure: str) -> tuple[list[float], list[float]]:
         if structure == "beam":
             frequency = bm.euler_bernoulli(beam, pair, 1, load=load).angular_frequency[0]
         else:
-            rule = "mitiguy" if structure == "mitiguy" else axially_corrected("mitiguy", load)
+            rule = "mitiguy" if structure == "mitiguy" else axially_corrected("mitiguy", load, beam)
             model = bm.linearize(bm.Chain(beam, pair, SHORT, rule), load=load)
             frequency = bm.solve_modes(model, 1).angular_frequency[0]
         forces.append(ratio)

@@ -308,7 +308,7 @@ def test_corrected_springs_have_order_four_between_ends_without_moment_or_shear(
     beta = (np.arange(1, 4) - shift) * np.pi
     tension = -p * beta[0] ** 2
     load, exact = Load(tension), np.sqrt(beta**4 + tension * beta**2)
-    rule = axially_corrected("mitiguy", load)
+    rule = axially_corrected("mitiguy", load, UNIT)
     assert rule.declared_order(Boundary.of(pair)) == 4
     coarse, fine = (np.abs(frequencies(pair, n, rule, load, 3) / exact - 1) for n in (30, 60))
     assert (np.log2(coarse / fine) > 3.9).all()
@@ -318,7 +318,7 @@ def test_corrected_springs_have_order_four_between_ends_without_moment_or_shear(
 @pytest.mark.parametrize(("pair", "p"), [case for case in CASES if case[0] != "pinned-pinned"])
 def test_corrected_springs_have_order_three_at_walls(pair: str, p: float) -> None:
     load, exact = published(pair, p)
-    rule = axially_corrected("gregory", load)
+    rule = axially_corrected("gregory", load, UNIT)
     assert rule.declared_order(Boundary.of(pair)) == 3
     sizes = np.array([[20], [40], [80], [160]])
     errors = np.abs([frequencies(pair, int(n), rule, load) / exact - 1 for n in sizes[:, 0]])
@@ -334,7 +334,7 @@ def test_a_cantilever_at_half_its_buckling_load_is_eighty_times_closer() -> None
     load, exact = published("clamped-free", 0.5)
     plain, corrected = (
         abs(frequencies("clamped-free", 20, rule, load)[0] / exact[0] - 1)
-        for rule in ("gregory", axially_corrected("gregory", load))
+        for rule in ("gregory", axially_corrected("gregory", load, UNIT))
     )
     assert plain == pytest.approx(2.6e-4, rel=0.03)
     assert 60 < plain / corrected < 100
@@ -352,7 +352,7 @@ def test_corrected_springs_in_numbers() -> None:
 def test_springs_lost_in_strong_tension_are_refused() -> None:
     # 1 - T ell²/(12 EI) is positive for T < 12 N² only.
     for tension, positive in ((191.0, True), (192.0, False), (500.0, False)):
-        rule = axially_corrected("gregory", Load(tension))
+        rule = axially_corrected("gregory", Load(tension), UNIT)
         if positive:
             assert Chain(UNIT, "clamped-free", 4, rule).joint_stiffness.min() > 0
             continue
@@ -362,7 +362,7 @@ def test_springs_lost_in_strong_tension_are_refused() -> None:
 
 def test_wrong_arguments_of_axially_corrected() -> None:
     with pytest.raises(ValueError, match=r'rule.*did you mean "gregory"'):
-        axially_corrected("gregry", Load(1.0))
+        axially_corrected("gregry", Load(1.0), UNIT)
     with pytest.raises(TypeError, match=r"^beam must be a Beam, got 1\.0"):
         axially_corrected("gregory", Load(1.0), 1.0)  # type: ignore[arg-type]
     with pytest.raises(ValueError, match=r"^beam must be uniform"):

@@ -135,7 +135,7 @@ def test_every_rule_has_its_declared_order_under_spin(rule: str) -> None:
     load = Load(spin_rate=4.0, hub_radius=0.5, plane="flap")
     error = np.array(
         [
-            frequency_error("clamped-free", segments=n, mode=[1, 2], rule=rule, load=load)
+            frequency_error("clamped-free", segments=n, mode=[1, 2], rule=rule, load=load, beam=UNIT)
             for n in (80, 160, 320)
         ]
     )
@@ -186,5 +186,5 @@ def test_error_lookups_take_spin() -> None:
     chain = Chain(UNIT, "clamped-free", 30, "gregory")
     ours = solve_modes(linearize(chain, load=load), 2).angular_frequency
     exact = euler_bernoulli(UNIT, "clamped-free", 2, load=load).angular_frequency
-    error = frequency_error("clamped-free", segments=30, mode=[1, 2], rule="gregory", load=load)
+    error = frequency_error("clamped-free", segments=30, mode=[1, 2], rule="gregory", load=load, beam=UNIT)
     np.testing.assert_allclose(error, ours / exact - 1, atol=1e-12)

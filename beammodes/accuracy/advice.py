@@ -80,10 +80,11 @@ def recommend(
     ----------
     boundary : boundary
     tolerance : float
-        Largest |e| of the first `modes` frequencies, as a fraction, from this N on.
+        Largest |e| of the first `modes` frequencies, as a fraction less than 0.5, from this N on.
     modes : int
     beam : Beam, optional
-        For springs and steps in its units; `Beam.unit()` by default.
+        Uniform, for springs, steps and numbers of ends in its units. Without one all are multiples of EI/L,
+        √(ρA L⁴/EI), ρA L and so on.
     rules : iterable of rules, optional
         All of `RULES` by default; one that cannot meet the tolerance with 10,000 segments is left out.
     integrator : str
@@ -104,12 +105,12 @@ def recommend(
     """
     pair, unit = Boundary.of(boundary), Beam.unit() if beam is None else beam
     integrator = find_integrator(integrator, _LIMITED).name
-    scaled = in_beam_units(pair, unit)
+    in_beam_units(pair, unit)
     ways: list[Recommendation] = []
     refusal = ValueError("rules must name at least one rule, got none")
     for record in [layout_of(rule) for rule in (RULES if rules is None else rules)]:
         try:
-            count = segments_needed(scaled, tolerance, modes, record)
+            count = segments_needed(pair, tolerance, modes, record, beam=unit)
         except ToleranceOutOfReach as error:
             refusal = error
             continue
@@ -131,8 +132,9 @@ def _way(
     highest = highest_angular_frequency(chain)
     step = stability_limit(integrator) / highest
     first = float(euler_bernoulli(beam, boundary, 1).angular_frequency[0])
-    scaled = in_beam_units(boundary, beam)
-    errors = frequency_error(scaled, segments=segments, mode=np.arange(1, modes + 1), rule=record)
+    errors = frequency_error(
+        boundary, segments=segments, mode=np.arange(1, modes + 1), rule=record, beam=beam
+    )
     return Recommendation(
         rule=record.name,
         segments=segments,

@@ -87,6 +87,7 @@ def buckling_dataset(
     boundary: BoundaryLike | Iterable[BoundaryLike],
     segments: int | Iterable[int],
     rule: AnyRule | Iterable[AnyRule] = "mitiguy",
+    beam: Beam | None = None,
 ) -> xarray.Dataset:
     """Return buckling loads of chains beside the beam's as one labelled table.
 
@@ -95,12 +96,16 @@ def buckling_dataset(
     boundary : boundary, or iterable of boundaries
     segments : int, or iterable of int
     rule : rule, or iterable of rules
+    beam : Beam, optional
+        In whose units numbers of the ends are; without one they are multiples of ρA L, ρA L³, L, EI/L³ and
+        EI/L.
 
     Returns
     -------
     xarray.Dataset
-        Dimensions rule, boundary, segments; variables buckling_load, exact_buckling_load (both for
-        L = EI = 1) and relative_error; NaN where a chain has no elastic mode or no positive springs.
+        Dimensions rule, boundary, segments; variables buckling_load, exact_buckling_load (both in N with a
+        `beam`, else multiples of EI/L²) and relative_error; NaN where a chain has no elastic mode or no
+        positive springs.
 
     Raises
     ------
@@ -118,20 +123,21 @@ def buckling_dataset(
 
     from beammodes import __version__
 
-    grid = ChainGrid.of(boundary, segments, rule, MAX_PIECES)
-    exact = np.array([buckling_load(Beam.unit(), pair) for pair in grid.boundaries])
+    grid = ChainGrid.of(boundary, segments, rule, MAX_PIECES, beam)
+    exact = np.array([buckling_load(grid.beam, pair) for pair in grid.boundaries])
     load = np.full(grid.shape, np.nan)
     for index, chain in grid.chains():
         load[index] = buckling_load(chain) if chain.elastic_modes else np.nan
-    dims, units = ("rule", "boundary", "segments"), {"units": "EI / L^2"}
-    beam = np.where(np.isnan(load), np.nan, exact[None, :, None])
+    dims = ("rule", "boundary", "segments")
+    units = {"units": "EI / L^2" if grid.beam == Beam.unit() else "N"}
+    exact_load = np.where(np.isnan(load), np.nan, exact[None, :, None])
     return xarray.Dataset(
         {
             "buckling_load": (dims, load, {"long_name": "buckling load of the chain", **units}),
-            "exact_buckling_load": (dims, beam, {"long_name": "buckling load of the beam", **units}),
+            "exact_buckling_load": (dims, exact_load, {"long_name": "buckling load of the beam", **units}),
             "relative_error": (
                 dims,
-                load / beam - 1,
+                load / exact_load - 1,
                 {"long_name": "relative error of the buckling load", "units": "1"},
             ),
         },

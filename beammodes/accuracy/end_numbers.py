@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
+from fractions import Fraction
 from typing import Any
 
 import numpy as np
@@ -13,27 +14,40 @@ from beammodes.accuracy.grids import listed
 from beammodes.chains.units import ExactUnits
 from beammodes.checks import choice, shown
 from beammodes.problem.beam import Beam
-from beammodes.problem.ends import Boundary
-from beammodes.problem.loading import Load
-from beammodes.problem.supports import NUMBERS_OF_END, End
+from beammodes.problem.ends import Boundary, with_pairs_read
+from beammodes.problem.loading import Load, load_of
+from beammodes.problem.supports import NUMBERS_OF_END
 
-__all__ = ["NUMBERS", "EndNumbers", "in_beam_units", "load_in_beam_units", "with_numbers"]
+__all__ = [
+    "BEAM_NUMBERS",
+    "NUMBERS",
+    "EndNumbers",
+    "in_beam_units",
+    "load_in_beam_units",
+    "looked_up",
+    "with_numbers",
+]
 
+# In multiples of a beam's own, and in the units of the beam.
 _UNITS = {
-    "translational_stiffness": "EI / L^3",
-    "rotational_stiffness": "EI / L",
-    "mass": "rhoA L",
-    "rotary_inertia": "rhoA L^3",
-    "offset": "L",
+    "translational_stiffness": ("EI / L^3", "N / m"),
+    "rotational_stiffness": ("EI / L", "N m / rad"),
+    "mass": ("rhoA L", "kg"),
+    "rotary_inertia": ("rhoA L^3", "kg m^2"),
+    "offset": ("L", "m"),
+}
+_ALL_UNITS = {
+    **{f"{side}_{name}": _UNITS[name] for side in ("left", "right") for name in NUMBERS_OF_END},
+    "axial_force": ("EI / L^2", "N"),
+    "spin_rate": ("sqrt(EI / (rhoA L^4))", "rad / s"),
+    "hub_radius": ("L", "m"),
 }
 
 #: What may be a dimension, and its unit in a table for L = EI = ρA = 1.
-NUMBERS: dict[str, str] = {
-    **{f"{side}_{name}": _UNITS[name] for side in ("left", "right") for name in NUMBERS_OF_END},
-    "axial_force": "EI / L^2",
-    "spin_rate": "sqrt(EI / (rhoA L^4))",
-    "hub_radius": "L",
-}
+NUMBERS: dict[str, str] = {name: own for name, (own, _) in _ALL_UNITS.items()}
+
+#: The same in a table for a beam in any consistent units, here named as SI.
+BEAM_NUMBERS: dict[str, str] = {name: units for name, (_, units) in _ALL_UNITS.items()}
 
 
 class EndNumbers:
@@ -59,10 +73,11 @@ class EndNumbers:
         """How many of each."""
         return tuple(len(values) for values in self.values.values())
 
-    def coordinates(self) -> dict[str, tuple[str, list[float], dict[str, str]]]:
-        """Return the coordinates as xarray takes them."""
+    def coordinates(self, beam: Beam | None = None) -> dict[str, tuple[str, list[float], dict[str, str]]]:
+        """Return the coordinates as xarray takes them, in the units of the beam if there is one."""
+        units = NUMBERS if beam is None else BEAM_NUMBERS
         return {
-            name: (name, values, {"long_name": name.replace("_", " "), "units": NUMBERS[name]})
+            name: (name, values, {"long_name": name.replace("_", " "), "units": units[name]})
             for name, values in self.values.items()
         }
 
@@ -99,48 +114,118 @@ def in_beam_units(boundary: Boundary, beam: Beam) -> Boundary:
     Raises
     ------
     TypeError, ValueError
-        If `beam` is not a uniform Beam.
+        If `beam` is not a uniform Beam without rotary inertia of its sections.
 
     Examples
     --------
     >>> print(in_beam_units(Boundary.of("clamped-free(mass=3)"), Beam(2.0, 1.0, 3.0)))
     clamped-free(mass=0.5)
     """
-    if not isinstance(beam, Beam):
-        raise TypeError(f"beam must be a Beam, got {shown(beam)}")
-    if not beam.is_uniform:
-        raise ValueError(f"beam must be uniform, got {shown(beam)}")
-    units = ExactUnits.of(beam, 1)
+    units = ExactUnits.of(_plain_beam(beam), 1)
     ends = []
     for end in (boundary.left, boundary.right):
         mass, inertia, offset = units.body(end.mass, end.rotary_inertia, end.offset)
-        supports = (units.support(end.translational_stiffness, 2), units.support(end.rotational_stiffness, 0))
-        ends.append(End(*map(float, (*supports, mass, inertia, offset)), on_segment=end.on_segment))
+        numbers = {
+            "translational_stiffness": units.support(end.translational_stiffness, 2),
+            "rotational_stiffness": units.support(end.rotational_stiffness, 0),
+            "mass": mass,
+            "rotary_inertia": inertia,
+            "offset": offset,
+        }
+        scaled: dict[str, Any] = {name: _float(name, value) for name, value in numbers.items()}
+        ends.append(replace(end, **scaled))
     return Boundary(*ends)
 
 
 def load_in_beam_units(load: Load, beam: Beam) -> Load:
-    """Return axial force, spin rate and hub radius that count for L = EI = ρA = 1 as these do for `beam`.
+    """Return a load whose numbers count for L = EI = ρA = 1 as these do for a uniform `beam`.
 
     Raises
     ------
     TypeError, ValueError
-        If `beam` is not a uniform Beam, or there is more to the load than those three.
+        If `beam` is not a uniform Beam without rotary inertia of its sections.
 
     Examples
     --------
     >>> load_in_beam_units(Load(axial_force=3.0), Beam(2.0, 1.0, 1.0)).axial_force
     12.0
     """
-    if not isinstance(beam, Beam):
-        raise TypeError(f"beam must be a Beam, got {shown(beam)}")
-    if not beam.is_uniform:
-        raise ValueError(f"beam must be uniform, got {shown(beam)}")
-    if any(load.weight) or any(load.tip) or load.tip_moment:
-        raise ValueError(f"load must be an axial force or a spin here, got {shown(load)}")
+    units = ExactUnits.of(_plain_beam(beam), 1)
     return Load(
-        axial_force=float(ExactUnits.of(beam, 1).force(load.axial_force)),
+        axial_force=_float("axial_force", units.force(load.axial_force)),
         spin_rate=float(load.spin_rate) / beam.frequency_unit,
         hub_radius=float(load.hub_radius) / beam.length,
         plane=load.plane,
+        gravity=_floats("gravity", map(units.acceleration, load.weight)),
+        tip_force=_floats("tip_force", map(units.force, load.tip)),
+        tip_moment=_float("tip_moment", units.moment(load.tip_moment)),
     )
+
+
+def looked_up(boundary: Any, load: Load | None, beam: Beam | None) -> tuple[Any, Load]:
+    """Return ends and load in multiples of ρA L, EI/L and so on, as closed forms take them.
+
+    The one place that says what the numbers of a question without a chain mean: with a `beam` they are in its
+    units; without one those of ends are such multiples already, and a load is refused.
+
+    Parameters
+    ----------
+    boundary : boundary, or array or list of boundaries
+    load : Load or None
+    beam : Beam or None
+
+    Raises
+    ------
+    TypeError, ValueError
+        If there is a load without a beam, or an argument is not of its kind.
+
+    Examples
+    --------
+    >>> print(*looked_up("clamped-free(mass=3)", Load(axial_force=3.0), Beam(2.0, 1.0, 3.0)))
+    clamped-free(mass=0.5) Load(axial_force=12.0)
+    """
+    pull = load_of(load, beam)
+    if beam is None:
+        return boundary, pull
+    return _in_units_of(_plain_beam(beam), boundary), load_in_beam_units(pull, beam)
+
+
+def _in_units_of(beam: Beam, boundary: Any) -> Any:
+    boundary = with_pairs_read(boundary)
+    if isinstance(boundary, str | Boundary) or not isinstance(boundary, Iterable):
+        return in_beam_units(Boundary.of(boundary), beam)
+    items = np.asarray(boundary if isinstance(boundary, np.ndarray) else list(boundary), dtype=object)
+    found: dict[Any, Boundary] = {}
+    for item in items.ravel():
+        if item not in found:
+            found[item] = in_beam_units(Boundary.of(item), beam)
+    scaled = np.empty(items.shape, dtype=object)
+    scaled.ravel()[:] = [found[item] for item in items.ravel()]
+    return scaled
+
+
+def _plain_beam(beam: Beam) -> Beam:
+    if not isinstance(beam, Beam):
+        raise TypeError(f"beam must be a Beam, got {shown(beam)}")
+    if beam.is_uniform and not beam.has_rotary_inertia:
+        return beam
+    kind = "without rotary inertia of its sections" if beam.is_uniform else "uniform"
+    raise ValueError(
+        f"beam must be {kind} here, got {shown(beam)}: for any beam call chain_errors(Chain(beam, ...))"
+    )
+
+
+def _float(name: str, value: Fraction | float) -> float:
+    """Return a number in multiples of the beam's own units, unless that leaves the range of floats."""
+    try:
+        number = float(value)
+    except OverflowError:
+        number = math.nan
+    if math.isnan(number) or (value and not number):
+        raise ValueError(f"{name} must suit the beam: in its own units it leaves the range of floats")
+    return number
+
+
+def _floats(name: str, values: Iterable[Fraction]) -> tuple[float, float]:
+    along, across = (_float(name, value) for value in values)
+    return along, across

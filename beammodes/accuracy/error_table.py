@@ -8,14 +8,15 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from beammodes.accuracy.end_numbers import EndNumbers
-from beammodes.accuracy.errors import MAX_MODES, frequency_error
+from beammodes.accuracy.end_numbers import EndNumbers, looked_up
+from beammodes.accuracy.errors import MAX_MODES, errors_in_multiples
 from beammodes.accuracy.grids import listed
 from beammodes.accuracy.supported_errors import beam_frequencies
 from beammodes.chains.rules import AnyRule, Layout, layout_of
 from beammodes.checks import whole_number
 from beammodes.closed_form.lookup import MAX_SEGMENTS
 from beammodes.exact.exact_beam import wavenumber
+from beammodes.problem.beam import Beam
 from beammodes.problem.ends import Boundary, BoundaryLike
 from beammodes.problem.loading import Load, checked_load
 
@@ -35,30 +36,34 @@ def error_dataset(
     rule: AnyRule | Iterable[AnyRule] = "mitiguy",
     load: Load | None = None,
     over: Mapping[str, Iterable[float]] | None = None,
+    beam: Beam | None = None,
 ) -> xarray.Dataset:
     """Return frequencies and errors of chains as one labelled table.
 
     Parameters
     ----------
     boundary : boundary, or iterable of boundaries
-        Numbers of an `End` count for L = EI = ρA = 1, and so do those of `load` and `over`.
+        Numbers of an `End` are in the units of `beam`; without one they are multiples of ρA L, ρA L³, L,
+        EI/L³ and EI/L, and so are those of `over`.
     segments : int, or iterable of int
     modes : int
         How many, from the first.
     rule : rule, or iterable of rules
     load : Load, optional
-        Loads along the beam or of a turning hub.
+        Loads along the beam or of a turning hub, in the units of `beam`, which must then be given.
     over : mapping from names to numbers, optional
         Further dimensions: numbers of the ends, such as "right_mass" or "left_rotational_stiffness", and
         "axial_force", "spin_rate" or "hub_radius". They replace those of every boundary, whose two ends
         then stay in the order given.
+    beam : Beam, optional
+        Uniform; sets the units of all numbers and frequencies. `Beam.unit()` makes them multiples.
 
     Returns
     -------
     xarray.Dataset
         Dimensions rule, boundary, those of `over`, segments, mode; variables angular_frequency,
-        exact_angular_frequency (both for L = EI = ρA = 1) and relative_error; NaN where a chain has no such
-        mode.
+        exact_angular_frequency (both in rad/s with a `beam`, else multiples of √(EI/(ρA L⁴))) and
+        relative_error; NaN where a chain has no such mode.
 
     Raises
     ------
@@ -76,6 +81,7 @@ def error_dataset(
     """
     pairs = [Boundary.of(pair) for pair in listed("boundary", boundary, (str, Boundary, tuple))]
     numbers, pull = EndNumbers(over), checked_load(load)
+    looked_up("clamped-free", pull, beam)
     pairs = pairs if numbers.values else [pair.canonical for pair in pairs]
     records = [layout_of(name) for name in listed("rule", rule, (str, Layout))]
     counts = [whole_number("segments", n, most=MAX_SEGMENTS) for n in listed("segments", segments, (str,))]
@@ -83,12 +89,15 @@ def error_dataset(
     exact = np.empty((len(pairs), *numbers.shape, len(mode)))
     error = np.empty((len(records), len(pairs), *numbers.shape, len(counts), len(mode)))
     for p, pair in enumerate(pairs):
-        for index, ends, force in numbers.cases(pair, pull):
+        for index, given, given_force in numbers.cases(pair, pull):
+            # Those of `over` are multiples without a beam, as numbers of ends are.
+            ends, force = looked_up(given, given_force, beam) if beam is not None else (given, given_force)
             exact[(p, *index)] = exact_frequencies(ends, mode, force)
             for r, record in enumerate(records):
-                error[(r, p, *index)] = frequency_error(
-                    ends, segments=np.array(counts)[:, None], mode=mode, rule=record, load=force
+                error[(r, p, *index)] = errors_in_multiples(
+                    ends, np.array(counts)[:, None], mode, record, force
                 )
+    exact *= 1.0 if beam is None else beam.frequency_unit
     return labelled_errors(
         [record.name for record in records],
         [pair.name for pair in pairs],
@@ -98,6 +107,7 @@ def error_dataset(
         error=error,
         route="closed form",
         over=numbers,
+        beam=None if beam == Beam.unit() else beam,
     )
 
 
@@ -124,6 +134,7 @@ def labelled_errors(
     error: Array,
     route: str,
     over: EndNumbers | None = None,
+    beam: Beam | None = None,
 ) -> xarray.Dataset:
     """Return frequencies and errors as the Dataset that `error_dataset` describes.
 
@@ -132,13 +143,15 @@ def labelled_errors(
     rules, boundaries, segments : list
         Coordinates of the first three dimensions; modes count from 1.
     angular_frequency, error : ndarray, shape (rules, boundaries, ..., segments, modes)
-        Of the chains, for L = EI = ρA = 1.
+        Of the chains.
     exact : ndarray, shape (boundaries, ..., modes)
         Of the beam.
     route : str
         How the frequencies were computed; kept as an attribute.
     over : EndNumbers, optional
         What the dimensions in between are.
+    beam : Beam, optional
+        In whose units frequencies and numbers are; multiples of its own without one.
     """
     import xarray
 
@@ -147,7 +160,7 @@ def labelled_errors(
     between = over or EndNumbers(None)
     dims = ("rule", "boundary", *between.values, "segments", "mode")
     exact = np.broadcast_to(exact[None, ..., None, :], error.shape)
-    frequency = {"units": "sqrt(EI / (rhoA L^4))"}
+    frequency = {"units": "sqrt(EI / (rhoA L^4))" if beam is None else "rad / s"}
     return xarray.Dataset(
         {
             "angular_frequency": (
@@ -169,7 +182,7 @@ def labelled_errors(
         coords={
             "rule": rules,
             "boundary": boundaries,
-            **between.coordinates(),
+            **between.coordinates(beam),
             "segments": ("segments", segments, {"long_name": "number of rigid segments", "units": "1"}),
             "mode": ("mode", np.arange(1, error.shape[-1] + 1), {"long_name": "elastic mode", "units": "1"}),
         },

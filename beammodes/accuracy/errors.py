@@ -3,22 +3,26 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import Any, overload
+from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from beammodes.accuracy.end_numbers import looked_up
 from beammodes.chains.axial_rule import AxiallyCorrected
 from beammodes.chains.rules import AnyRule, Layout, Rule, RuleMaker, layout_of
-from beammodes.checks import positive_real, shown, whole_number
+from beammodes.checks import shown, small_fraction, whole_number
 from beammodes.closed_form.discretization import relative_error
 from beammodes.closed_form.lookup import MAX_MODE, MAX_SEGMENTS
 from beammodes.exact.exact_beam import wavenumber
 from beammodes.exact.wavenumbers import whole_numbers
 from beammodes.problem.ends import BOUNDARIES, Boundary, BoundaryLike, NotPlain, boundary_codes
-from beammodes.problem.loading import Load, checked_load
+from beammodes.problem.loading import Load
 
-__all__ = ["MAX_MODES", "ToleranceOutOfReach", "frequency_error", "segments_needed"]
+if TYPE_CHECKING:
+    from beammodes.problem.beam import Beam
+
+__all__ = ["MAX_MODES", "ToleranceOutOfReach", "errors_in_multiples", "frequency_error", "segments_needed"]
 
 #: A table of more modes than this would be a mistake.
 MAX_MODES = 100_000
@@ -35,7 +39,13 @@ class ToleranceOutOfReach(ValueError):
 
 @overload
 def frequency_error(
-    boundary: str | Boundary, *, segments: int, mode: int, rule: AnyRule = ..., load: Load | None = ...
+    boundary: str | Boundary,
+    *,
+    segments: int,
+    mode: int,
+    rule: AnyRule = ...,
+    load: Load | None = ...,
+    beam: Beam | None = ...,
 ) -> float: ...
 
 
@@ -47,6 +57,7 @@ def frequency_error(
     mode: ArrayLike,
     rule: AnyRule | Iterable[AnyRule] | NDArray[Any] = ...,
     load: Load | None = ...,
+    beam: Beam | None = ...,
 ) -> float | Array: ...
 
 
@@ -57,12 +68,15 @@ def frequency_error(
     mode: ArrayLike,
     rule: AnyRule | Iterable[AnyRule] | NDArray[Any] = "mitiguy",
     load: Load | None = None,
+    beam: Beam | None = None,
 ) -> float | Array:
     """Return the signed relative frequency error of a uniform chain.
 
         e = ω_chain / ω_beam - 1
 
-    It is dimensionless and needs no beam: length, stiffness and mass scale out. Arguments broadcast.
+    It is dimensionless, and plain ends need no beam: length, stiffness and mass scale out. Springs, bodies
+    and loads have units: give the `beam`, and they are in its. Arguments broadcast.
+
     Relative accuracy is 1e-9 or better for modes up to N/10, also where e is far below machine
     epsilon; beyond them, and next to an N where e changes sign, e is within 1e-14. With springs or bodies at
     the ends or an axial force it is within 1e-14, for modes to 1000.
@@ -70,15 +84,18 @@ def frequency_error(
     Parameters
     ----------
     boundary : str, pair of ends, Boundary, or array of them
-        Such as "clamped-free"; either order of the ends. Numbers of an `End` count for L = EI = ρA = 1:
-        "clamped-free(mass=0.5)" carries half the beam's mass at its tip.
+        Such as "clamped-free"; either order of the ends. Numbers of an `End` are in the units of `beam`.
+        Without one they are multiples of ρA L, ρA L³, L, EI/L³ and EI/L: "clamped-free(mass=0.5)" carries
+        half the beam's mass at its tip.
     segments : int or array of int
         N, from 1 to 10⁹.
     mode : int or array of int
         1-based index of an elastic mode.
     rule : str, Rule, or array of them; or one record from `mode_tuned` or `matched`
     load : Load, optional
-        Loads along the beam or of a turning hub, their numbers for L = EI = ρA = 1.
+        Loads along the beam or of a turning hub, in the units of `beam`, which must then be given.
+    beam : Beam, optional
+        Uniform. `Beam.unit()` makes all numbers multiples of EI/L², ρA L and so on.
 
     Returns
     -------
@@ -89,26 +106,40 @@ def frequency_error(
     Raises
     ------
     TypeError, ValueError
-        If an argument is not of its kind or outside its range.
+        If an argument is not of its kind or outside its range, or a load comes without a beam.
 
     Examples
     --------
     >>> round(frequency_error("clamped-free", segments=6, mode=1), 7)
     -0.0035175
+    >>> from beammodes.problem.beam import Beam
+    >>> rod = Beam(length=1.2, bending_stiffness=85.0, mass_per_length=0.62)         # m, N m², kg/m
+    >>> round(frequency_error("clamped-free(mass=0.3)", segments=6, mode=1, beam=rod), 7)       # kg
+    -0.0011994
     >>> frequency_error(["clamped-free", "pinned-pinned"], segments=[[10], [20]], mode=1).round(8)
     array([[-1.25911e-03, -6.92000e-06],
            [-3.14010e-04, -4.30000e-07]])
     """
-    rules: Any = rule
-    pull = checked_load(load)
-    if pull != Load():
-        return _supported(boundary, segments, mode, rules, pull)
+    ends, pull = looked_up(boundary, load, beam)
+    return errors_in_multiples(ends, segments, mode, rule, pull)
+
+
+def errors_in_multiples(boundary: Any, segments: Any, mode: Any, rule: Any, load: Load) -> float | Array:
+    """Return what `frequency_error` does; numbers of ends and load are multiples of ρA L, EI/L² and so on.
+
+    Examples
+    --------
+    >>> round(errors_in_multiples("clamped-free", 10, 1, "mitiguy", Load(axial_force=3.0)), 6)
+    -0.00265
+    """
+    if load != Load():
+        return _supported(boundary, segments, mode, rule, load)
     try:
         if isinstance(rule, Layout) and not isinstance(rule, Rule):
             return _errors_of_layout(boundary, segments, mode, rule)
-        return relative_error(boundary, segments, mode, rules)
+        return relative_error(boundary, segments, mode, rule)
     except NotPlain:
-        return _supported(boundary, segments, mode, rules, pull)
+        return _supported(boundary, segments, mode, rule, load)
 
 
 def _supported(boundary: Any, segments: Any, mode: Any, rule: Any, load: Load) -> float | Array:
@@ -165,42 +196,49 @@ def segments_needed(
     rule: AnyRule = "mitiguy",
     *,
     load: Load | None = None,
+    beam: Beam | None = None,
 ) -> int:
     """Return the smallest N from which the first modes all stay within a tolerance, for every larger N too.
 
         N = min { n : |e_k(n')| ≤ tolerance for all n' ≥ n and k = 1..modes }
 
     With springs or bodies at the ends or an axial force, N is sought up to 10⁵, and every larger N stands for
-    those of a grid: all up to 30, then steps of a tenth. A `Layout` that is no `Rule` has each of its chains
-    solved, and N is sought up to 1000.
+    those of a grid: all up to 30, then steps of a tenth. Where each chain is solved, under spin or weight and
+    with a `Layout` that is no `Rule`, N is sought up to 1000.
 
     Parameters
     ----------
     boundary : str, pair or Boundary
+        Numbers of its ends are in the units of `beam`; without one they are multiples of ρA L, ρA L³, L,
+        EI/L³ and EI/L.
     tolerance : float
-        Largest |e| allowed, as a fraction: 0.01 is one percent.
+        Largest |e| allowed, as a fraction less than 0.5: 0.01 is one percent.
     modes : int
         How many modes, from the first.
     rule : str, Rule or any Layout
     load : Load, optional
-        Loads along the beam or of a turning hub, their numbers for L = EI = ρA = 1.
+        Loads along the beam or of a turning hub, in the units of `beam`, which must then be given.
+    beam : Beam, optional
+        Uniform. `Beam.unit()` makes all numbers multiples of EI/L², ρA L and so on.
 
     Raises
     ------
     TypeError, ValueError
-        If an argument is not of its kind, more segments would be needed than are sought (10⁹ at most), or
-        the rule is of `matched` springs, which meet frequencies at every N that has them.
+        If an argument is not of its kind, a load comes without a beam, more segments would be needed than are
+        sought (10⁹ at most), or the rule is of `matched` springs, which meet frequencies at every N that has
+        them.
 
     Examples
     --------
     >>> segments_needed("clamped-clamped", tolerance=0.01, modes=3, rule="mitiguy")
     26
     """
-    ends, limit, pull = Boundary.of(boundary), positive_real("tolerance", tolerance), checked_load(load)
+    limit = small_fraction("tolerance", tolerance)
+    ends, pull = looked_up(Boundary.of(boundary), load, beam)
     record, mode = layout_of(rule), np.arange(1, whole_number("modes", modes, most=MAX_MODES) + 1)
 
     def fails(count: NDArray[np.int64]) -> NDArray[np.bool_]:
-        error = frequency_error(ends, segments=count[:, None], mode=mode, rule=record, load=pull)
+        error = errors_in_multiples(ends, count[:, None], mode, record, pull)
         return np.asarray(~(np.abs(error) <= limit).all(axis=1))
 
     exact = getattr(record, "exact_modes", None)
@@ -215,7 +253,7 @@ def segments_needed(
         grid = _segment_grid(len(mode))
     else:
         along = isinstance(record, AxiallyCorrected) and isinstance(record.rule, Rule) and pull.is_axial
-        grid = _sparse_grid(len(mode), _LONGEST if closed or along else _LONGEST_SOLVED)
+        grid = _sparse_grid(len(mode), _LONGEST if (closed or along) and pull.is_axial else _LONGEST_SOLVED)
     failing = np.flatnonzero(fails(grid))
     if not len(failing):
         return int(grid[0])

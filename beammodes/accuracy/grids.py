@@ -8,11 +8,12 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from beammodes.chains.rules import Layout, layout_of
-from beammodes.checks import whole_number
+from beammodes.checks import shown, whole_number
 from beammodes.problem.ends import Boundary, is_pair
 
 if TYPE_CHECKING:
     from beammodes.chains.chain import Chain
+    from beammodes.problem.beam import Beam
 
 __all__ = ["ChainGrid", "listed", "stands_alone"]
 
@@ -54,14 +55,15 @@ def listed(name: str, value: Any, single: tuple[type, ...]) -> list[Any]:
 
 
 class ChainGrid(NamedTuple):
-    """Rules, pairs of ends and segment counts: the first three dimensions of a dataset."""
+    """Rules, pairs of ends and segment counts, the first three dimensions of a dataset, and their beam."""
 
     rules: list[Layout]
     boundaries: list[Boundary]
     segments: list[int]
+    beam: Beam
 
     @classmethod
-    def of(cls, boundary: Any, segments: Any, rule: Any, most: int) -> ChainGrid:
+    def of(cls, boundary: Any, segments: Any, rule: Any, most: int, beam: Beam | None = None) -> ChainGrid:
         """Return the grid of one or an iterable of each; raises TypeError or ValueError naming it.
 
         Parameters
@@ -69,11 +71,18 @@ class ChainGrid(NamedTuple):
         boundary, segments, rule : one of its kind, or an iterable of them
         most : int
             Largest number of segments allowed.
+        beam : Beam, optional
+            In whose units the numbers of ends are; by default they are multiples of ρA L, EI/L and so on.
         """
+        from beammodes.problem.beam import Beam
+
+        if beam is not None and not isinstance(beam, Beam):
+            raise TypeError(f"beam must be a Beam or None, got {shown(beam)}")
         return cls(
             [layout_of(name) for name in listed("rule", rule, (str, Layout))],
             [Boundary.of(pair).canonical for pair in listed("boundary", boundary, (str, Boundary, tuple))],
             [whole_number("segments", n, most=most) for n in listed("segments", segments, (str,))],
+            Beam.unit() if beam is None else beam,
         )
 
     @property
@@ -90,13 +99,12 @@ class ChainGrid(NamedTuple):
         }
 
     def chains(self) -> Iterator[tuple[tuple[int, int, int], Chain]]:
-        """Yield indices and chains of the unit beam, leaving out those whose springs are not positive."""
+        """Yield indices and chains of the beam, leaving out those whose springs are not positive."""
         from beammodes.chains.chain import Chain
-        from beammodes.problem.beam import Beam
 
         for i, j, k in np.ndindex(self.shape):
             try:
-                chain = Chain(Beam.unit(), self.boundaries[j], self.segments[k], self.rules[i])
+                chain = Chain(self.beam, self.boundaries[j], self.segments[k], self.rules[i])
             except ValueError:
                 # No positive springs for this boundary and N.
                 continue

@@ -25,6 +25,8 @@ from beammodes.vibration.modes import solve_modes
 if TYPE_CHECKING:
     import xarray
 
+    from beammodes.problem.beam import Beam
+
 __all__ = ["modal_assurance", "shape_dataset"]
 
 #: A table of more modes than this would be a mistake.
@@ -88,6 +90,7 @@ def shape_dataset(
     segments: int | Iterable[int],
     modes: int,
     rule: AnyRule | Iterable[AnyRule] = "mitiguy",
+    beam: Beam | None = None,
 ) -> xarray.Dataset:
     """Return how far chains' mode shapes u are from the beam's φ, as one labelled table.
 
@@ -101,6 +104,9 @@ def shape_dataset(
         How many elastic modes, from the first. Of a chain longer than 500 segments, at most a tenth of its
         own.
     rule : rule, or iterable of rules
+    beam : Beam, optional
+        In whose units numbers of the ends are; without one they are multiples of ρA L, ρA L³, L, EI/L³ and
+        EI/L.
 
     Returns
     -------
@@ -128,7 +134,7 @@ def shape_dataset(
 
     from beammodes import __version__
 
-    grid = ChainGrid.of(boundary, segments, rule, MAX_PIECES)
+    grid = ChainGrid.of(boundary, segments, rule, MAX_PIECES, beam)
     count = whole_number("modes", modes, most=MAX_MODES)
     values = np.full((2, *grid.shape, count), np.nan)
     for index, chain in grid.chains():

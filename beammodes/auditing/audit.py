@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from beammodes.auditing.better_springs import Suggestion, listed_errors, suggestions_for
 from beammodes.auditing.judged_pieces import UNKNOWN, Columns, JudgedPieces, percent
-from beammodes.checks import positive_real
+from beammodes.checks import small_fraction
 from beammodes.problem.beam import Beam
 from beammodes.problem.ends import Boundary, BoundaryLike
 
@@ -234,7 +234,7 @@ def audit_chain(
     modes : int
         How many, 1 to 100.
     tolerance : float
-        Largest |e| allowed: 0.01 is one percent.
+        Largest |e| allowed, less than 0.5: 0.01 is one percent.
 
     Raises
     ------
@@ -256,7 +256,7 @@ def audit_chain(
     """
     columns = {"length": length, "mass": mass, "rotary_inertia": rotary_inertia}
     columns |= {} if centre is None else {"centre": centre}
-    limit = positive_real("tolerance", tolerance)
+    limit = small_fraction("tolerance", tolerance)
     judged = JudgedPieces.of(
         beam, Boundary.of(boundary), columns, joint_stiffness, modes, armature=armature, damping=damping
     )

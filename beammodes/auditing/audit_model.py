@@ -27,7 +27,7 @@ from beammodes.auditing.rigid_pieces import Piece, PlanarChain, Spring, with_wal
 from beammodes.auditing.serial_chains import HingePath, chosen_path, hinge_paths
 from beammodes.auditing.urdf_springs import read_springs
 from beammodes.chains.chain import Chain
-from beammodes.checks import choice, positive_real, shown
+from beammodes.checks import choice, shown, small_fraction
 from beammodes.exporters.chain_csv import read_chain_csv
 from beammodes.problem.beam import Beam
 from beammodes.problem.ends import Boundary, BoundaryLike
@@ -113,7 +113,7 @@ def audit_file(
         raise TypeError(f"path must be a string or a Path, got {shown(path)}")
     if not isinstance(beam, Beam):
         raise TypeError(f"beam must be a Beam, got {shown(beam)}")
-    positive_real("tolerance", tolerance)
+    small_fraction("tolerance", tolerance)
     given = None if boundary is None else Boundary.of(boundary)
     place = Path(path)
     try:

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from beammodes.accuracy.end_numbers import NUMBERS, in_beam_units, load_in_beam_units, with_numbers
 from beammodes.accuracy.error_table import exact_frequencies
-from beammodes.accuracy.errors import frequency_error
+from beammodes.accuracy.errors import errors_in_multiples
 from beammodes.batch.study_axes import SECTIONS, dimensions_of
 from beammodes.chains.chain import Chain
 from beammodes.chains.rules import AnyRule
@@ -190,7 +190,7 @@ class Cases:
         mode = self.mode if len(self.mode) == 1 else self.mode[at]
         error = np.full((len(at), self.mode.shape[1]), np.nan)
         try:
-            error[:] = frequency_error(pair, segments=segments, mode=mode, rule=rule, load=load)
+            error[:] = errors_in_multiples(pair, segments, mode, rule, load)
         except NO_ANSWER:
             if len(at) > 1:
                 # One case without an answer must not take it from those beside it.

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from beammodes.accuracy.end_numbers import NUMBERS, with_numbers
+from beammodes.accuracy.end_numbers import BEAM_NUMBERS, NUMBERS, with_numbers
 from beammodes.accuracy.grids import listed, stands_alone
 from beammodes.accuracy.loads import LOADS
 from beammodes.batch.distributions import Distribution, Normal, Uniform, uniform_samples
@@ -103,16 +103,6 @@ def _whole(name: str, long_name: str, most: int) -> AxisKind:
     return AxisKind(partial(whole_number, name, most=most), long_name)
 
 
-_SI = {
-    "translational_stiffness": "N / m",
-    "rotational_stiffness": "N m / rad",
-    "mass": "kg",
-    "rotary_inertia": "kg m^2",
-    "offset": "m",
-    "axial_force": "N",
-    "spin_rate": "rad / s",
-    "hub_radius": "m",
-}
 _BEAM = {
     "length": "m",
     "bending_stiffness": "N m^2",
@@ -132,7 +122,7 @@ AXES: dict[str, AxisKind] = {
         name: AxisKind(
             partial(_end_number, name),
             name.replace("_", " "),
-            _SI[name.removeprefix("left_").removeprefix("right_")],
+            BEAM_NUMBERS[name],
             units,
         )
         for name, units in NUMBERS.items()

@@ -20,7 +20,7 @@ from beammodes.chains.rules import AnyRule, Layout, Rule, layout_of
 from beammodes.checks import real, shown
 from beammodes.problem.beam import Beam
 from beammodes.problem.ends import Boundary
-from beammodes.problem.loading import Load, checked_load
+from beammodes.problem.loading import Load, load_of
 
 __all__ = ["AxiallyCorrected", "axially_corrected"]
 
@@ -87,8 +87,8 @@ def axially_corrected(rule: AnyRule, load: Load, beam: Beam | None = None) -> Ax
     rule : str, Rule or any Layout
     load : Load
         Its axial force [N].
-    beam : Beam, optional
-        Uniform; L = EI = 1 by default, so that the force is in EI/L².
+    beam : Beam
+        Uniform, in whose units the force is; `Beam.unit()` if it is a multiple of EI/L².
 
     Returns
     -------
@@ -98,7 +98,7 @@ def axially_corrected(rule: AnyRule, load: Load, beam: Beam | None = None) -> Ax
     Raises
     ------
     TypeError, ValueError
-        If an argument is not of its kind, or the beam is not uniform.
+        If an argument is not of its kind, the beam is not uniform, or a load comes without one.
 
     Source
     ------
@@ -106,11 +106,11 @@ def axially_corrected(rule: AnyRule, load: Load, beam: Beam | None = None) -> Ax
 
     Examples
     --------
-    >>> load = Load(axial_force=-0.5 * 9.8696)
-    >>> [axially_corrected("gregory", load).hinge_weights(Boundary.of("pinned-pinned"), 2)[0] < 1]
+    >>> rule = axially_corrected("gregory", Load(axial_force=-0.5 * 9.8696), Beam.unit())
+    >>> [rule.hinge_weights(Boundary.of("pinned-pinned"), 2)[0] < 1]
     [True]
     """
-    record, force = layout_of(rule), checked_load(load).axial_force
+    record, force = layout_of(rule), load_of(load, beam).axial_force
     structure = Beam.unit() if beam is None else beam
     if not isinstance(structure, Beam):
         raise TypeError(f"beam must be a Beam, got {shown(beam)}")

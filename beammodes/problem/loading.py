@@ -7,7 +7,7 @@ from fractions import Fraction
 
 from beammodes.checks import choice, real, shown
 
-__all__ = ["PLANES", "Load", "Vector", "checked_load"]
+__all__ = ["PLANES", "Load", "Vector", "checked_load", "load_of"]
 
 Number = float | Fraction
 
@@ -23,7 +23,8 @@ class Load:
     """Loads on a beam or a chain; numbers given as `Fraction` stay exact.
 
     Forces are dead: they keep their direction. The axes are those of the beam at rest, x along it and y up. A
-    body on an end that holds it across the beam is not felt along it either.
+    body on an end that holds it across the beam is not felt along it either. Its numbers are in the units of
+    the beam it is on; functions that take no chain need that `beam` beside it.
 
     Parameters
     ----------
@@ -110,6 +111,28 @@ def checked_load(load: Load | None) -> Load:
     if load is not None and not isinstance(load, Load):
         raise TypeError(f"load must be a Load or None, got {shown(load)}")
     return load or Load()
+
+
+def load_of(load: Load | None, beam: object | None) -> Load:
+    """Return `load`, or no load for None; a load needs a beam, in whose units its numbers are.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If there is a load and `beam` is None; the message says both ways to give one.
+
+    Examples
+    --------
+    >>> load_of(None, None) == Load()
+    True
+    """
+    given = checked_load(load)
+    if beam is None and given != Load():
+        raise ValueError(
+            f"load must come with a beam, in whose units it is, got {shown(str(given))} alone: add "
+            "beam=Beam(L, EI, rhoA), or beam=Beam.unit() if its numbers are multiples of EI/L^2"
+        )
+    return given
 
 
 def _kept(name: str, value: Number) -> Number:
