@@ -275,11 +275,12 @@ def test_tables_of_chains_take_a_beam() -> None:
 @pytest.mark.parametrize("value", [0.5, 1, 1.0, 2, 5, 100, 1e300])
 def test_a_tolerance_in_percent_is_questioned_wherever_one_is_taken(value: float) -> None:
     chain = Chain(Beam.unit(), "clamped-free", 4)
-    arrays = (chain.length, chain.mass, chain.rotary_inertia, chain.joint_stiffness)
+    names = ("length", "mass", "rotary_inertia", "joint_stiffness")
+    arrays: Any = {name: getattr(chain, name) for name in names}
     for call in (
         lambda: segments_needed("clamped-free", value),
         lambda: bm.recommend("clamped-free", value),
-        lambda: bm.audit_chain(Beam.unit(), "clamped-free", *arrays, tolerance=value),
+        lambda: bm.audit_chain(Beam.unit(), "clamped-free", **arrays, tolerance=value),
         lambda: bm.audit_file("no such file", Beam.unit(), tolerance=value),
     ):
         with pytest.raises(ValueError, match=r"^tolerance must be a fraction less than 0\.5, got") as refused:

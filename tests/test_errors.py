@@ -201,19 +201,22 @@ def test_a_tuple_of_pairs_is_several_boundaries() -> None:
 )
 def test_axially_corrected_springs_by_the_rules_closed_form(pair: str) -> None:
     """All springs s times a rule's: checked against the solved chain, and sought like any rule."""
-    load = bm.Load(axial_force=-1.2)
+    load, unit = bm.Load(axial_force=-1.2), bm.Beam.unit()
     for rule, n in itertools.product(("gregory", "half_stub", "naive"), (4, 12)):
-        record = bm.axially_corrected(rule, load)
+        record = bm.axially_corrected(rule, load, unit)
         chain = bm.Chain(bm.Beam.unit(), pair, n, record)
         omega = bm.solve_modes(bm.linearize(chain, load=load), 3).angular_frequency
         exact = bm.euler_bernoulli(bm.Beam.unit(), pair, 3, load=load).angular_frequency
-        found = bm.frequency_error(pair, segments=n, mode=[1, 2, 3], rule=record, load=load)
+        found = bm.frequency_error(pair, segments=n, mode=[1, 2, 3], rule=record, load=load, beam=unit)
         np.testing.assert_allclose(found, omega / exact - 1, atol=3e-13)
-    record = bm.axially_corrected("gregory", load)
-    corrected, plain = (bm.segments_needed(pair, 1e-4, 1, rule, load=load) for rule in (record, "gregory"))
+    record = bm.axially_corrected("gregory", load, unit)
+    corrected, plain = (
+        bm.segments_needed(pair, 1e-4, 1, rule, load=load, beam=unit) for rule in (record, "gregory")
+    )
     assert corrected <= plain
     for n, within in ((corrected - 1, False), (corrected, True)):
-        assert (abs(bm.frequency_error(pair, segments=n, mode=1, rule=record, load=load)) <= 1e-4) == within
+        error = bm.frequency_error(pair, segments=n, mode=1, rule=record, load=load, beam=unit)
+        assert (abs(error) <= 1e-4) == within
 
 
 class _OwnLayout:
@@ -230,8 +233,10 @@ class _OwnLayout:
 
 @pytest.mark.parametrize("load", [None, bm.Load(axial_force=1.0)], ids=["free", "pulled"])
 def test_segments_needed_by_a_layout_of_ones_own(load: bm.Load | None) -> None:
-    pair = "clamped-free"
-    own, rule = (bm.segments_needed(pair, 0.02, 2, rule, load=load) for rule in (_OwnLayout(), "gregory2"))
+    own, rule = (
+        bm.segments_needed("clamped-free", 0.02, 2, rule, load=load, beam=bm.Beam.unit())
+        for rule in (_OwnLayout(), "gregory2")
+    )
     assert own == rule
 
 

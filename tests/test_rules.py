@@ -433,7 +433,7 @@ def test_a_layout_serves_everything_that_takes_chains() -> None:
         assert np.abs(found).max() < worst / 2 or pair is tip
     assert rule.name in bm.error_dataset(boundary="clamped-free", segments=[8], modes=2, rule=rule).rule
     for load in (bm.Load(), bm.Load(axial_force=-1.0)):
-        corrected = bm.axially_corrected(rule, load)
+        corrected = bm.axially_corrected(rule, load, bm.Beam.unit())
         chain = bm.Chain(bm.Beam.unit(), "clamped-free", 8, corrected)
         factor = 1 - load.axial_force / 64 / 12
         plain = bm.Chain(bm.Beam.unit(), "clamped-free", 8, rule)

@@ -34,6 +34,7 @@ Answer = tuple[dict[str, Any], str]
 def answer_error(options: argparse.Namespace) -> Answer:
     """Answer the relative frequency error of one mode of a uniform chain."""
     from beammodes.accuracy.errors import frequency_error
+    from beammodes.problem.beam import Beam
 
     error: float = frequency_error(
         options.boundary,
@@ -41,6 +42,7 @@ def answer_error(options: argparse.Namespace) -> Answer:
         mode=options.mode,
         rule=options.rule,
         load=load_of(options),
+        beam=Beam.unit(),
     )
     if math.isnan(error):
         raise ValueError(
