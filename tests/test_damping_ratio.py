@@ -214,13 +214,17 @@ def one_step(chain: Chain, damping: Damping, step: float, integrator: str) -> An
 
 
 def far_drag(chain: Chain, damping: Damping) -> Any:
-    """Dampers of the right support's springs, in nodal coordinates: deflections, then angles of bodies."""
+    """Dampers between the right end and the ground, in nodal coordinates."""
     coordinates = linearize(chain).coordinates
     found = np.zeros((len(coordinates), len(coordinates)))
     translation, rotation = chain.support_stiffness[1]
     last = [k for k, name in enumerate(coordinates) if name.startswith("y")][-1]
-    assert not np.isfinite(rotation) or rotation == 0
     found[last, last] = damping.stiffness * translation if np.isfinite(translation) else 0.0
+    if rotation == math.inf:
+        bend = linearize(chain).joint_rotations[-1]
+        found += damping.joint_damping(chain)[-1] * np.outer(bend, bend)
+    else:
+        assert rotation == 0
     return found
 
 

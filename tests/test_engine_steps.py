@@ -3,15 +3,23 @@
 from __future__ import annotations
 
 import math
+import re
+import xml.etree.ElementTree as ElementTree
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+import scipy.optimize
 
 from beammodes.chains.chain import Chain
+from beammodes.dynamics.damping_ratio import joint_dampers
 from beammodes.exporters.export import export_chain
 from beammodes.problem.beam import Beam
+from beammodes.problem.ends import BoundaryLike, End
+from beammodes.problem.loading import Load
+from beammodes.vibration.damping import Damping
 from beammodes.vibration.linear import linearize
 from beammodes.vibration.modes import solve_modes
 from beammodes.vibration.stability import stable_time_step
@@ -21,6 +29,13 @@ MODES = solve_modes(linearize(CHAIN))
 #: Joint angles of mode 1 at the hinges, which are the engines' coordinates.
 BENT = 1e-3 * np.diff(MODES.rotation[0], prepend=0.0)[-10:]
 EXPLICIT = stable_time_step(CHAIN, "semi_implicit_euler")
+INTEGRATORS = ("RK4", "Euler", "implicit", "implicitfast")
+
+
+@pytest.fixture(autouse=True)
+def logs_of_mujoco(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Its warnings go to a file in the working folder."""
+    monkeypatch.chdir(tmp_path)
 
 
 def mujoco_motion(folder: Path, integrator: str, step: float, steps: int) -> tuple[Any, np.ndarray]:
@@ -42,10 +57,7 @@ def mujoco_motion(folder: Path, integrator: str, step: float, steps: int) -> tup
 
 
 @pytest.mark.parametrize("integrator", ["Euler", "implicit", "implicitfast"])
-def test_mujocos_springs_are_explicit(
-    integrator: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.chdir(tmp_path)  # for the log file of its warnings
+def test_mujocos_springs_are_explicit(integrator: str, tmp_path: Path) -> None:
     data, motion = mujoco_motion(tmp_path, integrator, 0.98 * EXPLICIT, 2000)
     assert np.abs(motion).max() < 1.01 * abs(BENT[0])
     assert not any(warning.number for warning in data.warning)
@@ -113,3 +125,272 @@ def test_pinocchios_wheel_reads_urdf_only(tmp_path: Path) -> None:
     assert pinocchio.buildModelFromUrdf(str(path)).nv == 10
     if not pinocchio.WITH_SDFORMAT:
         assert not hasattr(pinocchio, "buildModelFromSdf")
+
+
+# --- Steps of files ------------------------------------------------------------------------------------
+
+
+def mujoco_file(path: Path, integrator: str = "") -> Any:
+    mujoco = pytest.importorskip("mujoco")
+    model = mujoco.MjModel.from_xml_path(str(path))
+    if integrator:
+        model.opt.integrator = getattr(mujoco.mjtIntegrator, f"mjINT_{integrator.upper()}")
+    return model
+
+
+def at_rest(model: Any, guess: np.ndarray) -> np.ndarray | None:
+    """Joint coordinates at which nothing accelerates, under the model's gravity raised in steps."""
+    import mujoco
+
+    data, gravity = mujoco.MjData(model), model.opt.gravity.copy()
+
+    def acceleration(place: np.ndarray) -> np.ndarray:
+        data.qpos[:], data.qvel[:] = place, 0.0
+        data.qacc_warmstart[:] = 0.0
+        mujoco.mj_forward(model, data)
+        return np.array(data.qacc)
+
+    place = guess
+    if np.any(gravity):
+        for share in np.linspace(0.1, 1.0, 10):
+            model.opt.gravity[:] = share * gravity
+            place = scipy.optimize.root(acceleration, place, tol=1e-13).x
+        if np.abs(acceleration(place)).max() > 1e-6 * (1 + np.abs(gravity).max()):
+            return None
+    return np.asarray(place)
+
+
+def is_stable(model: Any, step: float, rest: np.ndarray, steps: int = 4000) -> bool:
+    """Whether MuJoCo's motion from a millionth beside rest stays there."""
+    import mujoco
+
+    model.opt.timestep = step
+    model.eq_solref[:, 0] = 2 * step
+    data = mujoco.MjData(model)
+    data.qpos[:] = rest + 1e-6 * np.random.default_rng(0).standard_normal(model.nv)
+    for _ in range(steps // 100):
+        mujoco.mj_step(model, data, nstep=100)
+        if any(warning.number for warning in data.warning) or not np.abs(data.qpos - rest).max() < 1e-2:
+            return False
+    return bool(np.abs(data.qpos - rest).max() < 1e-3)
+
+
+def largest_stable(model: Any, low: float, high: float, rest: np.ndarray, halvings: int = 9) -> float:
+    """By bisection of the logarithm."""
+    for _ in range(halvings):
+        middle = math.sqrt(low * high)
+        low, high = (middle, high) if is_stable(model, middle, rest) else (low, middle)
+    return low
+
+
+def written_step(path: Path) -> float:
+    root = ElementTree.parse(path).getroot()
+    option = root.find("option")
+    return float(option.attrib["timestep"] if option is not None else str(root.findtext(".//max_step_size")))
+
+
+@pytest.mark.parametrize("integrator", ["Euler", "implicit", "implicitfast"])
+@pytest.mark.parametrize(
+    # 2 (ζ + √(1 + ζ²))/ω_max, worked outside of this library, and measured in MuJoCo 4.0.0 by others.
+    ("ratio", "formula", "measured"),
+    [(0.01, 1.4902748e-3, 1.494e-3), (0.02, 2.8459770e-3, 2.862e-3), (0.1, 1.4000932e-2, 1.440e-2)],
+)
+def test_mujoco_takes_dampers_of_joints_implicitly(
+    ratio: float, formula: float, measured: float, integrator: str, tmp_path: Path
+) -> None:
+    damping = joint_dampers(CHAIN, ratio)
+    (path,) = export_chain(CHAIN, tmp_path / "beam.xml", damping=damping, integrator=integrator)
+    limit = stable_time_step(CHAIN, f"MuJoCo {integrator}", damping=damping)
+    assert limit == pytest.approx(formula, rel=1e-6)
+    found = largest_stable(mujoco_file(path), formula / 2, 2 * formula, np.zeros(10))
+    assert found == pytest.approx(limit, rel=0.03) and found == pytest.approx(measured, rel=0.03)
+    assert limit / 3 < written_step(path) < limit
+
+
+@pytest.mark.parametrize("ratio", [0.01, 0.02, 0.1])
+def test_without_its_flag_eulers_dampers_are_explicit(ratio: float, tmp_path: Path) -> None:
+    mujoco, damping = pytest.importorskip("mujoco"), joint_dampers(CHAIN, ratio)
+    (path,) = export_chain(CHAIN, tmp_path / "beam.xml", damping=damping, integrator="Euler")
+    limit = stable_time_step(CHAIN, "semi_implicit_euler", damping=damping)
+    assert f"taken explicitly: {limit:.4g} s" in path.read_text(encoding="utf-8")
+    model = mujoco_file(path)
+    model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_EULERDAMP
+    assert largest_stable(model, limit / 2, 2 * limit, np.zeros(10)) == pytest.approx(limit, rel=0.03)
+
+
+@pytest.mark.parametrize("integrator", INTEGRATORS)
+def test_a_rope_that_hangs_needs_a_shorter_step(integrator: str, tmp_path: Path) -> None:
+    """A tether of 4 m with 0.75 kg at its end, exported without a word of gravity, then hung up."""
+    rope = Chain(Beam(4.0, 1e-3, 0.026), "pinned-free(mass=0.75)", 20)
+    (path,) = export_chain(rope, tmp_path / "rope.xml", integrator=integrator)
+    model, rest = mujoco_file(path), np.zeros(20)
+    model.opt.gravity[:] = (9.81, 0.0, 0.0)
+    step, limit = written_step(path), stable_time_step(rope, f"MuJoCo {integrator}", load=HANGING)
+    if integrator != "RK4":
+        # Measured by others in MuJoCo: stable at 0.0066286 s.
+        assert limit == pytest.approx(0.0066286, rel=1e-4)
+    assert largest_stable(model, limit / 2, 2 * limit, rest) == pytest.approx(limit, rel=0.03)
+    assert limit / 3 < step < limit / 2 and is_stable(model, step, rest)
+    # Said, it is in the file; and so is what an unsafe step of one's own is.
+    (said,) = export_chain(rope, tmp_path / "said.xml", integrator=integrator, load=HANGING)
+    assert mujoco_file(said).opt.gravity.tolist() == [9.81, 0.0, 0.0]
+    assert step <= written_step(said) < limit
+    (own,) = export_chain(rope, tmp_path / "own.xml", integrator=integrator, timestep=0.02)
+    assert "stable with gravity off only" in own.read_text(encoding="utf-8")
+    assert not is_stable(model, 0.02, rest)
+
+
+HANGING = Load(gravity=(9.81, 0.0))
+
+
+@dataclass(frozen=True)
+class Drawn:
+    """A chain of the sweep, what damps it, and its gravity."""
+
+    chain: Chain
+    damping: Damping | None
+    load: Load
+
+    @property
+    def is_open(self) -> bool:
+        """Whether its far end is free."""
+        return any(not end.is_grounded for end in (self.chain.boundary.left, self.chain.boundary.right))
+
+
+def drawn(number: int) -> Drawn:
+    """Chain of a number: ends, bodies, springs, damping of 0 to 10 %, gravity in any direction."""
+    draw = np.random.default_rng(7000 + number)
+    length, stiffness, mass = 10 ** draw.uniform([-0.5, -2, -2], [0.7, 2, 0.5])
+    weight = mass * length
+
+    def body() -> dict[str, float]:
+        if draw.random() < 0.4:
+            return {}
+        heavy, long = float(weight * draw.uniform(0.1, 3)), float(length * draw.uniform(0.02, 0.2))
+        return {"mass": heavy, "rotary_inertia": heavy * long**2, "offset": draw.choice([0.0, long])}
+
+    def spring(power: int) -> float:
+        return float(stiffness / length**power * 10 ** draw.uniform(0, 3))
+
+    firm: list[End] = [
+        End(math.inf, math.inf),
+        End(math.inf, math.inf),
+        End(math.inf, 0.0),
+        End(0.0, math.inf),
+        End(spring(3), spring(1)),
+        End(math.inf, spring(1)),
+    ]
+    near = firm[int(draw.integers(len(firm)))]
+    far = End(**body()) if draw.random() < 0.65 else firm[int(draw.integers(len(firm)))]
+    ends: BoundaryLike = (near, far)
+    rule = ("mitiguy", "naive", "half_stub", "gregory", "double_wall")[int(draw.integers(5))]
+    chain = Chain(Beam(length, stiffness, mass), ends, int(draw.integers(4, 15)), rule)
+    ratio = float(draw.choice([0.0, 0.01, 0.03, 0.1]) * draw.uniform(0.5, 1))
+    damping = joint_dampers(chain, ratio) if ratio and chain.elastic_modes else None
+    # From none to what makes a rope of it; pushed from above only as hard as it can bear.
+    total = float(chain.mass.sum())
+    size = float(stiffness / (total * length**2) * draw.choice([0.0, 1.0, 300.0]))
+    turn = float(draw.uniform(-math.pi, math.pi))
+    if size * total * length**2 > 2 * stiffness:
+        turn /= 2
+    if near.translational_stiffness == 0.0 or not chain.boundary.left.is_grounded:
+        # A slider or a free chain would fall.
+        turn = 0.0
+    if near.translational_stiffness > 0 and near.rotational_stiffness == 0.0:
+        turn = 0.0
+    load = Load(gravity=(size * math.cos(turn), size * math.sin(turn)))
+    return Drawn(chain, damping, load)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("integrator", INTEGRATORS)
+def test_written_steps_are_stable_and_a_third_of_the_largest_in_mujoco(
+    integrator: str, tmp_path: Path
+) -> None:
+    shares = []
+    for number in range(40):
+        each = drawn(number)
+        path = tmp_path / f"{number}.xml"
+        export_chain(each.chain, path, damping=each.damping, load=each.load, integrator=integrator)
+        model, step = mujoco_file(path), written_step(path)
+        rest = at_rest(model, np.zeros(model.nv))
+        if rest is None:
+            continue
+        assert is_stable(model, step, rest), (number, each)
+        largest = largest_stable(model, step, 8 * step, rest, 5)
+        shares.append(step / largest)
+        assert shares[-1] > 1 / 3, (number, each, step, largest)
+    # Soft chains that gravity folds up have no rest that is found from the straight shape.
+    assert len(shares) >= 36
+    assert np.median(shares) > 0.42
+
+
+@pytest.mark.slow
+@pytest.mark.filterwarnings("ignore")
+def test_written_steps_are_stable_and_a_third_of_the_largest_in_drake(tmp_path: Path) -> None:
+    parsing = pytest.importorskip("pydrake.multibody.parsing")
+    plants = pytest.importorskip("pydrake.multibody.plant")
+    analysis = pytest.importorskip("pydrake.systems.analysis")
+    mujoco = pytest.importorskip("mujoco")
+
+    def stays(path: Path, step: float, gravity: np.ndarray, rest: dict[str, float]) -> bool:
+        plant = plants.MultibodyPlant(step)
+        parsing.Parser(plant).AddModels(str(path))
+        plant.mutable_gravity_field().set_gravity_vector(gravity)
+        plant.Finalize()
+        simulator = analysis.Simulator(plant)
+        context = simulator.get_mutable_context()
+        names = plant.GetPositionNames(add_model_instance_prefix=False)
+        still = np.array([rest[name.rsplit("_", 1)[0]] for name in names])
+        plant.SetPositions(context, still + 1e-6 * np.random.default_rng(0).standard_normal(len(still)))
+        try:
+            for k in range(1, 11):
+                simulator.AdvanceTo(100 * k * step)
+                if not np.abs(plant.GetPositions(context) - still).max() < 1e-2:
+                    return False
+        except RuntimeError:  # a NaN
+            return False
+        return bool(np.abs(plant.GetPositions(context) - still).max() < 1e-3)
+
+    seen = 0
+    for number in range(40):
+        each = drawn(number)
+        if not each.is_open:
+            continue
+        options: dict[str, Any] = {"damping": each.damping, "load": each.load}
+        (same,) = export_chain(each.chain, tmp_path / f"{number}.xml", **options)
+        (path,) = export_chain(each.chain, tmp_path / f"{number}.sdf", **options)
+        model = mujoco_file(same)
+        rest, step = at_rest(model, np.zeros(model.nv)), written_step(path)
+        if rest is None:
+            continue
+        text = str(ElementTree.parse(path).getroot().findtext(".//gravity"))
+        gravity = np.array(text.split(), dtype=float)
+        assert gravity.tolist() == model.opt.gravity.tolist()
+        place = {
+            mujoco.mj_id2name(model, mujoco.mjtObj.mjOBJ_JOINT, i): float(rest[i]) for i in range(model.nv)
+        }
+        assert stays(path, step, gravity, place), (number, each)
+        assert not stays(path, 3 * step, gravity, place), (number, each)
+        seen += 1
+    assert seen >= 20
+
+
+@pytest.mark.parametrize("integrator", ["Euler", "implicit", "implicitfast"])
+@pytest.mark.parametrize("boundary", ["clamped-clamped", "clamped-pinned", "pinned-pinned"])
+@pytest.mark.parametrize("ratio", [0.003, 0.1])
+def test_hard_dampers_beside_a_held_far_end(
+    ratio: float, boundary: str, integrator: str, tmp_path: Path
+) -> None:
+    """The step's matrix with the constraint, in plain matrices, against bisection in MuJoCo."""
+    chain = Chain(Beam(1.2, 85.0, 0.62), boundary, 10)
+    damping = joint_dampers(chain, ratio)
+    options: dict[str, Any] = {"damping": damping, "load": Load(), "integrator": integrator}
+    (path,) = export_chain(chain, tmp_path / "beam.xml", **options)
+    (said,) = re.findall(r"largest stable timestep in MuJoCo \w+: (\S+) s", path.read_text(encoding="utf-8"))
+    free = stable_time_step(chain, f"MuJoCo {integrator}", damping=damping)
+    assert (float(said) < 0.7 * free) == (ratio == 0.1)
+    model = mujoco_file(path)
+    found = largest_stable(model, float(said) / 2, 2 * float(said), np.zeros(model.nv))
+    assert found == pytest.approx(float(said), rel=0.06)
+    assert float(said) / 3 < written_step(path) < float(said)

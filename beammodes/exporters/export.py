@@ -129,7 +129,7 @@ def export_chain(
         return _write(places, [text], [springs_text(tree, lines, name)])
     chains = [each for each in (chain, second) if each is not None]
     engine = "Drake discrete" if kind == "sdf" else f"MuJoCo {choice('integrator', integrator, _MUJOCO)}"
-    step = engine_step(chains, engine, damping, timestep, load)
+    step = engine_step(chains, engine, damping, timestep, load, tree)
     gravity = gravity_of(load, tree.turned)
     lines += step.lines
     if kind == "sdf":

@@ -13,6 +13,9 @@ from beammodes import __version__
 from beammodes.accuracy.comparison import SlendernessWarning, chain_errors
 from beammodes.chains.chain import Chain
 from beammodes.checks import positive_real, shown
+from beammodes.equations.axial_pull import axial_pull
+from beammodes.exporters.held_step import MAX_HELD, held_step
+from beammodes.exporters.planar_tree import Tree
 from beammodes.problem.loading import Load
 from beammodes.vibration.damping import Damping
 from beammodes.vibration.integrators import accuracy_limit, find_integrator
@@ -92,10 +95,12 @@ def engine_step(
     damping: Damping | None = None,
     timestep: float | None = None,
     load: Load | None = None,
+    tree: Tree | None = None,
 ) -> EngineStep:
     """Return `timestep`, or half the stable step, less if it would shift the first frequency by over 0.1 %.
 
-    A tenth of the damping ratio is allowed instead of 0.1 % where that is more.
+    Or its amplitude by over 1 % in 100 periods. A tenth of the damping ratio is allowed instead of 0.1 and of
+    1 % where that is more.
 
     Parameters
     ----------
@@ -105,6 +110,9 @@ def engine_step(
         Name of an integrator in an engine, such as "MuJoCo RK4".
     damping, timestep
         As `export_chain` takes them.
+    tree : Tree, optional
+        The bodies and ties that the file has, for MuJoCo: where a constraint holds its far end, hard dampers
+        shorten the step (see `held_step`).
     load : Load, optional
         What the step holds for. By default it holds without gravity and with 9.81 in any direction, along a
         chain that hangs too.
@@ -127,7 +135,10 @@ def engine_step(
     if load is not None:
         cases = {"without load" if load == Load() else f"under {load}": load}
     limits = {
-        case: min(stable_time_step(chain, engine, load=each, damping=damping) for chain in chains)
+        case: min(
+            _stable_step(chain, letter, engine, damping, each, tree)
+            for chain, letter in zip(chains, "zy", strict=False)
+        )
         for case, each in cases.items()
     }
     name = engine.partition(" ")[2]
@@ -161,6 +172,23 @@ def engine_step(
     return EngineStep(size, tuple(map(one_line, lines)))
 
 
+def _stable_step(
+    chain: Chain, letter: str, engine: str, damping: Damping | None, load: Load, tree: Tree | None
+) -> float:
+    record, step = find_integrator(engine), stable_time_step(chain, engine, load=load, damping=damping)
+    held = tree is not None and any(tie.stiffness == math.inf for tie in tree.ties)
+    if tree is None or not held or damping in (None, Damping()) or record.damping == "explicit":
+        return step
+    if len(tree.bodies) > MAX_HELD:
+        return min(step, stable_time_step(chain, "semi_implicit_euler", load=load, damping=damping))
+    pull = np.array(axial_pull(chain, taut_load(chain, load)), dtype=np.float64) * chain.units.stiffness
+    pull = pull[::-1] if tree.turned else pull
+    if chain.held_angles[0 if tree.turned else -1]:
+        pull = pull[:-1]
+    own = pull[len(pull) - len(tree.bodies) :].tolist()
+    return held_step(tree, letter, step, own, tendons=not record.tendon_damping)
+
+
 #: Across the beam, so that no direction is preferred: see `taut_load`.
 _WEIGHT = Load(gravity=GRAVITY)
 _ANY = f"with gravity {GRAVITY} m/s2 in any direction"
@@ -179,7 +207,11 @@ def _first_mode(chain: Chain, damping: Damping | None, load: Load) -> list[tuple
 def _accurate_step(engine: str, omega: float, ratio: float) -> float:
     if ratio >= 1.0:
         return math.inf
-    return accuracy_limit(engine, ratio, frequency=max(STEP_ERROR, DAMPED_ERROR * ratio)) / omega
+    share = DAMPED_ERROR * ratio
+    limit = accuracy_limit(
+        engine, ratio, frequency=max(STEP_ERROR, share), amplitude=max(10 * STEP_ERROR, share)
+    )
+    return limit / omega
 
 
 def _rounded_down(step: float) -> float:

@@ -106,7 +106,8 @@ class ModalDamping:
     joints : ndarray, shape (modes, modes) [1/s]
         G without the far support's dampers.
     far_support : ndarray, shape (modes, modes) [1/s]
-        Of the dampers of the less firmly supported end, which tree-like models cannot have as joints.
+        Of the dampers that hold the less firm end against the ground, which trees cannot have as joints: of
+        its support's springs, and of the last hinge where the end's angle is held.
     drag : float [1/s]
         Of rigid motion, which only α damps.
     """
@@ -155,13 +156,17 @@ def damping_of_modes(chain: Chain, damping: Damping, load: Load | None = None) -
         ):
             if 0.0 < stiffness < np.inf:
                 ends[end] += damping.stiffness * stiffness * np.outer(shape, shape)
-    near, far = ends[::-1] if is_turned(chain) else ends
+    last = 0 if is_turned(chain) else -1
+    far = ends[last]
+    if chain.held_angles[last] and len(own) > 1:
+        # The hinge at an end that is held there turns against the ground, as a support does.
+        far = far + own[last] * np.outer(bend[:, last], bend[:, last])
     if model.load == Load():
         # Springs alone: β Ω², without the rounding of its sum.
         own = own - damping.stiffness * chain.joint_stiffness
         joints = (bend * own) @ bend.T + np.diag(damping.stiffness * omega**2) - far
     else:
-        joints = (bend * own) @ bend.T + near
+        joints = (bend * own) @ bend.T + sum(ends) - far
     drag = damping.mass if model.rigid_body_modes else 0.0
     return ModalDamping(omega, joints + damping.mass * np.eye(len(omega)), far, drag)
 

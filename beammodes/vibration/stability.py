@@ -246,15 +246,16 @@ def _bounded_step(record: Integrator, chain: Chain, load: Load, damping: Damping
 def taut_load(chain: Chain, load: Load) -> Load:
     """Return a load that leaves a chain straight and makes it at least as stiff as `load` does.
 
-    That is `load` itself where it pulls along the chain. Otherwise every piece is pulled with the whole
-    weight and the size of the tip's force: no shape at rest pulls harder on any piece. A chain that nothing
-    holds falls freely, without a pull.
+    That is `load` itself where it pulls along the chain. Otherwise the chain hangs: weight and the tip's
+    force turn along it, so that every piece is pulled with all of them that lies beyond it. No shape at rest
+    pulls harder on a piece, since the forces on what lies beyond are in balance. Where the right end is held
+    too, or alone, every piece is pulled with the whole of them. A chain that nothing holds falls freely.
 
     Examples
     --------
     >>> chain = Chain(Beam.unit(), "clamped-free", segments=4)
     >>> print(taut_load(chain, Load(gravity=9.81)))
-    Load(axial_force=9.81)
+    Load(gravity=(9.81, 0.0))
     """
     pushes = load.weight[0] < 0 or load.tip[0] < 0
     held = chain.boundary.left.is_grounded or chain.boundary.right.is_grounded
@@ -262,9 +263,13 @@ def taut_load(chain: Chain, load: Load) -> Load:
         return load
     if not (load.bends or pushes) and chain.boundary.left.is_grounded:
         return load
-    pull = max(0.0, float(load.axial_force)) + math.hypot(*map(float, load.tip))
-    if held:
-        pull += float(chain.mass.sum()) * math.hypot(*map(float, load.weight))
+    pull, force, weight = (
+        max(0.0, float(load.axial_force)),
+        *(math.hypot(*map(float, pair)) for pair in (load.tip, load.weight)),
+    )
+    if chain.boundary.left.is_grounded and not chain.boundary.right.is_grounded:
+        return replace(load, axial_force=pull, gravity=(weight, 0.0), tip_force=(force, 0.0), tip_moment=0.0)
+    pull += force + (float(chain.mass.sum()) * weight if held else 0.0)
     return replace(load, axial_force=pull, gravity=(0.0, 0.0), tip_force=(0.0, 0.0), tip_moment=0.0)
 
 
