@@ -116,6 +116,7 @@ _HOME = {
     "from_sectionproperties": "problem.given_section",
     "harmonic": "dynamics.base_motion",
     "joint_dampers": "dynamics.damping_ratio",
+    "law_holds_from": "accuracy.law",
     "linearize": "vibration.linear",
     "match_springs": "springs.inverse",
     "matched": "springs.inverse",
@@ -157,6 +158,7 @@ if TYPE_CHECKING:
     from beammodes.accuracy.errors import frequency_error as frequency_error
     from beammodes.accuracy.errors import segments_needed as segments_needed
     from beammodes.accuracy.law import error_law as error_law
+    from beammodes.accuracy.law import law_holds_from as law_holds_from
     from beammodes.accuracy.shapes import modal_assurance as modal_assurance
     from beammodes.accuracy.shapes import shape_dataset as shape_dataset
     from beammodes.accuracy.static_errors import static_dataset as static_dataset

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import itertools
 import math
 from fractions import Fraction
 
@@ -10,7 +11,7 @@ import numpy as np
 import pytest
 import sympy
 
-from beammodes.accuracy.law import _slope_energy, error_law, interior_coefficient
+from beammodes.accuracy.law import _slope_energy, error_law, interior_coefficient, law_holds_from
 from beammodes.chains.chain import Chain
 from beammodes.chains.rule_records import MAX_END_WEIGHTS
 from beammodes.chains.rules import RULES, Weight
@@ -19,6 +20,7 @@ from beammodes.exact.beam_theory import euler_bernoulli
 from beammodes.exact.exact_beam import wavenumber
 from beammodes.problem.beam import Beam
 from beammodes.problem.ends import BOUNDARIES
+from beammodes.springs.tuning import mode_tuned
 from beammodes.vibration.linear import linearize
 from beammodes.vibration.modes import solve_modes
 
@@ -133,3 +135,30 @@ def test_bad_arguments() -> None:
     assert error_law("free-clamped", 1).coefficient == pytest.approx(
         error_law("clamped-free", 1).coefficient, rel=1e-13
     )
+
+
+@pytest.mark.parametrize("rule", RULES)
+def test_from_where_a_law_holds(rule: str) -> None:
+    for pair, mode in itertools.product(("clamped-free", "pinned-pinned", "clamped-guided"), (1, 4)):
+        law, first = error_law(pair, mode, rule), law_holds_from(pair, mode, rule)
+        if first is None:
+            assert math.isnan(law.coefficient)
+            continue
+        # Every N to ten times as many, one by one, and then some: within a fifth from there on, not before.
+        far = np.geomspace(first, 10**9, 50).astype(int)
+        counts = np.unique(np.concatenate([first + np.arange(10 * first), far]))
+        error = np.asarray(relative_error(pair, counts, mode, rule))
+        assert np.all(np.abs(law.at(counts) / error - 1) <= 0.2 * (1 + 1e-9))
+        before = relative_error(pair, first - 1, mode, rule) if first > 1 else math.nan
+        assert not abs(law.at(first - 1) - before) <= 0.2 * abs(before) if first > 1 else True
+
+
+def test_a_law_of_the_other_sign_does_not_hold() -> None:
+    # gregory, N = 12: the error is positive, the law negative (it changes sign at N ~ 113).
+    assert (
+        relative_error("clamped-free", 12, 1, "gregory") > 0 > error_law("clamped-free", 1, "gregory").at(12)
+    )
+    assert law_holds_from("clamped-free", 1, "gregory") > 113
+    with pytest.raises(ValueError, match=r"^within must be greater than 0"):
+        law_holds_from("clamped-free", 1, within=0.0)
+    assert law_holds_from("clamped-free", 1, mode_tuned(1)) is None

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 import doctest
+import itertools
 import json
 import re
 import shutil
@@ -187,6 +188,20 @@ def test_segments_needed_of_the_atlas_are_the_librarys() -> None:
         )
         exact = bm.segments_needed(pair, data["tolerances"][place], modes, rule)
         assert record(pair, rule)["needed"][modes - 1][place] == (exact if exact <= data["longest"] else 0)
+
+
+def test_the_atlas_knows_from_where_a_law_holds() -> None:
+    # gregory, N = 12, mode 1: the law's sign is not the error's (a rule of order 4 reaches its law late).
+    known = record("clamped-free", "gregory")
+    assert known["error"][11][0] > 0 > known["law"][0]
+    assert known["lawFrom"][0] > atlas_data.SEGMENTS
+    for pair, rule in itertools.product(("clamped-free", "clamped-clamped"), RULES_DRAWN):
+        known = record(pair, rule)
+        for mode, first in enumerate(known["lawFrom"], start=1):
+            assert first == bm.law_holds_from(pair, mode, rule, within=atlas_data.LAW_WITHIN)
+            for n in range(first or atlas_data.SEGMENTS, atlas_data.SEGMENTS + 1) if first else ():
+                law = known["law"][mode - 1] / n ** known["lawOrder"][mode - 1]
+                assert abs(law / known["error"][n - 1][mode - 1] - 1) <= atlas_data.LAW_WITHIN * 1.001
 
 
 # --- Sources ---------------------------------------------------------------------------------------------

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from beammodes.accuracy.end_numbers import looked_up
+from beammodes.accuracy.grids import last_failing, segment_grid
 from beammodes.chains.axial_rule import AxiallyCorrected
 from beammodes.chains.rules import AnyRule, Layout, Rule, RuleMaker, layout_of
 from beammodes.checks import shown, small_fraction, whole_number
@@ -250,7 +251,7 @@ def segments_needed(
         )
     closed = isinstance(record, Rule | RuleMaker)
     if closed and ends.is_plain and pull == Load():
-        grid = _segment_grid(len(mode))
+        grid = segment_grid(len(mode))
     else:
         along = isinstance(record, AxiallyCorrected) and isinstance(record.rule, Rule) and pull.is_axial
         grid = _sparse_grid(len(mode), _LONGEST if (closed or along) and pull.is_axial else _LONGEST_SOLVED)
@@ -262,23 +263,7 @@ def segments_needed(
             f"tolerance must be larger: with rule {record.name}, {ends.name} and {len(mode)} modes no chain "
             f"of up to {grid[-1]} segments stays within {shown(tolerance)}"
         )
-    low, high = int(grid[failing[-1]]), int(grid[failing[-1] + 1])
-    while high - low > 1:
-        middle = (low + high) // 2
-        low, high = (middle, high) if fails(np.array([middle]))[0] else (low, middle)
-    return high
-
-
-def _segment_grid(modes: int) -> NDArray[np.int64]:
-    """Return every N where errors are irregular, then N in steps of one percent up to the largest.
-
-    Up to 40 times the highest mode and 400 an error may rise and fall. Above, it is a sum of a few powers
-    of 1/N with at most one change of sign and one extremum, each wider than a step.
-    """
-    dense = min(max(400, 40 * modes), MAX_SEGMENTS)
-    steps = np.arange(1, 1 + int(np.log(MAX_SEGMENTS / dense) / np.log(1.01)))
-    coarse = (dense * 1.01**steps).astype(np.int64)
-    return np.unique(np.concatenate([np.arange(1, dense + 1), coarse, [MAX_SEGMENTS]]))
+    return last_failing(fails, int(grid[failing[-1]]), int(grid[failing[-1] + 1])) + 1
 
 
 def _sparse_grid(modes: int, most: int) -> NDArray[np.int64]:

@@ -2,20 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from beammodes.chains.rules import Layout, layout_of
 from beammodes.checks import shown, whole_number
+from beammodes.closed_form.lookup import MAX_SEGMENTS
 from beammodes.problem.ends import Boundary, is_pair
 
 if TYPE_CHECKING:
     from beammodes.chains.chain import Chain
     from beammodes.problem.beam import Beam
 
-__all__ = ["ChainGrid", "listed", "stands_alone"]
+__all__ = ["ChainGrid", "last_failing", "listed", "segment_grid", "stands_alone"]
 
 
 def stands_alone(value: Any, single: tuple[type, ...]) -> bool:
@@ -109,3 +111,34 @@ class ChainGrid(NamedTuple):
                 # No positive springs for this boundary and N.
                 continue
             yield (i, j, k), chain
+
+
+def segment_grid(modes: int) -> NDArray[np.int64]:
+    """Return every N where errors are irregular, then N in steps of one percent up to the largest.
+
+    Up to 40 times the highest mode and 400 an error may rise and fall. Above, it is a sum of a few powers
+    of 1/N with at most one change of sign and one extremum, each wider than a step.
+
+    Examples
+    --------
+    >>> segment_grid(1)[[0, 399, 400, -1]].tolist()
+    [1, 400, 404, 1000000000]
+    """
+    dense = min(max(400, 40 * modes), MAX_SEGMENTS)
+    steps = np.arange(1, 1 + int(np.log(MAX_SEGMENTS / dense) / np.log(1.01)))
+    coarse = (dense * 1.01**steps).astype(np.int64)
+    return np.unique(np.concatenate([np.arange(1, dense + 1), coarse, [MAX_SEGMENTS]]))
+
+
+def last_failing(fails: Callable[[NDArray[np.int64]], NDArray[np.bool_]], low: int, high: int) -> int:
+    """Return the last N of low..high that fails, given that `low` does and `high` does not.
+
+    Examples
+    --------
+    >>> last_failing(lambda counts: counts < 700, 400, 1000)
+    699
+    """
+    while high - low > 1:
+        middle = (low + high) // 2
+        low, high = (middle, high) if fails(np.array([middle]))[0] else (low, middle)
+    return low

@@ -91,11 +91,19 @@
   function errors(record, segments, modes) {
     const rows = [];
     for (let mode = 1; mode <= modes; mode += 1) {
-      const coefficient = record.law[mode - 1];
-      const law = coefficient === null ? null : coefficient / segments ** record.lawOrder[mode - 1];
-      rows.push(row([String(mode), percent(record.error[segments - 1][mode - 1]), law === null ? "–" : percent(law)]));
+      const error = record.error[segments - 1][mode - 1];
+      rows.push(row([String(mode), percent(error), error === null ? "–" : law(record, segments, mode)]));
     }
     document.querySelector("#atlas-errors tbody").replaceChildren(...rows);
+  }
+
+  // No law before it tells the error: a rule of order 4 may have the other sign there.
+  function law(record, segments, mode) {
+    const coefficient = record.law[mode - 1];
+    const from = record.lawFrom[mode - 1];
+    if (coefficient === null || from === null) return "–";
+    if (segments < from) return `from N = ${from}`;
+    return percent(coefficient / segments ** record.lawOrder[mode - 1]);
   }
 
   function everyRule(state, first) {

@@ -21,6 +21,8 @@ __all__ = ["LONGEST", "MODES", "SEGMENTS", "TOLERANCES", "atlas", "segments_for"
 #: Largest N drawn, modes, and the largest N that is recommended.
 SEGMENTS, MODES, LONGEST = 60, 5, 400
 TOLERANCES = (0.1, 0.05, 0.02, 0.01, 0.005, 0.002, 0.001, 0.0005, 0.0001)
+#: The law is shown from the N on from which it is so near to the error, as a fraction of it.
+LAW_WITHIN = 0.2
 #: N beyond those recommended where the errors are looked at too: smooth there, so some stand for all.
 _FAR = np.unique(np.geomspace(LONGEST, 10**6, 120).astype(np.int64))
 _DIGITS = 6
@@ -34,7 +36,7 @@ def atlas() -> dict[str, Any]:
 
     `chains[pair][rule]` is the number of a chain's record in `records`: errors by N and mode, largest ω by
     N, springs by N (numbers in `springs`), N needed by modes and tolerance (0 beyond `longest`), order,
-    coefficients of the law by mode.
+    coefficients of the law by mode, and from which N on it is within `LAW_WITHIN` of the error.
     """
     records: dict[str, int] = {}
     springs: dict[str, int] = {}
@@ -79,6 +81,7 @@ def _record(pair: bm.Boundary, rule: bm.Rule, springs: dict[str, int]) -> dict[s
         "needed": segments_for(pair, rule).tolist(),
         "order": rule.declared_order(pair),
         "lawOrder": [law.order for law in laws],
+        "lawFrom": [bm.law_holds_from(pair, n, rule, within=LAW_WITHIN) for n in range(1, MODES + 1)],
         "law": _listed(np.array([law.coefficient for law in laws])),
     }
 
