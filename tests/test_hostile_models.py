@@ -130,7 +130,11 @@ FILES: dict[str, tuple[str | bytes | Callable[[], str | bytes], str, str]] = {
         "XML in UTF-8|no well-formed",
         ".xml",
     ),
-    "includes itself": ('<mujoco><include file="model.xml"/></mujoco>', "<include> must be left out", ".xml"),
+    "includes itself": (
+        '<mujoco><include file="model.xml"/></mujoco>',
+        "<include> must not include a file twice",
+        ".xml",
+    ),
     "negative stiffness": (GOOD.replace("200", "-200"), "stiffness of at least 0, got -200", ".xml"),
     "NaN": (GOOD.replace("200", "nan"), "finite number, got 'nan'", ".xml"),
     "infinite": (GOOD.replace('mass="1"', 'mass="inf"'), "finite number, got 'inf'", ".xml"),

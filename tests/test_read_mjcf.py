@@ -95,6 +95,11 @@ FULL = '<inertial pos="0.05 0.03 0" mass="0.05" fullinertia="1e-3 2e-3 1.5e-3 1e
 MIDDLE = '<geom type="box" size="0.05 0.01 0.01"/><joint pos="-0.05 0 0" axis="0 0 1" stiffness="150"/>'
 BOTH = '<joint axis="0 1 0" stiffness="200"/><joint axis="0 0 1" stiffness="800"/>'
 CART = '<joint type="slide" axis="0 0 2" stiffness="50"/>'
+HEAVY = HINGE.replace("/>", ' armature="3e-4" damping="0.01"/>')
+SPRUNG = ' stiffness="30"'
+TURNED = '<joint axis="0 0 1" armature="2e-3"{}/>'
+FRAMED = f"""<frame pos="0.02 0 0" euler="0 0 30"><frame pos="-0.0173205080757 0.01 0" euler="0 0 -30">
+  {ROD}</frame></frame>{HINGE}"""
 FREE = nested(5, "<freejoint/>" + ROD, ROD + HINGE)
 
 BARE = nested(4, ROD + '<joint axis="0 1 0"/>', ROD + '<joint axis="0 1 0"/>')
@@ -147,6 +152,19 @@ MODELS = {
     "free": world(FREE),
     "on a cart": world(f'<body>{CART}<geom size="0.05"/>{nested(4, ROD + HINGE, ROD + HINGE)}</body>'),
     "pinned": world(nested(5, '<joint axis="0 1 0"/>' + ROD, ROD + HINGE)),
+    "a frame around": world(
+        f'<frame pos="0 0 1" euler="0 0 90" childclass="c">{nested(4, ROD + HINGE, ROD + HINGE)}</frame>',
+        '<default><default class="c"><joint stiffness="9"/></default></default>',
+    ),
+    "frames in frames within": world(nested(4, FRAMED, FRAMED)),
+    "a total mass": world(nested(4, ROD + HINGE, ROD + HINGE), '<compiler settotalmass="3"/>'),
+    "bounds that are not reached": world(
+        nested(4, ROD + HINGE, ROD + HINGE),
+        '<compiler boundmass="0.01" boundinertia="1e-9" balanceinertia="true"/>',
+    ),
+    "armature": world(nested(4, ROD + HEAVY, ROD + HEAVY)),
+    "armature under a hub": world(f"<body>{HUB}{TURNED.format('')}{CHAIN}</body>"),
+    "armature under a hub on a spring": world(f"<body>{HUB}{TURNED.replace('{}', SPRUNG)}{CHAIN}</body>"),
     "fixed parts": world(
         nested(3, ROD + HINGE, ROD + HINGE + '<body pos="0.05 0 0"><geom size="0.01" mass="0.2"/></body>')
     ),
@@ -294,7 +312,6 @@ REFUSED = {
     "a shell": (ROD.replace("/>", ' shellinertia="true"/>') + HINGE, "filled"),
     "a composite": (ROD + HINGE + '<composite type="cable"/>', "<composite> must be left out"),
     "a plugin": (ROD + HINGE + '<plugin plugin="mujoco.elasticity.cable"/>', "<plugin> must be left out"),
-    "a frame": (ROD + HINGE + "<frame/>", "<frame> must be left out"),
     "a slide": (
         ROD + HINGE + '<joint type="slide" axis="0 0 1"/>',
         "must be a hinge with a spring, parallel",
@@ -332,7 +349,6 @@ ACTED_ON = {
     "dry friction": ('frictionloss="1"', "", "dry friction holds"),
     "a stop at rest": ('range="0 90"', "", "within its range"),
     "a rest beyond its stops": ('range="10 90" limited="true"', "", "within its range"),
-    "balanced inertia": ("", '<compiler balanceinertia="true"/>', "balanceinertia"),
     "springs off": ("", '<option><flag spring="disable"/></option>', "switches springs off"),
     "spatial tendon": ("", SITES.format(' stiffness="9"'), "<spatial name='t'> must not act on the chain"),
     "spatial tendon held": (
@@ -403,6 +419,66 @@ def test_what_acts_on_a_chain_from_outside_is_named(case: str, tmp_path: Path) -
     assert audit_file(write(tmp_path, plain.replace(joint or "-", "")), BEAM).boundary.name == "clamped-free"
 
 
+def test_what_the_compiler_does_to_single_bodies_is_refused(tmp_path: Path) -> None:
+    light = nested(3, ROD + HINGE, ROD + HINGE)
+    odd = nested(3, ROD + HINGE, '<inertial pos=".05 0 0" mass="1" diaginertia="1e-4 1e-4 9e-4"/>' + HINGE)
+    for text, setting, message in (
+        (light, 'boundmass="2"', "boundmass that no body is below, got 2: body b1 has less"),
+        (light, 'boundinertia="2"', "boundinertia that no body is below"),
+        (odd, 'balanceinertia="true"', "balanceinertia, which changes the inertia of body b2"),
+    ):
+        with pytest.raises(ValueError, match=message):
+            audit_file(write(tmp_path, world(text, f"<compiler {setting}/>")), BEAM)
+
+
+def test_files_are_included_in_their_place(tmp_path: Path) -> None:
+    """As MuJoCo does: in the model itself and inside bodies, each file's top element left out."""
+    chain = nested(5, ROD + HINGE, ROD + HINGE)
+    (tmp_path / "parts").mkdir()
+    (tmp_path / "parts" / "chain.xml").write_text(f"<mujocoinclude>{chain}</mujocoinclude>")
+    (tmp_path / "scenery.xml").write_text(
+        '<mujoco><worldbody><geom type="plane" size="1 1 1"/></worldbody></mujoco>'
+    )
+    text = '<include file="scenery.xml"/>' + world('<include file="parts/chain.xml"/>').removeprefix(
+        "<mujoco>"
+    )
+    found = audit_file(write(tmp_path, f"<mujoco>{text}"), BEAM)
+    np.testing.assert_allclose(found.angular_frequency, mujoco_frequencies(world(chain))[:3], rtol=1e-9)
+    (tmp_path / "parts" / "chain.xml").write_text("<mujocoinclude><body")
+    with pytest.raises(ValueError, match=r"'parts/chain\.xml': line 1: no well-formed XML"):
+        audit_file(tmp_path / "model.xml", BEAM)
+    bad = chain.replace('stiffness="200"', 'stiffness="-1"', 1)
+    (tmp_path / "parts" / "chain.xml").write_text(f"<mujocoinclude>{bad}</mujocoinclude>")
+    with pytest.raises(ValueError, match=r"parts/chain\.xml, line 1: <joint> must have a stiffness"):
+        audit_file(tmp_path / "model.xml", BEAM)
+
+
+def test_replicas_are_chains_of_their_own(tmp_path: Path) -> None:
+    chain = nested(
+        5, ROD + HINGE.replace("/>", ' name="j{i}"/>'), ROD + HINGE.replace("/>", ' name="j{i}"/>')
+    )
+    text = world(f'<replicate count="3" offset="0 .5 0" euler="0 0 20" sep="_">{chain}</replicate>')
+    known = mujoco_frequencies(text)
+    for name in (None, "b3_0", "b1_2"):
+        found = audit_file(write(tmp_path, text), BEAM, chain=name)
+        # Three equal chains have every frequency three times.
+        np.testing.assert_allclose(np.repeat(found.angular_frequency, 3), known[:9], rtol=1e-9)
+        assert found.hinge_names[0] == f"j1_{(name or 'b_0')[-1]}"
+
+
+def test_what_engines_read_though_xml_forbids_it(tmp_path: Path) -> None:
+    text = world(nested(5, ROD + HINGE, ROD + HINGE))
+    plain = audit_file(write(tmp_path, text), BEAM).errors
+    for odd in (
+        f'\n \n<?xml version="1.0"?>\n{text}',
+        f"<!-- made by: maker --count 4 --stiff --->{text}<!-- <body> -- </body> -->",
+    ):
+        np.testing.assert_array_equal(audit_file(write(tmp_path, odd), BEAM).errors, plain)
+    broken = f'\n\n<?xml version="1.0"?>\n<!-- -- -->\n{text.replace("200", "-200", 1)}'
+    with pytest.raises(ValueError, match="line 5: <joint> must have a stiffness"):
+        audit_file(write(tmp_path, broken), BEAM)
+
+
 def test_geometry_without_mass_by_the_compilers_word_has_none(tmp_path: Path) -> None:
     text = world(nested(3, ROD + HINGE, ROD + HINGE), '<compiler inertiafromgeom="false"/>')
     with pytest.raises(ValueError, match="must have a mass greater than 0"):
@@ -428,14 +504,21 @@ def test_the_fluid_around_is_noted(tmp_path: Path) -> None:
             world(FREE.replace("<freejoint", '<joint type="free" stiffness="3"')),
             "must have no spring, or be a <free",
         ),
-        (world(f"<frame>{nested(3, ROD + HINGE, ROD + HINGE)}</frame>"), "line 1: <frame> is left out"),
-        ('<mujoco><include file="model.xml"/><worldbody/></mujoco>', r"line 1: <include> must be left out"),
+        (world(f"<attach>{nested(3, ROD + HINGE, ROD + HINGE)}</attach>"), "line 1: <attach> is left out"),
+        (
+            '<mujoco><include file="model.xml"/><worldbody/></mujoco>',
+            "<include> must not include a file twice",
+        ),
+        ('<mujoco><include file="../a.xml"/><worldbody/></mujoco>', "a file in the model's own folder"),
+        ('<mujoco><include file="/etc/passwd"/><worldbody/></mujoco>', "a file in the model's own folder"),
+        ('<mujoco><include file="absent.xml"/><worldbody/></mujoco>', "must name a file that can be read"),
+        (world('<replicate count="1e6"><body/></replicate>'), "must have a count from 1 to 10000"),
+        (world('<replicate count="999">' * 3 + "<body/>" + "</replicate>" * 3), "at most 10000 copies"),
         ("<mujoco><worldbody/></mujoco>", "must have a hinge with a spring, got 0 bodies"),
         ("<mujoco/>", "must have a hinge with a spring"),
         ("<svg/>", "must be <mujoco>"),
         (world(ROD + HINGE), "must have a hinge with a spring"),
         (world("<body><composite/></body>"), "got 1 bodies without; line 1: <composite> must be left out"),
-        (world(nested(3, ROD + HINGE, ROD + HINGE), '<compiler settotalmass="2"/>'), "settotalmass"),
         (world(nested(3, ROD + HINGE, ROD + HINGE), '<compiler boundmass="2"/>'), "boundmass"),
         (world(nested(3, ROD + HINGE, ROD + HINGE), '<compiler eulerseq="abc"/>'), "eulerseq"),
         (world(nested(3, ROD + HINGE, '<geom class="no"/>' + HINGE)), "class that <default> defines"),

@@ -122,6 +122,11 @@ def test_a_urdf_file_without_springs_says_so(tmp_path: Path) -> None:
         audit_file(write(tmp_path, flipped(), None), BEAM)
 
 
+def test_missing_springs_are_asked_for_where_they_belong(tmp_path: Path) -> None:
+    with pytest.raises(ValueError, match=r"give a file with them by springs= .*row such as \{joint: \w+"):
+        audit_file(write(tmp_path, flipped(), None), BEAM)
+
+
 SDF_LINK = """<link name="l{i}"><pose>{x} 0 0.5 0 0 {turn}</pose><inertial><pose>{at} 0 0 0 0 0</pose>
   <mass>{mass}</mass><inertia><ixx>1e-9</ixx><iyy>{rod}</iyy><izz>{rod}</izz></inertia></inertial></link>"""
 SDF_JOINT = """<joint name="j{i}" type="revolute"><parent>{parent}</parent><child>l{i}</child>
@@ -150,6 +155,62 @@ def test_sdformat_by_hand_is_the_naive_rule(tmp_path: Path) -> None:
     np.testing.assert_allclose(found.errors, due, atol=1e-9)
 
 
+DOOR = """<model name="door"><link name="post"/><link name="leaf"/><joint name="hinge" type="revolute">
+  <parent>post</parent><child>leaf</child><axis><xyz>0 0 1</xyz></axis></joint></model>"""
+TURN = f"0 0 {math.pi}"
+AXIS2 = "<axis2><xyz>0 1 0</xyz><dynamics><spring_stiffness>90</spring_stiffness></dynamics></axis2></joint>"
+#: What is written otherwise for the same chain, each pair of old and new text.
+ALIKE = {
+    "relative to a link": [("<pose>0.1 0 0.5 0 0", '<pose relative_to="l0">0.1 0 0 0 0')],
+    "relative to a joint": [
+        ("<pose>0.2 0 0.5 0 0 0.0", f'<pose relative_to="j1">-0.1 0 0 {TURN.replace("0 0 ", "0 0 -")}')
+    ],
+    "relative to the model": [("<pose>0.1", '<pose relative_to="__model__">0.1')],
+    "axes in the model": [("<xyz>0 0 -1", "<xyz>0 0 1"), ("<xyz>", '<xyz expressed_in="__model__">')],
+    "axes in the first link": [("<xyz>0 0 -1", "<xyz>0 0 1"), ("<xyz>", '<xyz expressed_in="l0">')],
+    "axes in the model by an old word": [
+        ("<xyz>0 0 -1", "<xyz>0 0 1"),
+        ("<xyz>", "<use_parent_model_frame>1</use_parent_model_frame><xyz>"),
+    ],
+    "an old version": [("<xyz>0 0 -1", "<xyz>0 0 1"), ("1.9", "1.4")],
+    "limits of the largest double": [
+        ("<dynamics>", "<limit><lower>-1.79769e+308</lower><upper>1e16</upper></limit><dynamics>")
+    ],
+    "a model before it": [('<model name="m">', DOOR + '<model name="m">')],
+    "a comment with hyphens": [("<model name", "<!-- maker --count 5 --><model name")],
+    "universal joints": [('type="revolute"', 'type="universal"'), ("</joint>", AXIS2)],
+}
+
+
+@pytest.mark.parametrize("case", ALIKE)
+def test_sdformat_has_many_words_for_one_chain(case: str, tmp_path: Path) -> None:
+    text = sdf(5)
+    for old, new in ALIKE[case]:
+        assert old in text
+        text = text.replace(old, new)
+    (tmp_path / "beam.sdf").write_text(text)
+    found = audit_file(tmp_path / "beam.sdf", BEAM, plane="y")
+    due = frequency_error("clamped-free", segments=5, mode=[1, 2, 3], rule="naive")
+    np.testing.assert_allclose(found.errors, due, atol=1e-9)
+
+
+def test_sdformat_frames_are_followed(tmp_path: Path) -> None:
+    """Every link in a frame of the one before, in a row: poses are the products of all before."""
+    text = sdf(5)
+    for i in range(1, 5):
+        frame = f'<frame name="f{i}" attached_to="l{i - 1}"><pose>0 0 0 0 0 {0.1 * i}</pose></frame>'
+        old = f'<link name="l{i}"><pose>{i * ELL} 0 0.5 0 0 {math.pi if i % 2 else 0.0}</pose>'
+        assert old in text
+        way = 1 if i % 2 else -1
+        x, y = way * ELL * math.cos(0.1 * i), -way * ELL * math.sin(0.1 * i)
+        new = f'<link name="l{i}"><pose relative_to="f{i}">{x!r} {y!r} 0 0 0 {math.pi - 0.1 * i!r}</pose>'
+        text = text.replace(old, frame + new)
+    (tmp_path / "beam.sdf").write_text(text)
+    found = audit_file(tmp_path / "beam.sdf", BEAM)
+    due = frequency_error("clamped-free", segments=5, mode=[1, 2, 3], rule="naive")
+    np.testing.assert_allclose(found.errors, due, atol=1e-9)
+
+
 def test_sdformat_without_a_joint_to_the_world_is_free(tmp_path: Path) -> None:
     path = tmp_path / "beam.sdf"
     path.write_text(sdf(5, parent=""))
@@ -164,22 +225,22 @@ def test_sdformat_without_a_joint_to_the_world_is_free(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("old", "new", "message"),
     [
-        ("<pose>0.1", '<pose relative_to="l0">0.1', "must have no relative_to"),
-        ("<xyz>", '<xyz expressed_in="__model__">', "must have no expressed_in"),
         (
             "<spring_stiffness>200",
             "<spring_reference>1</spring_reference><spring_stiffness>200",
             "straight at rest",
         ),
-        ('type="revolute"', 'type="universal"', "revolute with an axis, got type 'universal'"),
+        ('type="revolute"', 'type="universal"', "revolute or universal with its axes, got type 'universal'"),
+        ('type="revolute"', 'type="ball"', "revolute or universal with its axes, got type 'ball'"),
+        (
+            "<pose>0.1",
+            '<pose relative_to="far">0.1',
+            "relative to a link, joint or frame of the model, got 'far'",
+        ),
+        ("<pose>0.1", '<pose relative_to="l1">0.1', "must not have a pose in a circle"),
+        ("<inertial><pose>", '<inertial><pose relative_to="l0">', "what is in a link is placed in that link"),
         ("<spring_stiffness>200", "<spring_stiffness>-200", "stiffness of at least 0, got -200"),
         ("<mass>0.05", "<mass>heavy", "finite number, got 'heavy'"),
-        ("1.9", "1.4", "must be of version 1.5 or newer"),
-        (
-            "<xyz>",
-            "<use_parent_model_frame>1</use_parent_model_frame><xyz>",
-            "must not use_parent_model_frame",
-        ),
         ("<inertial>", '<inertial auto="true">', "auto is not worked out here"),
         ("</inertial>", "<fluid_added_mass/></inertial>", "in no fluid"),
         ("<dynamics>", "<dynamics><friction>1</friction>", "dry friction holds"),

@@ -20,7 +20,7 @@ from beammodes.auditing.file_dynamics import longest_step
 from beammodes.auditing.hinge_line import Frame, floats, frame_of, root_support
 from beammodes.auditing.model_ends import JudgedChain, judged_chains
 from beammodes.auditing.planar_chain import planar_chain
-from beammodes.auditing.read_mjcf import read_mjcf
+from beammodes.auditing.read_mjcf import read_mjcf, with_includes
 from beammodes.auditing.read_sdf import read_sdf
 from beammodes.auditing.read_urdf import read_urdf
 from beammodes.auditing.rigid_pieces import Piece, PlanarChain, Spring, with_wall_hinges
@@ -218,6 +218,23 @@ def _read(
     model = _model(place, springs)
     paths = hinge_paths(model)
     path = chosen_path(paths, name)
+    try:
+        return _of_path(model, paths, path, beam, given, plane)
+    except BadModel as error:
+        others = _others(paths, path)
+        if not others or name is not None:
+            raise
+        raise BadModel(f"{error}; {others[0]}: say by chain which one is the beam") from None
+
+
+def _of_path(
+    model: Model,
+    paths: Sequence[HingePath],
+    path: HingePath,
+    beam: Beam,
+    given: Boundary | None,
+    plane: str | None,
+) -> _Read:
     planes = _labelled([frame_of(path, axis) for axis in path.planes()])
     if not planes:
         raise BadModel(f"hinges of the chain at {path.name} must be parallel")
@@ -286,7 +303,7 @@ def _model(place: Path, springs: Path | None) -> Model:
         )
     if root.tag == "sdf":
         return read_sdf(root)
-    return read_mjcf(root)
+    return read_mjcf(with_includes(root, place.parent))
 
 
 def _labelled(frames: Sequence[Frame]) -> dict[str, Frame]:

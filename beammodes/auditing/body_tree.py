@@ -112,6 +112,8 @@ class Model:
     step : FileStep or None
         None where the format or the file has none.
     gravity : ndarray, shape (3,) [m/s²]
+    hint : str
+        Where springs may be missing, for a model without any.
     """
 
     bodies: tuple[ModelBody, ...]
@@ -120,6 +122,7 @@ class Model:
     notes: tuple[str, ...] = ()
     step: FileStep | None = None
     gravity: Array = field(default_factory=lambda: np.zeros(3))
+    hint: str = ""
 
 
 @dataclass(eq=False)

@@ -49,6 +49,7 @@ class XmlElement:
     line: int
     text: str = ""
     children: list[XmlElement] = field(default_factory=list)
+    file: str = ""
 
     def all(self, *tags: str) -> Iterator[XmlElement]:
         """Yield the children of these tags, in their order."""
@@ -66,7 +67,8 @@ class XmlElement:
     def where(self) -> str:
         """The element as messages name it."""
         name = self.attributes.get("name")
-        return f"line {self.line}: <{self.tag[:40]}{f' name={shown(name)}' if name else ''}>"
+        file = f"{self.file}, " if self.file else ""
+        return f"{file}line {self.line}: <{self.tag[:40]}{f' name={shown(name)}' if name else ''}>"
 
     def numbers(self, name: str, count: int | tuple[int, ...], default: str | None = None) -> list[float]:
         """Return the numbers of an attribute; `count` is how many, or which counts are allowed."""
@@ -160,7 +162,7 @@ def read_xml(path: str | os.PathLike[str]) -> XmlElement:
     ...     read_xml(file.name).children[0].tag
     'worldbody'
     """
-    data = bounded_bytes(path)
+    data = _tolerated(bounded_bytes(path))
     builder = _Builder()
     try:
         for start in range(0, max(len(data), 1), _CHUNK):
@@ -173,6 +175,24 @@ def read_xml(path: str | os.PathLike[str]) -> XmlElement:
             raise
         raise BadModel(f"must be XML in UTF-8, UTF-16 or Latin-1: {str(error)[:80]}") from None
     return builder.root.children[0]
+
+
+def _tolerated(data: bytes) -> bytes:
+    """Return a text without what engines read though XML forbids it: "--" in comments, blanks at its head.
+
+    Lines keep their numbers.
+    """
+    declaration = data.lstrip(b" \t\r\n")
+    if declaration.startswith(b"<?xml") and len(declaration) < len(data) and b"?>" in declaration:
+        end = declaration.index(b"?>") + 2
+        data = declaration[:end] + data[: len(data) - len(declaration)] + declaration[end:]
+    parts, place = [], 0
+    while (start := data.find(b"<!--", place)) >= 0 and (end := data.find(b"-->", start + 4)) >= 0:
+        inside = data[start + 4 : end].replace(b"--", b"==")
+        inside = inside[:-1] + b"=" if inside.endswith(b"-") else inside
+        parts += [data[place : start + 4], inside]
+        place = end
+    return b"".join([*parts, data[place:]]) if parts else data
 
 
 class _Builder:

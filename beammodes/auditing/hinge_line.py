@@ -158,6 +158,8 @@ def root_support(path: HingePath, frame: Frame) -> RootSupport | None:
         elif joint.kind == "slide" and abs(joint.axis @ frame.across) > PARALLEL:
             _check_parallel(joint, frame.across)
             _check_only(found.slide, joint)
+            if joint.armature:
+                raise BadModel(f"joint {joint.name} must have no armature: only that of hinges is read")
             found = replace(found, across=joint.stiffness, slide=joint)
         elif joint.kind == "hinge" and abs(joint.axis @ frame.axis) > PARALLEL:
             _check_parallel(joint, frame.axis)

@@ -113,9 +113,15 @@ def acted_sites(root: XmlElement, settings: Settings) -> Iterator[tuple[str, str
         for tendon in tendons.all("spatial"):
             own = settings.with_defaults(tendon, "tendon", "main")
             name = own.attributes.get("name", "")
-            if linear_stiffness(own) or _inertia_or_friction(own) or (name and name in {*pulling, *tied}):
+            why = [key for key in ("stiffness", "armature", "frictionloss") if any(_terms(own, key))]
+            why += ["an actuator"] if name and name in pulling else []
+            why += ["an equality constraint"] if name and name in tied else []
+            if why:
                 for site in tendon.all("site"):
-                    yield site.attributes.get("site", ""), f"{tendon.where} must not act on the chain"
+                    yield (
+                        site.attributes.get("site", ""),
+                        f"{tendon.where} must not act on the chain, as it does by {' and '.join(why)}",
+                    )
 
 
 def ties(root: XmlElement, settings: Settings) -> Iterator[ModelTie]:
@@ -139,6 +145,10 @@ def _why_not(tendon: XmlElement, stiffness: float) -> str:
     if 0 < stiffness < math.inf and any(rest) and rest != [-1.0]:
         return f"{tendon.where} must be slack at rest: springlength 0"
     return ""
+
+
+def _terms(tendon: XmlElement, name: str) -> list[float]:
+    return [linear_stiffness(tendon)] if name == "stiffness" else tendon.numbers(name, 1, "0")
 
 
 def _inertia_or_friction(tendon: XmlElement) -> bool:

@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import replace
+
 import numpy as np
 from numpy.typing import NDArray
 
+from beammodes.auditing.body_tree import ModelBody
 from beammodes.auditing.bounded_xml import XmlElement
 from beammodes.auditing.mjcf_settings import Settings
 from beammodes.auditing.spatial import Inertial, Pose, ends_of, from_z_to, joined, solid
 
-__all__ = ["matter_of"]
+__all__ = ["compiled_masses", "matter_of"]
 
 Array = NDArray[np.float64]
 
@@ -20,8 +24,8 @@ _MASSLESS = ("plane", "hfield")
 def matter_of(settings: Settings, element: XmlElement, class_name: str) -> tuple[Inertial, list[Array], str]:
     """Return a body's mass and inertia, the ends of its geometry, and why these cannot be told."""
     parts, extent, why = [], [], ""
-    for child in element.all("geom"):
-        own = settings.with_defaults(child, "geom", class_name)
+    for child, place, inherited, _ in settings.inside(element, class_name, "geom"):
+        own = settings.with_defaults(child, "geom", inherited)
         kind = "mesh" if "mesh" in own.attributes else own.attributes.get("type", "sphere")
         if kind in _MASSLESS or (kind not in _SIZES and not _has_mass(settings, own)):
             continue
@@ -29,15 +33,63 @@ def matter_of(settings: Settings, element: XmlElement, class_name: str) -> tuple
             why = f"{own.where} must be a {', '.join(_SIZES)}, filled, or have its body's mass in <inertial>"
             continue
         part, ends = _geometry(settings, own, kind)
-        extent += ends
+        extent += [place.point(end) for end in ends]
         if settings.counts(own):
-            parts.append(part)
+            parts.append(part.seen_from(place))
     given = element.first("inertial")
     if given is not None and settings.inertia_from_geometry != "true":
         return _given(settings, given), extent, ""
     if settings.inertia_from_geometry == "false":
         return joined([]), extent, ""
     return joined(parts), extent, why
+
+
+def compiled_masses(settings: Settings, bodies: Sequence[ModelBody]) -> list[ModelBody]:
+    """Return bodies as the compiler's settings change them: all masses scaled to a total.
+
+    Raises
+    ------
+    BadModel
+        If a least mass or inertia, or the balance of inertias, would change a single body.
+    """
+    said = settings.compiler
+    for name, sizes in (("boundmass", _own_mass), ("boundinertia", _own_inertia)):
+        (least,) = said.numbers(name, 1, "0")
+        light = next((body for body in bodies if least > 0 and sizes(body) < least), None)
+        if light is not None:
+            said.refuse(
+                f"must have a {name} that no body is below, got {least:g}: body {light.name} has less"
+            )
+    if said.attributes.get("balanceinertia") == "true":
+        odd = next((body for body in bodies if not _is_balanced(body)), None)
+        if odd is not None:
+            said.refuse(f"must have no balanceinertia, which changes the inertia of body {odd.name}")
+    (total,) = said.numbers("settotalmass", 1, "-1")
+    mass = sum(body.inertial.mass for body in bodies)
+    if total <= 0 or not mass:
+        return list(bodies)
+    odd = next((body for body in bodies if body.refusal), None)
+    if odd is not None:
+        said.refuse(f"must have no settotalmass, for which every mass must be known: {odd.refusal}")
+    share = total / mass
+    return [
+        replace(body, inertial=Inertial(own.mass * share, own.centre, own.inertia * share))
+        for body in bodies
+        for own in [body.inertial]
+    ]
+
+
+def _own_mass(body: ModelBody) -> float:
+    return body.inertial.mass
+
+
+def _own_inertia(body: ModelBody) -> float:
+    return float(np.linalg.eigvalsh(body.inertial.inertia)[0])
+
+
+def _is_balanced(body: ModelBody) -> bool:
+    least, middle, most = np.linalg.eigvalsh(body.inertial.inertia)
+    return bool(least + middle >= most * (1 - 1e-9))
 
 
 def _has_mass(settings: Settings, geom: XmlElement) -> bool:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -14,7 +14,7 @@ from beammodes.auditing.spatial import Pose, about, from_euler, from_quaternion,
 from beammodes.checks import shown
 from beammodes.vibration.integrators import find_integrator
 
-__all__ = ["Settings", "settings_of"]
+__all__ = ["Placed", "Settings", "settings_of"]
 
 Attributes = dict[str, str]
 
@@ -41,6 +41,10 @@ class Settings:
         What is said of the surroundings that the audit leaves out.
     step : FileStep or None
     gravity : tuple of float
+    compiler : XmlElement
+        The file's own, for what it does to masses.
+    copies : list of int
+        How many copies replicates have made so far.
     """
 
     angle: float
@@ -52,6 +56,8 @@ class Settings:
     left_out: tuple[str, ...] = ()
     step: FileStep | None = None
     gravity: tuple[float, ...] = (0.0, 0.0, 0.0)
+    compiler: XmlElement = field(default_factory=lambda: XmlElement("compiler", {}, 0))
+    copies: list[int] = field(default_factory=list)
 
     def with_defaults(self, element: XmlElement, tag: str, class_name: str) -> XmlElement:
         """Return an element with the attributes that it takes from its class."""
@@ -59,7 +65,7 @@ class Settings:
         if name not in self.classes:
             element.refuse(f"must have a class that <default> defines, got {name[:40]!r}")
         attributes = self.classes[name].get(tag, {}) | element.attributes
-        return XmlElement(element.tag, attributes, element.line, element.text, element.children)
+        return replace(element, attributes=attributes)
 
     def limited(self, joint: XmlElement) -> bool:
         """Whether a joint has stops."""
@@ -69,6 +75,40 @@ class Settings:
     def counts(self, geom: XmlElement) -> bool:
         """Whether a geom's mass is part of its body's."""
         return self.groups[0] <= geom.numbers("group", 1, "0")[0] <= self.groups[1]
+
+    def inside(self, element: XmlElement, class_name: str, *tags: str) -> Iterator[Placed]:
+        """Yield an element's children of these tags, with those in frames and copies of replicates."""
+        waiting: list[Placed] = [(element, Pose.identity(), class_name, "")]
+        while waiting:
+            top, outer, inherited, suffix = waiting.pop()
+            if top is not element and top.tag in tags:
+                yield top, outer, inherited, suffix
+                continue
+            inherited = top.attributes.get("childclass", inherited) if top is not element else inherited
+            places = [("", outer)] if top is element else list(self._copies(top, outer))
+            self.copies[:] = [sum(self.copies) + len(places) - 1]
+            if self.copies[0] > MAX_COPIES:
+                top.refuse(f"must make at most {MAX_COPIES} copies, with all others of the file")
+            children = [child for child in top.children if child.tag in (*tags, "frame", "replicate")]
+            waiting += [
+                (child, place, inherited, suffix + more) for more, place in places for child in children
+            ][::-1]
+
+    def _copies(self, element: XmlElement, outer: Pose) -> Iterator[tuple[str, Pose]]:
+        """Yield the poses of what is in a frame or a replicate, and what is added to names there."""
+        if element.tag == "frame":
+            yield "", outer @ self.pose(element)
+            return
+        (count,) = element.numbers("count", 1)
+        if not 0 < count <= MAX_COPIES or count != int(count):
+            element.refuse(f"must have a count from 1 to {MAX_COPIES}, got {count:g}")
+        turn = self.angle * np.array(element.numbers("euler", 3, "0 0 0"))
+        step = Pose(from_euler(turn, self.sequence), np.array(element.numbers("offset", 3, "0 0 0")))
+        digits = len(str(int(count) - 1))
+        place = outer
+        for i in range(int(count)):
+            yield f"{element.attributes.get('sep', '')}{i:0{digits}d}", place
+            place = place @ step
 
     def pose(self, element: XmlElement) -> Pose:
         """Return an element's pose in its parent."""
@@ -90,6 +130,11 @@ class Settings:
             return Pose(from_z_to(_unit(element, values)), position)
         return Pose(_from_axes(element, values), position)
 
+
+#: An element's child, its pose in that element, its class, and what replication adds to its name.
+Placed = tuple[XmlElement, Pose, str, str]
+#: More copies than these are no chain that anybody looks at.
+MAX_COPIES = 10_000
 
 _TURNS = {"euler": 3, "quat": 4, "axisangle": 4, "zaxis": 3, "xyaxes": 6}
 
@@ -113,19 +158,12 @@ def settings_of(root: XmlElement) -> Settings:
     Raises
     ------
     BadModel
-        If a setting changes masses in a way that only MuJoCo can follow.
+        If a setting cannot be followed.
     """
     found: Attributes = {}
     for compiler in root.all("compiler"):
         found |= compiler.attributes
     said = XmlElement("compiler", found, next((c.line for c in root.all("compiler")), 0))
-    for name in ("boundmass", "boundinertia"):
-        if said.numbers(name, 1, "0")[0]:
-            said.refuse(f"must have no {name}, which changes masses")
-    if said.numbers("settotalmass", 1, "-1")[0] > 0:
-        said.refuse("must have no settotalmass, which changes masses")
-    if found.get("balanceinertia") == "true":
-        said.refuse("must have no balanceinertia, which changes inertias")
     if found.get("coordinate", "local") != "local":
         said.refuse("must have local coordinates, as MuJoCo 3 wants")
     sequence = found.get("eulerseq", "xyz")
@@ -142,6 +180,7 @@ def settings_of(root: XmlElement) -> Settings:
         tuple(_left_out(root, *options_of(root))),
         _step(*options_of(root)),
         _gravity(*options_of(root)),
+        said,
     )
 
 

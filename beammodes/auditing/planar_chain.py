@@ -85,12 +85,17 @@ def planar_chain(path: HingePath, frame: Frame, far: FarEnd, length: float, word
         (support.across, support.turning),
         (far.across, far.turning),
         _spring(support.hinge) if support.hinge else None,
-        tuple(_assumed(frame, (near, start), (tip, end), word or (support.why if root else ""))),
+        (*_assumed(frame, (near, start), (tip, end), word or support.why), *_undamped(root)),
     )
 
 
 def _spring(hinge: ModelJoint) -> Spring:
     return Spring(hinge.name, hinge.stiffness, hinge.damping, hinge.armature)
+
+
+def _undamped(root: RootSupport | None) -> Iterable[str]:
+    if root and root.slide and root.slide.damping:
+        yield f"the damping of joint {root.slide.name} is left out"
 
 
 def _assumed(frame: Frame, near: tuple[_Outer, float], tip: tuple[_Outer, float], why: str) -> Iterable[str]:
@@ -218,13 +223,16 @@ def _by_matter(group: Group, frame: Frame, hinge: float, way: float, inside: Pie
 
 def _alike(part: Inertial, frame: Frame, hinge: float, way: float, inside: Piece) -> float | None:
     share = part.mass / inside.mass
+    if not _LEAST < share < _MOST:
+        # Other matter, or none, whose centre is nowhere.
+        return None
     if frame.off_line(part.centre) > _ALIKE * inside.length:
         return None
     centre = way * (frame.place(part.centre) - hinge)
-    if abs(share - 1) > _ALIKE and share < _MOST and abs(centre - inside.centre) <= _ALIKE * inside.length:
+    if abs(share - 1) > _ALIKE and abs(centre - inside.centre) <= _ALIKE * inside.length:
         # Another mass at the same place, as lumped masses have at the last hinge or the tip.
         return inside.length
-    if _LEAST < share < _MOST and abs(centre - share * inside.centre) <= _ALIKE * inside.length:
+    if abs(centre - share * inside.centre) <= _ALIKE * inside.length:
         return share * inside.length if abs(share - 1) > _ALIKE else inside.length
     return None
 

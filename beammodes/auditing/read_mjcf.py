@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field
+from pathlib import Path
 
 import numpy as np
 
 from beammodes.auditing.body_tree import Model, ModelBody, ModelJoint
-from beammodes.auditing.bounded_xml import XmlElement
+from beammodes.auditing.bounded_xml import BadModel, XmlElement, read_xml
 from beammodes.auditing.mjcf_forces import (
     acted_sites,
     held_ends,
@@ -18,14 +19,27 @@ from beammodes.auditing.mjcf_forces import (
     servos,
     ties,
 )
-from beammodes.auditing.mjcf_matter import matter_of
+from beammodes.auditing.mjcf_matter import compiled_masses, matter_of
 from beammodes.auditing.mjcf_settings import Settings, settings_of
 from beammodes.auditing.spatial import Pose
+from beammodes.checks import shown
 
-__all__ = ["read_mjcf"]
+__all__ = ["read_mjcf", "with_includes"]
 
+_MOST_INCLUDED = 20
+
+_MOST_BODIES = 20_000
 #: What only MuJoCo can expand or would change a body's motion by.
-_UNREAD = ("composite", "flexcomp", "replicate", "attach", "frame", "plugin", "include")
+_UNREAD = ("composite", "flexcomp", "attach", "plugin")
+_WHY = {
+    "composite": "only MuJoCo can expand it; of a cable (mujoco.elasticity.cable) the page on MuJoCo "
+    "(beammodes/pages/mujoco.md) has the error",
+    "flexcomp": "a flex has no hinges and is not judged here; the page on MuJoCo "
+    "(beammodes/pages/mujoco.md) has its error",
+    "attach": "only MuJoCo can expand it; save what it makes of the file by mj_saveLastXML",
+    "plugin": "what a plugin such as mujoco.elasticity.cable does is not read; the page on MuJoCo "
+    "(beammodes/pages/mujoco.md) has the error of its cable",
+}
 
 
 @dataclass
@@ -44,23 +58,23 @@ class _Reader:
 def read_mjcf(root: XmlElement) -> Model:
     """Return the bodies, joints and ties of an MJCF model.
 
-    Honoured are the compiler's angle, eulerseq, autolimits, inertiafromgeom and inertiagrouprange, default
-    classes, explicit inertials, solids with mass or density, poses, hinges, slides and free joints, fixed
-    tendons with stiffness, and equality constraints on these. What cannot be honoured is refused where a
-    chain needs it: composites, plugins, meshes, ball joints, dry friction, stops at rest, servos that act
-    like
-    springs, spatial tendons with springs. Armature is inertia of a hinge's own rotation; servos of velocity
-    without other terms are dampers.
+    Other files are included by `with_includes` before. Honoured are frames, replicates, the compiler's angle,
+    eulerseq, autolimits, inertiafromgeom, inertiagrouprange and settotalmass, default classes, explicit
+    inertials, solids with mass or density, poses, hinges, slides and free joints, fixed tendons with
+    stiffness, and equality constraints on these. Armature is inertia of a hinge's own rotation; servos of
+    velocity without other terms are dampers. What cannot be honoured is refused where a chain needs it:
+    composites, plugins, flexes, meshes, ball joints, dry friction, stops at rest, servos that act like springs,
+    spatial tendons with springs.
 
     Raises
     ------
     BadModel
-        If the model includes other files, or an element is not as MuJoCo wants it.
+        If an element is not as MuJoCo wants it.
     """
     if root.tag not in ("mujoco", "mujocoinclude"):
         root.refuse("must be <mujoco>")
-    for element in root.all("include", "replicate", "attach"):
-        element.refuse("must be left out: save the model that MuJoCo makes of it, by mj_saveLastXML")
+    for element in root.all("attach"):
+        element.refuse(f"must be left out: {_WHY['attach']}")
     reader = _Reader(settings_of(root))
     if root.tag == "mujocoinclude" and root.first("worldbody") is None:
         worlds = [root]
@@ -77,7 +91,7 @@ def read_mjcf(root: XmlElement) -> Model:
     # A file without its root, to be included, takes its step and its gravity from the one that includes it.
     alone = root.tag == "mujoco"
     return Model(
-        tuple(reader.bodies),
+        tuple(compiled_masses(reader.settings, reader.bodies)),
         tuple(ties(root, reader.settings)),
         held,
         tuple(reader.notes),
@@ -88,24 +102,33 @@ def read_mjcf(root: XmlElement) -> Model:
 
 def _read_children(reader: _Reader, top: XmlElement, above: int, pose: Pose, inherited: str) -> None:
     """Read the bodies below an element, without recursion: a chain nests as deep as it is long."""
-    waiting = [(child, above, pose, inherited) for child in top.all("body")][::-1]
-    if any(top.all(*_UNREAD)) and above < 0:
-        odd = next(top.all(*_UNREAD))
-        reader.notes.append(f"{odd.where} is left out here")
+    inside = reader.settings.inside
+    waiting = [(*found, above, pose) for found in inside(top, inherited, "body")][::-1]
+    if above < 0:
+        for odd, *_ in inside(top, inherited, *_UNREAD):
+            reader.notes.append(f"{odd.where} is left out here: {_WHY[odd.tag]}")
     while waiting:
-        element, parent, outer, class_name = waiting.pop()
+        element, place, class_name, suffix, parent, outer = waiting.pop()
         class_name = element.attributes.get("childclass", class_name)
-        own = outer @ reader.settings.pose(element)
-        reader.bodies.append(_body(reader, element, parent, own, class_name))
+        own = outer @ place @ reader.settings.pose(element)
+        reader.bodies.append(_body(reader, element, parent, own, class_name, suffix))
         index = len(reader.bodies) - 1
-        waiting += [(child, index, own, class_name) for child in element.all("body")][::-1]
+        if index > _MOST_BODIES:
+            element.refuse(f"must be one of at most {_MOST_BODIES} bodies")
+        waiting += [
+            (child, at, inner, suffix + more, index, own)
+            for child, at, inner, more in inside(element, class_name, "body")
+        ][::-1]
 
 
-def _body(reader: _Reader, element: XmlElement, parent: int, pose: Pose, class_name: str) -> ModelBody:
-    name = element.attributes.get("name", f"body on line {element.line}")
-    odd = next(element.all(*_UNREAD), None)
-    refusal = f"{odd.where} must be left out: only MuJoCo can expand it" if odd else ""
-    sites = [site.attributes.get("name", "") for site in element.all("site")]
+def _body(
+    reader: _Reader, element: XmlElement, parent: int, pose: Pose, class_name: str, suffix: str
+) -> ModelBody:
+    name = element.attributes.get("name", f"body on line {element.line}") + suffix
+    inside = reader.settings.inside
+    odd = next((found for found, *_ in inside(element, class_name, *_UNREAD)), None)
+    refusal = f"{odd.where} must be left out: {_WHY[odd.tag]}" if odd else ""
+    sites = [site.attributes.get("name", "") for site, *_ in inside(element, class_name, "site")]
     reader.homes |= dict.fromkeys(sites, name)
     refusal = refusal or next((reader.acted[site] for site in sites if site in reader.acted), "")
     inertial, extent, why = matter_of(reader.settings, element, class_name)
@@ -115,34 +138,35 @@ def _body(reader: _Reader, element: XmlElement, parent: int, pose: Pose, class_n
         pose.position,
         inertial.seen_from(pose),
         tuple(pose.point(point) for point in extent),
-        tuple(_joints(reader, element, pose, class_name, name)),
+        tuple(_joints(reader, element, pose, class_name, name, suffix)),
         refusal or why,
     )
 
 
 def _joints(
-    reader: _Reader, element: XmlElement, pose: Pose, class_name: str, body: str
+    reader: _Reader, element: XmlElement, pose: Pose, class_name: str, body: str, suffix: str
 ) -> Iterator[ModelJoint]:
-    for i, child in enumerate(element.all("joint", "freejoint")):
-        own, kind = child, "free"
+    joints = reader.settings.inside(element, class_name, "joint", "freejoint")
+    for i, (child, place, inherited, more) in enumerate(joints):
+        own, kind, at = child, "free", pose @ place
         if child.tag == "joint":
-            own = reader.settings.with_defaults(child, "joint", class_name)
+            own = reader.settings.with_defaults(child, "joint", inherited)
             kind = own.attributes.get("type", "hinge")
-        name = own.attributes.get("name", f"joint {i + 1} of {body}")
+        name = own.attributes.get("name", f"joint {i + 1} of {body.removesuffix(suffix)}")
         axis = np.array(own.numbers("axis", 3, "0 0 1"))
         size = float(np.linalg.norm(axis))
         if not size:
             child.refuse("must have an axis that is not zero")
-        position = pose.point(np.array(own.numbers("pos", 3, "0 0 0")))
+        position = at.point(np.array(own.numbers("pos", 3, "0 0 0")))
         stiffness = linear_stiffness(own)
         refusal = _why_not(reader.settings, own, kind, stiffness) or reader.servos.get(name, "")
         damping, armature = linear_damping(own), own.numbers("armature", 1, "0")[0]
         if armature < 0:
             child.refuse(f"must have an armature of at least 0, got {armature:g}")
         yield ModelJoint(
-            name,
+            f"{name}{suffix}{more}",
             kind,
-            pose.rotation @ (axis / size),
+            at.rotation @ (axis / size),
             position,
             stiffness,
             refusal,
@@ -171,3 +195,53 @@ def _why_not(settings: Settings, joint: XmlElement, kind: str, stiffness: float)
 
 
 _BALL = "two hinges bend about both axes, without twist"
+
+
+def with_includes(root: XmlElement, folder: Path) -> XmlElement:
+    """Return a model with what its <include> elements name in their place, as MuJoCo reads it.
+
+    Raises
+    ------
+    BadModel
+        If a file is outside the model's folder, included twice, or cannot be read; the message names it.
+    """
+    inside, seen, count = folder.resolve(), {""}, 0
+    waiting = [root]
+    while waiting:
+        element = waiting.pop()
+        children: list[XmlElement] = []
+        found = element.children[::-1]
+        while found:
+            child = found.pop()
+            if child.tag != "include":
+                children.append(child)
+                continue
+            name = child.attributes.get("file", "")
+            place = (folder / name).resolve()
+            if not name or inside not in place.parents:
+                child.refuse(f"must name a file in the model's own folder, got {shown(name)}")
+            if str(place) in seen:
+                child.refuse(f"must not include a file twice, got {shown(name)}")
+            seen.add(str(place))
+            count += 1
+            if count > _MOST_INCLUDED:
+                child.refuse(f"must be one of at most {_MOST_INCLUDED} files")
+            try:
+                top = read_xml(place)
+            except OSError as error:
+                child.refuse(f"must name a file that can be read: {error.strerror or error}")
+            except BadModel as error:
+                child.refuse(f"must name a file that can be read: {shown(name)}: {error}")
+            _named(top, name)
+            found += top.children[::-1]
+        element.children = children
+        waiting += children
+    return root
+
+
+def _named(top: XmlElement, file: str) -> None:
+    waiting = [top]
+    while waiting:
+        element = waiting.pop()
+        element.file = file
+        waiting += element.children

@@ -22,6 +22,7 @@ _KINDS = {
     "floating": "free",
     "fixed": "fixed",
 }
+_HINGES = ("revolute", "continuous")
 _NONE = np.zeros(3)
 
 
@@ -60,7 +61,14 @@ def read_urdf(root: XmlElement, springs: Mapping[str, float]) -> Model:
     notes = (
         () if "world" in links else (f"root link {shown(bodies[0].name)} is taken as fixed to the ground",)
     )
-    return Model(tuple(bodies), notes=notes)
+    hint = ""
+    if not springs:
+        first = next((name for name, joint in joints.items() if joint.attributes.get("type") in _HINGES), "")
+        hint = (
+            "URDF has no springs: give a file with them by springs= (--springs), or beside the model as "
+            f"NAME.springs.yaml, with a row such as {{joint: {first or 'NAME'}, stiffness: 10.0}} a hinge"
+        )
+    return Model(tuple(bodies), notes=notes, hint=hint)
 
 
 def tree_order(

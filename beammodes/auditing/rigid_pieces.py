@@ -94,17 +94,23 @@ def with_wall_hinges(chain: PlanarChain, far: str, length: float) -> PlanarChain
     """
     pieces = [_without_traces(piece, chain.pieces) for piece in chain.pieces]
     springs, ends = list(chain.springs), [chain.near, chain.far]
+    turning = chain.near_hinge
     if ends[0][1] == math.inf and len(pieces) > 2 and pieces[0].length == pieces[1].length == 0:
-        ends[0] = (ends[0][0], springs[0].stiffness)
+        turning = springs[0]
+        ends[0] = (ends[0][0], turning.stiffness)
         del pieces[0], springs[0]
     if 0 < ends[0][1] < math.inf and pieces[0].length:
         pieces.insert(0, held_piece(0.0, ()))
-        hinge = chain.near_hinge or Spring("near end", chain.near[1])
-        springs.insert(0, replace(hinge, stiffness=chain.near[1]))
+        springs.insert(0, replace(turning or Spring("near end", 0.0), stiffness=ends[0][1]))
         ends[0] = (chain.near[0], math.inf)
-    elif chain.near_hinge and chain.near_hinge.armature and ends[0][1] == 0:
-        # The armature of the hinge on which all turns is inertia of the first piece's own rotation.
-        pieces[0] = replace(pieces[0], inertia=pieces[0].inertia + chain.near_hinge.armature)
+        turning = None
+    assumed = chain.assumed
+    if turning and ends[0][1] < math.inf:
+        # The armature of a hinge on which all turns is inertia of the first piece's own rotation.
+        pieces[0] = replace(pieces[0], inertia=pieces[0].inertia + turning.armature)
+        if turning.damping:
+            why = f"the damping of {turning.name}, on which the chain turns as a whole, is left out"
+            assumed = (*assumed, why)
     if 0 < chain.far[1] < math.inf and pieces[-1].length:
         missing = length - sum(piece.length for piece in pieces)
         typical = max(piece.length for piece in pieces)
@@ -112,7 +118,14 @@ def with_wall_hinges(chain: PlanarChain, far: str, length: float) -> PlanarChain
         pieces.append(stub)
         springs.append(Spring(far, chain.far[1]))
         ends[1] = (chain.far[0], math.inf)
-    return replace(chain, pieces=tuple(pieces), springs=tuple(springs), near=ends[0], far=ends[1])
+    return replace(
+        chain,
+        pieces=tuple(pieces),
+        springs=tuple(springs),
+        near=ends[0],
+        far=ends[1],
+        assumed=assumed,
+    )
 
 
 def _without_traces(piece: Piece, others: Sequence[Piece]) -> Piece:

@@ -77,12 +77,28 @@ def hinge_paths(model: Model) -> list[HingePath]:
         if _is_sprung(group) and not _continues(group):
             found.append(_path_from(group))
     if not found:
-        odd = [joint.refusal for body in model.bodies for joint in body.joints if joint.refusal]
-        odd += [body.refusal for body in model.bodies if body.refusal]
-        odd += [note for note in model.notes if note.startswith("line ")]
-        why = f"; {odd[0]}" if odd else ""
-        raise BadModel(f"must have a hinge with a spring, got {len(model.bodies)} bodies without{why}")
+        raise BadModel(_without_chain(model))
     return sorted(found, key=lambda path: -len(path.groups))
+
+
+def _without_chain(model: Model) -> str:
+    """Return why a model has no chain: what its bodies are on, and what stands in the way."""
+    sprung = [body for body in model.bodies if any(joint.stiffness for joint in body.joints)]
+    odd = [body.refusal for body in model.bodies if body.refusal]
+    odd += [joint.refusal for body in model.bodies for joint in body.joints if joint.refusal]
+    odd += [
+        f"{joint.name} on body {body.name} is a {joint.kind} joint"
+        for body in sprung
+        for joint in body.joints
+        if joint.kind != "hinge"
+    ]
+    odd += [note for note in model.notes if "line " in note.split(":")[0]]
+    why = [*odd[:1], *([model.hint] if model.hint else [])]
+    count = len(model.bodies)
+    found = f"{count} bodies without"
+    if sprung:
+        found = f"{count} bodies, {len(sprung)} of them with springs, but none on hinges alone"
+    return "; ".join([f"must have a hinge with a spring, got {found}", *why])
 
 
 def chosen_path(paths: Sequence[HingePath], name: str | None) -> HingePath:
