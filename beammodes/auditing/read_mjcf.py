@@ -63,8 +63,8 @@ def read_mjcf(root: XmlElement) -> Model:
     inertials, solids with mass or density, poses, hinges, slides and free joints, fixed tendons with
     stiffness, and equality constraints on these. Armature is inertia of a hinge's own rotation; servos of
     velocity without other terms are dampers. What cannot be honoured is refused where a chain needs it:
-    composites, plugins, flexes, meshes, ball joints, dry friction, stops at rest, servos that act like springs,
-    spatial tendons with springs.
+    composites, plugins, flexes, meshes, ball joints, dry friction, stops at rest, servos that act like
+    springs, spatial tendons with springs.
 
     Raises
     ------
