@@ -7,9 +7,10 @@ import math
 import numbers
 from collections.abc import Iterable
 
-__all__ = ["choice", "positive_real", "real", "shown", "small_fraction", "whole_number"]
+__all__ = ["choice", "positive_real", "real", "row_shown", "shown", "small_fraction", "whole_number"]
 
 _SHOWN_CHARACTERS = 60
+_SHOWN_NUMBERS = 6
 
 
 def shown(value: object) -> str:
@@ -23,6 +24,19 @@ def shown(value: object) -> str:
         # Python refuses to print integers of more than 4300 digits, also inside other values.
         text = f"a {type(value).__name__} of very many digits"
     return text if len(text) <= _SHOWN_CHARACTERS else text[: _SHOWN_CHARACTERS - 3] + "..."
+
+
+def row_shown(values: Iterable[float], form: str, unit: str) -> str:
+    """Return the first six of some numbers in a row with their unit, as results are printed.
+
+    Examples
+    --------
+    >>> row_shown([4.5504, 28.515, 79.843], "{:.4g}", "Hz")
+    '4.55, 28.52, 79.84 Hz'
+    """
+    listed = [float(value) for value in values]
+    more = f", ... ({len(listed)} in all)" if len(listed) > _SHOWN_NUMBERS else ""
+    return f"{', '.join(map(form.format, listed[:_SHOWN_NUMBERS])) or 'none'} {unit}{more}"
 
 
 def real(name: str, value: object) -> float:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import warnings
 
 import numpy as np
 import pytest
@@ -65,3 +66,27 @@ def test_bad_arguments() -> None:
         bm.recommend("clamped-free", 0.01, integrator="leapfrg")
     with pytest.raises(ValueError, match="tolerance"):
         bm.recommend("clamped-free", 0)
+
+
+def test_beams_that_vary_are_advised_by_their_own_errors() -> None:
+    taper = bm.Beam(1.0, lambda x: (1 - x / 2) ** 3, lambda x: 1 - x / 2)
+    for beam in (taper, bm.Beam(1.0, [2.0, 1.0], 1.0), bm.Beam(1.0, 1.0, 1.0, 1e-3)):
+        ways = bm.recommend("clamped-free", 0.01, 2, beam=beam, rules=["gregory", "mitiguy"])
+        assert len(ways) == 2
+        for way in ways:
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore", bm.SlendernessWarning)
+                errors = [
+                    np.abs(bm.chain_errors(bm.Chain(beam, "clamped-free", n, way.rule), 2)).max()
+                    for n in (way.segments - 1, way.segments)
+                ]
+            assert errors[1] == pytest.approx(way.largest_error, rel=1e-9)
+            assert errors[1] <= 0.01 < errors[0]
+
+
+def test_advice_says_what_no_number_of_segments_mends() -> None:
+    stout = bm.Beam.from_section(bm.Rectangle(1.0, 2.0), density=7800.0, elastic_modulus=210e9, length=10.0)
+    way = bm.recommend("clamped-free", 0.01, 3, beam=stout, rules=["gregory"])[0]
+    assert way.theory_error == pytest.approx(bm.theory_errors(stout, "clamped-free")[2], rel=1e-12)
+    assert "theory error -29.2 %" in repr(way)
+    assert math.isnan(bm.recommend("clamped-free", 0.01, rules=["gregory"])[0].theory_error)

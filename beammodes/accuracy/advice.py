@@ -5,20 +5,25 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from beammodes.accuracy.end_numbers import in_beam_units
-from beammodes.accuracy.errors import ToleranceOutOfReach, frequency_error, segments_needed
+from beammodes.accuracy.errors import ToleranceOutOfReach, frequency_error, segments_needed, solved_grid
 from beammodes.accuracy.statics import LOADS, beam_statics, chain_statics
 from beammodes.chains.chain import Chain
 from beammodes.chains.rules import RULES, AnyRule, Layout, layout_of
+from beammodes.checks import shown, small_fraction, whole_number
 from beammodes.exact.beam_theory import euler_bernoulli
 from beammodes.problem.beam import Beam
 from beammodes.problem.ends import Boundary, BoundaryLike
 from beammodes.vibration.integrators import INTEGRATORS, find_integrator, stability_limit
+from beammodes.vibration.linear import linearize
+from beammodes.vibration.modes import solve_modes
 from beammodes.vibration.stability import highest_angular_frequency
+
+Array = NDArray[np.float64]
 
 __all__ = ["Recommendation", "recommend"]
 
@@ -30,7 +35,7 @@ _LIMITED = tuple(
 MOST_SEGMENTS = 10_000
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Recommendation:
     """One way to reach an accuracy, and what it costs.
 
@@ -51,6 +56,9 @@ class Recommendation:
     cost : float
         Segments times steps in one period of the first mode: the work of a simulation whose effort per step
         grows in proportion to the segments.
+    theory_error : float
+        Largest of `theory_errors` of the wanted modes, which no number of segments lowers: a chain tends to
+        Euler and Bernoulli's beam, having no shear. NaN where the beam's section is not known.
     """
 
     rule: str
@@ -61,6 +69,17 @@ class Recommendation:
     highest_angular_frequency: float
     stable_time_step: float
     cost: float
+    theory_error: float
+
+    def __repr__(self) -> str:
+        static = max(self.static_error.values(), key=abs, default=math.nan)
+        told = [f"frequency error {100 * self.largest_error:.3g} %"]
+        if not math.isnan(static):
+            told.append(f"static error {100 * static:+.3g} %")
+        if not math.isnan(self.theory_error):
+            told.append(f"theory error {100 * self.theory_error:+.3g} %")
+        told += [f"stable step {self.stable_time_step:.4g} s", f"cost {self.cost:.3g}"]
+        return f"Recommendation({self.rule}, {self.segments} segments: {', '.join(told)})"
 
 
 def recommend(
@@ -83,8 +102,11 @@ def recommend(
         Largest |e| of the first `modes` frequencies, as a fraction less than 0.5, from this N on.
     modes : int
     beam : Beam, optional
-        Uniform, for springs, steps and numbers of ends in its units. Without one all are multiples of EI/L,
-        √(ρA L⁴/EI), ρA L and so on.
+        For springs, steps and numbers of ends in its units; without one all are multiples of EI/L,
+        √(ρA L⁴/EI),
+        ρA L and so on. Of one that varies, or has a rotary inertia, each chain is solved beside the exact
+        beam, and N is sought up to 1000, all up to 30, then in steps of a tenth; "from this N on" is then
+        looked at up to 3 N.
     rules : iterable of rules, optional
         All of `RULES` by default; one that cannot meet the tolerance with 10,000 segments is left out.
     integrator : str
@@ -105,12 +127,12 @@ def recommend(
     """
     pair, unit = Boundary.of(boundary), Beam.unit() if beam is None else beam
     integrator = find_integrator(integrator, _LIMITED).name
-    in_beam_units(pair, unit)
+    judge = _Judge.of(unit, pair, tolerance, modes)
     ways: list[Recommendation] = []
     refusal = ValueError("rules must name at least one rule, got none")
     for record in [layout_of(rule) for rule in (RULES if rules is None else rules)]:
         try:
-            count = segments_needed(pair, tolerance, modes, record, beam=unit)
+            count = judge.segments(record)
         except ToleranceOutOfReach as error:
             refusal = error
             continue
@@ -119,31 +141,86 @@ def recommend(
                 f"tolerance must be larger: rule {record.name} needs {count} segments for it"
             )
             continue
-        ways.append(_way(unit, pair, count, modes, record, integrator))
+        ways.append(_way(judge, count, record, integrator))
     if not ways:
         raise refusal
     return sorted(ways, key=lambda way: (way.cost, way.segments))
 
 
-def _way(
-    beam: Beam, boundary: Boundary, segments: int, modes: int, record: Layout, integrator: str
-) -> Recommendation:
-    chain = Chain(beam, boundary, segments, record)
+class _Judge(NamedTuple):
+    """What tells errors of chains of one beam, and how many segments keep them in bounds."""
+
+    beam: Beam
+    boundary: Boundary
+    tolerance: float
+    exact: Array
+    theory_error: float
+
+    @classmethod
+    def of(cls, beam: Beam, boundary: Boundary, tolerance: float, modes: int) -> _Judge:
+        """Return it for the first modes of a beam."""
+        limit = small_fraction("tolerance", tolerance)
+        exact = euler_bernoulli(beam, boundary, whole_number("modes", modes))
+        theory = exact.theory_error[~np.isnan(exact.theory_error)]
+        worst = float(theory[np.argmax(np.abs(theory))]) if len(theory) else math.nan
+        return cls(beam, boundary, limit, exact.angular_frequency, worst)
+
+    @property
+    def modes(self) -> int:
+        """How many modes are wanted."""
+        return len(self.exact)
+
+    def errors(self, record: Layout, segments: int) -> Array:
+        """Return the chain's errors, NaN where it has no such mode or the rule no springs."""
+        if self.beam.is_uniform and not self.beam.has_rotary_inertia:
+            mode = np.arange(1, self.modes + 1)
+            return np.asarray(
+                frequency_error(self.boundary, segments=segments, mode=mode, rule=record, beam=self.beam)
+            )
+        errors = np.full(self.modes, np.nan)
+        try:
+            chain = Chain(self.beam, self.boundary, segments, record)
+        except ValueError:
+            # No positive springs for these ends and N.
+            return errors
+        found = solve_modes(linearize(chain), self.modes).angular_frequency
+        errors[: len(found)] = found / self.exact[: len(found)] - 1
+        return errors
+
+    def segments(self, record: Layout) -> int:
+        """Return the N from which errors stay in bounds; raises ToleranceOutOfReach."""
+        if self.beam.is_uniform and not self.beam.has_rotary_inertia:
+            return segments_needed(self.boundary, self.tolerance, self.modes, record, beam=self.beam)
+        grid, needed = solved_grid(self.modes), 0
+        for count in grid.tolist():
+            if not (np.abs(self.errors(record, count)) <= self.tolerance).all():
+                needed = 0
+            elif not needed:
+                needed = count
+            elif count > 3 * needed:
+                break
+        if not needed:
+            raise ToleranceOutOfReach(
+                f"tolerance must be larger: with rule {record.name} and {self.modes} modes no chain of up to "
+                f"{grid[-1]} segments of this beam stays within {shown(self.tolerance)}"
+            )
+        return needed
+
+
+def _way(judge: _Judge, segments: int, record: Layout, integrator: str) -> Recommendation:
+    chain = Chain(judge.beam, judge.boundary, segments, record)
     highest = highest_angular_frequency(chain)
     step = stability_limit(integrator) / highest
-    first = float(euler_bernoulli(beam, boundary, 1).angular_frequency[0])
-    errors = frequency_error(
-        boundary, segments=segments, mode=np.arange(1, modes + 1), rule=record, beam=beam
-    )
     return Recommendation(
         rule=record.name,
         segments=segments,
         joint_stiffness=chain.joint_stiffness,
-        largest_error=float(np.max(np.abs(errors))),
+        largest_error=float(np.max(np.abs(judge.errors(record, segments)))),
         static_error=_static_errors(chain),
         highest_angular_frequency=highest,
         stable_time_step=step,
-        cost=segments * 2 * math.pi / first / step,
+        cost=segments * 2 * math.pi / float(judge.exact[0]) / step,
+        theory_error=judge.theory_error,
     )
 
 

@@ -23,7 +23,14 @@ from beammodes.problem.loading import Load
 if TYPE_CHECKING:
     from beammodes.problem.beam import Beam
 
-__all__ = ["MAX_MODES", "ToleranceOutOfReach", "errors_in_multiples", "frequency_error", "segments_needed"]
+__all__ = [
+    "MAX_MODES",
+    "ToleranceOutOfReach",
+    "errors_in_multiples",
+    "frequency_error",
+    "segments_needed",
+    "solved_grid",
+]
 
 #: A table of more modes than this would be a mistake.
 MAX_MODES = 100_000
@@ -254,7 +261,11 @@ def segments_needed(
         grid = segment_grid(len(mode))
     else:
         along = isinstance(record, AxiallyCorrected) and isinstance(record.rule, Rule) and pull.is_axial
-        grid = _sparse_grid(len(mode), _LONGEST if (closed or along) and pull.is_axial else _LONGEST_SOLVED)
+        grid = (
+            _sparse_grid(len(mode), _LONGEST)
+            if (closed or along) and pull.is_axial
+            else solved_grid(len(mode))
+        )
     failing = np.flatnonzero(fails(grid))
     if not len(failing):
         return int(grid[0])
@@ -264,6 +275,11 @@ def segments_needed(
             f"of up to {grid[-1]} segments stays within {shown(tolerance)}"
         )
     return last_failing(fails, int(grid[failing[-1]]), int(grid[failing[-1] + 1])) + 1
+
+
+def solved_grid(modes: int) -> NDArray[np.int64]:
+    """Return the N that stand for all of them where each chain has to be solved, up to 1000."""
+    return _sparse_grid(modes, _LONGEST_SOLVED)
 
 
 def _sparse_grid(modes: int, most: int) -> NDArray[np.int64]:

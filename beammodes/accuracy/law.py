@@ -50,7 +50,7 @@ from beammodes.problem.ends import Boundary, BoundaryLike
 __all__ = ["ErrorLaw", "error_law", "interior_coefficient", "law_holds_from"]
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False)
 class ErrorLaw:
     """The leading term of a frequency error,  e ~ coefficient / N**order.
 
@@ -74,6 +74,9 @@ class ErrorLaw:
         -1.255e-05
         """
         return self.coefficient / np.asarray(segments, dtype=float) ** self.order
+
+    def __repr__(self) -> str:
+        return f"ErrorLaw(e ~ {self.coefficient:.6g} / N**{self.order})"
 
 
 def error_law(boundary: BoundaryLike, mode: int, rule: RuleLike | RuleMaker = "mitiguy") -> ErrorLaw:

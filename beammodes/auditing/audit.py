@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from beammodes.auditing.better_springs import Suggestion, listed_errors, suggestions_for
 from beammodes.auditing.judged_pieces import UNKNOWN, Columns, JudgedPieces, percent
-from beammodes.checks import small_fraction
+from beammodes.checks import row_shown, small_fraction
 from beammodes.problem.beam import Beam
 from beammodes.problem.ends import Boundary, BoundaryLike
 
@@ -56,7 +56,7 @@ class StepVerdict:
         )
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Audit:
     """What `audit_chain` or `audit_file` found: what is given, what is assumed, and what is found.
 
@@ -189,6 +189,10 @@ class Audit:
         """A short report: what is given, what is assumed, what is found."""
         lines = [f"given: {line}" for line in self.given] + [f"assumed: {line}" for line in self.assumed]
         return "\n".join([*lines, *self.found, *(f"  {suggestion}" for suggestion in self.suggestions)])
+
+    def __repr__(self) -> str:
+        errors = row_shown(100 * self.errors, "{:+.3g}", "%")
+        return f"Audit({self.boundary}, {self.layout}: chain against beam {errors})"
 
 
 def _listed(parts: list[float]) -> str:

@@ -44,7 +44,7 @@ class NumericLinearModel:
         return turn @ self.mass_matrix @ self.basis, turn @ self.stiffness_matrix @ self.basis
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class CompiledEquations:
     """The terms of  M(q) q'' + h(q, q') + s(q) = (∂c/∂q)ᵀ λ,  c(q) = 0  as CasADi functions of q and q'.
 
@@ -91,6 +91,9 @@ class CompiledEquations:
         inertia = _array(self.mass_matrix(q)) @ np.asarray(acceleration)
         static = _array(self.static_forces(q))[:, 0]
         return np.asarray(inertia + _array(self.velocity_terms(q, speed))[:, 0] + static)
+
+    def __repr__(self) -> str:
+        return f"CompiledEquations({len(self.coordinates)} coordinates: {', '.join(self.coordinates[:6])})"
 
 
 def compile_equations(chain: Chain, *, load: Load | None = None) -> CompiledEquations:

@@ -75,7 +75,7 @@ class ExactLinearModel:
         return ExactLinearModel(self.coordinates, *(matrix.xreplace(ones) for matrix in matrices))
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class EquationsOfMotion:
     """The nonlinear equations  M(q) q'' + h(q, q') + s(q) = (∂c/∂q)ᵀ λ,  c(q) = 0.
 
@@ -133,6 +133,10 @@ class EquationsOfMotion:
         basis = sympy.Matrix(len(columns), len(keep), [v for column in columns for v in column]).T
         coordinates = tuple(self.coordinates[i] for i in keep)
         return ExactLinearModel(coordinates, mass[keep, keep], stiffness[keep, keep], basis)
+
+    def __repr__(self) -> str:
+        first = ", ".join(map(str, self.coordinates[:6]))
+        return f"EquationsOfMotion({len(self.coordinates)} coordinates: {first})"
 
 
 def equations_of_motion(

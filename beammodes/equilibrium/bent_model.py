@@ -23,7 +23,7 @@ __all__ = ["BentModel", "bent_model", "bent_shapes"]
 Array = NDArray[np.float64]
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class BentModel:
     """The chain  M z'' + K z = 0  about an equilibrium, q = q_0 + basis z,  M and K full.
 
@@ -108,6 +108,9 @@ class BentModel:
         """K, shape (independent, independent) [N m]."""
         basis = self.equilibrium.basis
         return np.asarray(basis.T @ self.equilibrium.tangent @ basis)
+
+    def __repr__(self) -> str:
+        return f"BentModel(about {self.equilibrium!r})"
 
 
 def bent_model(equilibrium: Equilibrium) -> BentModel:

@@ -30,7 +30,7 @@ class EquilibriumNotFound(ValueError):
     """Newton's method reaches no equilibrium from where it was started."""
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Equilibrium:
     """A chain at rest under a load.
 
@@ -83,6 +83,12 @@ class Equilibrium:
         units, still = self.chain.units, [0.0] * len(self.coordinates)
         algebra = Algebra(float, math.sin, math.cos, units.length, units.mass, units.stiffness)
         return float(energies(self.chain, self.coordinates.tolist(), still, algebra).potential)
+
+    def __repr__(self) -> str:
+        x, y = self.nodes[-1]
+        stable = "stable" if self.is_stable else "unstable"
+        at = f"right tip at x = {x:.6g}, y = {y:.6g} m"
+        return f"Equilibrium({stable}, {at}; {self.chain!r} under {self.load})"
 
 
 def find_equilibrium(

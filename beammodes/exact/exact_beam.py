@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from beammodes.checks import shown, whole_number
-from beammodes.exact.printed_modes import Theory, hertz, theory_errors_of, theory_words
+from beammodes.checks import row_shown, shown, whole_number
+from beammodes.exact.printed_modes import Theory, theory_errors_of, theory_words
 from beammodes.exact.wavenumbers import (
     family_of,
     is_square,
@@ -88,7 +88,7 @@ class BeamModes:
 
     def __repr__(self) -> str:
         return (
-            f"{type(self).__name__}({self.boundary}: {hertz(self.frequency)}; "
+            f"{type(self).__name__}({self.boundary}: {row_shown(self.frequency, '{:.4g}', 'Hz')}; "
             f"{theory_words(self.theory, self.wavenumber**2)})"
         )
 

@@ -8,37 +8,15 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Theory", "hertz", "percent", "theory_errors_of", "theory_words"]
+from beammodes.checks import row_shown
+
+__all__ = ["Theory", "theory_errors_of", "theory_words"]
 
 Floats = NDArray[np.float64]
 
 #: What `euler_bernoulli` hands its answers: ω_Timoshenko/ω - 1 when asked, None if the section is unknown;
 #: and what it takes for granted, in words.
 Theory: TypeAlias = tuple[Callable[[], Floats | None], tuple[str, ...]]
-
-_SHOWN = 6
-
-
-def hertz(frequency: Floats) -> str:
-    """Return the first frequencies in a row.
-
-    Examples
-    --------
-    >>> hertz(np.array([4.5504, 28.515, 79.843]))
-    '4.55, 28.52, 79.84 Hz'
-    """
-    return _row(frequency, "{:.4g}", "Hz")
-
-
-def percent(errors: Floats) -> str:
-    """Return the first errors in a row, with their signs.
-
-    Examples
-    --------
-    >>> percent(np.array([-0.0302, -0.1666, np.nan]))
-    '-3.02, -16.7, +nan %'
-    """
-    return _row(100.0 * errors, "{:+.3g}", "%")
 
 
 def theory_errors_of(theory: Theory | None, count: int) -> Floats:
@@ -71,11 +49,6 @@ def theory_words(theory: Theory | None, relative: Floats) -> str:
             "theory error not known without a section: 1 % or less if it is a solid one, assumed, "
             f"no higher than L/{slenderness:.2g}"
         )
+    told = row_shown(100.0 * errors, "{:+.3g}", "%")
     assumed = f", assumed: {', '.join(theory[1])}" if theory and theory[1] else ""
-    return f"theory error {percent(errors)} (Timoshenko's beam{assumed})"
-
-
-def _row(values: Floats, form: str, unit: str) -> str:
-    shown = ", ".join(map(form.format, values[:_SHOWN].tolist()))
-    more = f", ... ({len(values)} in all)" if len(values) > _SHOWN else ""
-    return f"{shown} {unit}{more}"
+    return f"theory error {told} (Timoshenko's beam{assumed})"

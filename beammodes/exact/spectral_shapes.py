@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from beammodes.checks import whole_number
-from beammodes.exact.printed_modes import Theory, hertz, theory_errors_of, theory_words
+from beammodes.checks import row_shown, whole_number
+from beammodes.exact.printed_modes import Theory, theory_errors_of, theory_words
 from beammodes.exact.spectral_grid import Grid, legendre_integral, legendre_of_values
 from beammodes.problem.beam import Beam
 from beammodes.problem.beam_positions import positions_on
@@ -91,7 +91,7 @@ class SpectralBeamModes:
 
     def __repr__(self) -> str:
         return (
-            f"{type(self).__name__}({self.boundary}: {hertz(self.frequency)}; "
+            f"{type(self).__name__}({self.boundary}: {row_shown(self.frequency, '{:.4g}', 'Hz')}; "
             f"{theory_words(self.theory, self.angular_frequency / self.beam.frequency_unit)})"
         )
 

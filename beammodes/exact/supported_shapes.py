@@ -8,9 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from beammodes.checks import whole_number
+from beammodes.checks import row_shown, whole_number
 from beammodes.exact.beam_waves import BeamWaves
-from beammodes.exact.printed_modes import Theory, hertz, theory_errors_of, theory_words
+from beammodes.exact.printed_modes import Theory, theory_errors_of, theory_words
 from beammodes.problem.beam import Beam
 from beammodes.problem.beam_positions import positions_on
 from beammodes.problem.ends import Boundary
@@ -97,7 +97,7 @@ class SupportedBeamModes:
 
     def __repr__(self) -> str:
         return (
-            f"{type(self).__name__}({self.boundary}: {hertz(self.frequency)}; "
+            f"{type(self).__name__}({self.boundary}: {row_shown(self.frequency, '{:.4g}', 'Hz')}; "
             f"{theory_words(self.theory, self.relative_frequency)})"
         )
 

@@ -10,9 +10,8 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from beammodes.checks import positive_real, shown, whole_number
+from beammodes.checks import positive_real, row_shown, shown, whole_number
 from beammodes.exact.long_decimals import LONG
-from beammodes.exact.printed_modes import hertz
 from beammodes.exact.shear_beam import ShearBeam, ShearWaves, shear_squares, shear_waves
 from beammodes.exact.unit_beam import UnitBeam
 from beammodes.problem.beam import Beam
@@ -141,7 +140,7 @@ class TimoshenkoModes:
         return tuple((value / unit).reshape(-1, *position.shape) for value in values)
 
     def __repr__(self) -> str:
-        return f"TimoshenkoModes({self.boundary}: {hertz(self.frequency)})"
+        return f"TimoshenkoModes({self.boundary}: {row_shown(self.frequency, '{:.4g}', 'Hz')})"
 
 
 @dataclass(frozen=True, slots=True)

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 __all__ = ["Beam"]
 
 
-@dataclass(frozen=True, slots=True, init=False)
+@dataclass(frozen=True, slots=True, init=False, repr=False)
 class Beam:
     """A straight elastic beam, uniform or not, in any consistent set of units.
 
@@ -220,6 +220,17 @@ class Beam:
         """√(EI / (ρA L⁴)) of mean EI and mean ρA [rad/s], which a dimensionless frequency multiplies."""
         speed = math.sqrt(self.mean_bending_stiffness) / math.sqrt(self.mean_mass_per_length)
         return speed / self.length / self.length
+
+    def __repr__(self) -> str:
+        given = {
+            "length": self.length,
+            "bending_stiffness": self.bending_stiffness,
+            "mass_per_length": self.mass_per_length,
+            "rotary_inertia_per_length": self.rotary_inertia_per_length or None,
+            "shear_stiffness": self.shear_stiffness,
+            "radius_of_gyration": self.radius_of_gyration,
+        }
+        return f"Beam({', '.join(f'{name}={value!r}' for name, value in given.items() if value is not None)})"
 
 
 #: Of most metals; a shear modulus between 0.8 and 1.3 times its own belongs to any ν from 0 to 0.5.

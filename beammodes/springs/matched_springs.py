@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from beammodes.chains.chain import Chain
 from beammodes.chains.rules import RULES
+from beammodes.checks import row_shown
 from beammodes.problem.beam import Beam
 from beammodes.problem.ends import Boundary
 
@@ -22,7 +23,7 @@ __all__ = ["MatchedSprings", "NoPositiveSprings", "frozen", "shape_agreement", "
 Array = NDArray[np.float64]
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class MatchedSprings:
     """Springs of one chain whose first frequencies are the beam's; `match_springs` makes it.
 
@@ -68,6 +69,11 @@ class MatchedSprings:
     criterion: str
     criterion_value: float
     symmetric: bool
+
+    def __repr__(self) -> str:
+        springs = row_shown(self.stiffness_ratio, "{:.6g}", "EI/ell")
+        met = f"{self.segments} segments, {self.modes} modes of the beam met"
+        return f"MatchedSprings({self.boundary}, {met}: {springs})"
 
 
 class NoPositiveSprings(ValueError):

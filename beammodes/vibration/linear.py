@@ -32,7 +32,7 @@ Array = NDArray[np.float64]
 MAX_ASSEMBLED = 2000
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class LinearModel:
     """The linear chain  M u'' + K u = 0,  kept in its factors.
 
@@ -122,6 +122,10 @@ class LinearModel:
             mass * (units.mass * units.length**2) / pair,
             stiffness * units.stiffness / pair,
         )
+
+    def __repr__(self) -> str:
+        under = "" if self.load == Load() else f" under {self.load}"
+        return f"LinearModel({self.chain!r}{under})"
 
 
 @overload

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from beammodes.checks import shown, whole_number
+from beammodes.checks import row_shown, shown, whole_number
 from beammodes.equilibrium.bent_model import BentModel, bent_shapes
 from beammodes.problem.loading import Load
 from beammodes.vibration.linear import LinearModel
@@ -24,7 +24,7 @@ Array = NDArray[np.float64]
 MAX_DENSE = 500
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class Modes:
     """Elastic modes of a chain, ascending, normalized to unit modal mass.
 
@@ -51,6 +51,10 @@ class Modes:
     def frequency(self) -> Array:
         """Natural frequencies, shape (modes,) [Hz]."""
         return self.angular_frequency / (2 * np.pi)
+
+    def __repr__(self) -> str:
+        rigid = f"; {self.rigid_body_modes} rigid-body modes" if self.rigid_body_modes else ""
+        return f"Modes(chain: {row_shown(self.frequency, '{:.4g}', 'Hz')}{rigid})"
 
 
 def solve_modes(model: LinearModel | BentModel, modes: int | None = None) -> Modes:
