@@ -140,11 +140,41 @@ def test_means_are_the_number_itself_or_the_integral() -> None:
     assert beam.frequency_unit == pytest.approx(math.sqrt(2.0 / beam.mean_mass_per_length) / 4.0, rel=1e-15)
 
 
-def test_breaks_are_where_any_property_has_a_step_or_a_kink() -> None:
-    # Thirds and sixths meet but for rounding; equal neighbours make no break.
-    kink = Table((0.0, 0.2, 0.4, 1.1), (1.0, 2.0, 3.0, 3.0))
+def test_breaks_are_where_any_property_has_a_step_or_a_marked_kink() -> None:
+    # Thirds and sixths meet but for rounding; equal neighbours make no break, nor does a kink at 0.2.
+    kink = Table((0.0, 0.2, 0.4, 0.4, 1.1), (1.0, 2.0, 3.0, 3.0, 3.0))
     beam = Beam(1.1, [3, 2, 1], [6, 6, 5, 4, 4, 4], kink)
     assert np.allclose(beam.breaks, (1.1 / 3, 0.4, 1.1 / 2, 2.2 / 3), rtol=1e-15, atol=0.0)
+
+
+def test_given_breaks_are_kept_with_what_varies() -> None:
+    table = Table((0.0, 0.2, 0.4, 1.1), (1.0, 2.0, 3.0, 3.0))
+    beam = Beam(1.1, table, lambda x: 2.0 - x, 0.1, breaks=[0.9, 0.4, 0.4])
+    assert beam.breaks == (0.4, 0.9)
+    assert beam.bending_stiffness.x.count(0.4) == 2
+    changed = dataclasses.replace(beam, rotary_inertia_per_length=0.2)
+    assert changed.breaks == beam.breaks and changed != beam
+    assert dataclasses.replace(changed, rotary_inertia_per_length=0.1) == beam
+    assert Beam(1.1, 1.0, 1.0, breaks=[0.4]) == Beam(1.1, 1.0, 1.0)  # nothing varies
+
+
+@pytest.mark.parametrize(
+    ("given", "told"),
+    [
+        (0.5, r"must be a sequence of positions, got 0\.5"),
+        ("0.5", r"must be a sequence of positions, got '0\.5'"),
+        (None, r"must be a sequence of positions, got None"),
+        ([0.5, "0.7"], r"must be a real number, got '0\.7'"),
+        ([0.5, math.nan], r"must be finite, got nan"),
+        ([0.0], r"must be positions inside the beam, between 0 and its length 1\.1, got 0\.0"),
+        ([0.2, 1.1], r"must be positions inside the beam, between 0 and its length 1\.1, got 1\.1"),
+        ([-0.2], r"must be positions inside the beam, .* got -0\.2"),
+        (np.ones((2, 2)), r"must be a real number, got array"),
+    ],
+)  # fmt: skip
+def test_wrong_breaks(given: Any, told: str) -> None:
+    with pytest.raises((TypeError, ValueError), match=rf"^breaks {told}"):
+        Beam(1.1, lambda x: 1.0 + x, 1.0, breaks=given)
 
 
 def test_a_table_that_ends_a_rounding_off_the_beam_is_moved_to_its_end() -> None:

@@ -12,7 +12,15 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from beammodes.problem.profiles import Table, mean_over, mean_reciprocal, moments, profile_breaks, value_at
+from beammodes.problem.profiles import (
+    Table,
+    mean_over,
+    mean_reciprocal,
+    moments,
+    profile_breaks,
+    profile_parts,
+    value_at,
+)
 
 STEPPED = Table((0.0, 0.5, 0.5, 1.2, 2.0), (1.0, 2.0, 4.0, 4.0, 3.0))
 
@@ -105,11 +113,18 @@ def test_a_hundred_thousand_intervals_at_once() -> None:
 
 
 def test_breaks() -> None:
-    assert profile_breaks(STEPPED) == (0.5, 1.2)
+    assert profile_breaks(STEPPED) == (0.5,)
     assert profile_breaks(3.0) == profile_breaks(np.cos) == ()
-    # A step of no height and equal slopes is none; a step of no height may still be a kink.
+    # A position given twice is a break if the value or the slope changes there.
     assert profile_breaks(Table((0.0, 1.0, 1.0, 2.0), (1.0, 2.0, 2.0, 3.0))) == ()
     assert profile_breaks(Table((0.0, 1.0, 1.0, 2.0), (1.0, 2.0, 2.0, 2.0))) == (1.0,)
+    assert profile_breaks(Table((0.0, 1.0, 2.0), (1.0, 2.0, 2.0))) == ()
+
+
+def test_parts() -> None:
+    assert profile_parts(STEPPED, 2.0) == (0.5, 1.2)
+    assert profile_parts(3.0, 2.0) == profile_parts(np.exp, 2.0) == ()
+    assert profile_parts(Table((0.0, 1.0, 2.0), (1.0, 2.0, 2.0)), 2.0) == (1.0,)
 
 
 def test_a_table_is_a_value() -> None:

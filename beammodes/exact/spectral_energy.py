@@ -17,8 +17,10 @@ from beammodes.problem.loading import Load
 __all__ = [
     "Motions",
     "body_rows",
+    "compressed",
     "kinetic_rows",
     "motions_between",
+    "of_unit_energy",
     "slope_rows",
     "supported_motions",
     "with_tension",
@@ -35,13 +37,13 @@ _LEAST_MARGIN = 1e-13
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Motions:
-    """Motions of a beam with L = mean EI = mean ρA = 1, a column each: κ at the grid's points, y(0), y'(0).
+    """Motions of a beam with L = mean EI = mean ρA = 1, a column each: the grid's coordinates, y(0), y'(0).
 
     Parameters
     ----------
-    elastic : ndarray, shape (points + 2, columns)
+    elastic : ndarray, shape (coordinates + 2, columns)
         The motion elastic · w stores ½ |w|².
-    rigid : ndarray, shape (points + 2, rigid-body modes)
+    rigid : ndarray, shape (coordinates + 2, rigid-body modes)
         Straight motions that store nothing.
     margin : float [-]
         Stored energy's least share that what pushes on the beam leaves: rounding grows as its reciprocal.
@@ -74,7 +76,7 @@ def supported_motions(beam: Beam, boundary: Boundary, grid: Grid, tension: Tensi
     tension : Tension, optional
         Along the beam; what pushes is left to `with_tension`.
     """
-    bending = np.diag(1.0 / np.sqrt(grid.weight * grid.stiffness))
+    bending = of_unit_energy(grid, grid.stiffness, grid.curvature)
     return motions_between(beam, boundary, bending, _end_rows(grid), tension)
 
 
@@ -87,8 +89,8 @@ def motions_between(
     ----------
     beam, boundary, tension
         As of `supported_motions`.
-    strain : ndarray, shape (strains, coordinates)
-        A motion is the strains, then deflection and rotation at x = 0.
+    strain : ndarray, shape (coordinates, columns)
+        A motion is the strains' coordinates, then deflection and rotation at x = 0.
     rows : ndarray, shape (5, strains + 2)
         The end quantities y(0), θ(0), y(1), θ(1) and the mean slope as rows over a motion.
     """
@@ -128,7 +130,7 @@ def with_tension(motions: Motions, tension: Tension, load: Load) -> Motions:
     for rows, pulls in ((tension.pulling_rows, True), (tension.pushing_rows, False)):
         if not len(rows):
             continue
-        slope = rows @ stored
+        slope = compressed(rows) @ stored
         if pulls:
             factor = np.linalg.qr(np.vstack((np.eye(slope.shape[1]), slope)))[1]
         else:
@@ -143,16 +145,17 @@ def with_tension(motions: Motions, tension: Tension, load: Load) -> Motions:
 def slope_rows(grid: Grid) -> Floats:
     """Return rows G with |G · motion|² = ∫ y'² dx."""
     slope = np.hstack((grid.slope, np.zeros((len(grid.x), 1)), np.ones((len(grid.x), 1))))
-    return np.sqrt(grid.weight)[:, None] * slope
+    return compressed(np.sqrt(grid.weight)[:, None] * slope)
 
 
 def kinetic_rows(beam: Beam, boundary: Boundary, grid: Grid) -> Floats:
     """Return rows P with |P · motion|² = ∫ρA y² + ∫ρI y'² + Σ m (y ± aθ)² + Jθ² over the end bodies."""
     ones = np.ones((len(grid.x), 1))
     deflection = np.hstack((grid.deflection, ones, grid.x[:, None]))
-    rows = [np.sqrt(grid.weight * grid.mass)[:, None] * deflection]
+    rows = [compressed(np.sqrt(grid.weight * grid.mass)[:, None] * deflection)]
     if grid.rotary.any():
-        rows.append(np.sqrt(grid.rotary)[:, None] * slope_rows(grid))
+        slope = np.hstack((grid.slope, np.zeros_like(ones), ones))
+        rows.append(compressed(np.sqrt(grid.weight * grid.rotary)[:, None] * slope))
     return np.vstack((*rows, body_rows(beam, boundary, _end_rows(grid))))
 
 
@@ -179,8 +182,32 @@ def _end_stiffness(beam: Beam, boundary: Boundary) -> list[float]:
 
 def _end_rows(grid: Grid) -> Floats:
     """Return y(0), y'(0), y(1), y'(1) and y(1) - y(0) as rows over a motion, shape (5, points + 2)."""
-    none, moment = np.zeros_like(grid.x), grid.weight * (1.0 - grid.x)
-    return np.hstack((np.array([none, none, moment, grid.weight, moment]), _LINES))
+    moment, turn = (grid.weight * (1.0 - grid.x)) @ grid.curvature, grid.weight @ grid.curvature
+    none = np.zeros_like(turn)
+    return np.hstack((np.array([none, none, moment, turn, moment]), _LINES))
+
+
+def of_unit_energy(grid: Grid, stiffness: Floats, strain: Floats) -> Floats:
+    """Return strains, as columns of the grid's coordinates, that store ½ each and nothing together.
+
+    Parameters
+    ----------
+    grid : Grid
+    stiffness : ndarray, shape (points,)
+        Against the strain.
+    strain : ndarray, shape (points, coordinates)
+        At the points, by coordinates.
+    """
+    if grid.has_own_curvature:
+        return np.diag(1.0 / np.sqrt(grid.weight * stiffness))
+    factor = np.linalg.qr(np.sqrt(grid.weight * stiffness)[:, None] * strain, mode="r")
+    inverse: Floats = np.linalg.solve(factor, np.eye(len(factor)))
+    return inverse
+
+
+def compressed(rows: Floats) -> Floats:
+    """Return no more rows than columns of the same sums of products."""
+    return rows if rows.shape[0] <= 2 * rows.shape[1] else np.asarray(np.linalg.qr(rows, mode="r"))
 
 
 def _stiffened(motions: Floats, row: Floats, stiffness: float) -> Floats:

@@ -2,109 +2,308 @@
 
 from __future__ import annotations
 
-import math
+from collections.abc import Iterator
 from dataclasses import dataclass
-from itertools import pairwise
+from functools import lru_cache
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from beammodes.problem.beam import Beam
-from beammodes.problem.profiles import Profile, value_at
+from beammodes.problem.beam_properties import each_place_once
+from beammodes.problem.profiles import Profile, Table, profile_breaks, profile_parts, value_at
+from beammodes.problem.smooth_parts import smooth_parts
 
 __all__ = ["Grid", "legendre_integral", "legendre_of_values", "section_grid"]
 
 Floats = NDArray[np.float64]
 
 
+_PROPERTIES = ("bending_stiffness", "mass_per_length", "rotary_inertia_per_length", "shear_stiffness")
+# Finer tables are integrated block by block.
+_MOST_KINKS, _BLOCKS, _BLOCK_DEGREE = 1500, 400, 5
+# Larger errors of what functions are cut into would show in the results.
+_PARTS_LEFT = 1e-11
+# Up to this many cells curvature is a polynomial of its own on each.
+_OWN_CURVATURE = 40
+# Beyond, the bending moment is one on each of spans, which end on all breaks unless these are more.
+_MOST_SPANS = 100
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Grid:
-    """Gauss points of a beam with L = mean EI = mean ρA = 1, and what its curvature there makes.
+    """Gauss points of a beam with L = mean EI = mean ρA = 1, and the curvatures that it may have there.
 
-    Curvature is a polynomial on each section. With z'' = κ and z(0) = z'(0) = 0, κ_i the curvature at point
-    i, the integrals of that polynomial are
+    The beam is smooth on each cell. With c the coordinates of its curvature,
 
-        z'(x_i) = Σ slope_ij κ_j,      z(x_i) = Σ deflection_ij κ_j.
+        κ(x_i) = Σ curvature_ij c_j,      z'(x_i) = Σ slope_ij c_j,      z(x_i) = Σ deflection_ij c_j,
+
+    where z'' = κ, z(0) = z'(0) = 0 and integrals are those of the polynomial through a cell's points.
+
+    Where cells are few, c is the curvature itself at the points. Where they are many, as the 1,000 of a fine
+    table, c describes the bending moment, EI κ, by a polynomial on each of some tens of spans: the moment is
+    smooth where EI is not. Cells then only serve to integrate.
 
     Parameters
     ----------
-    edges : ndarray, shape (sections + 1,)
-        0, the beam's breaks and 1.
-    sizes : tuple of int
-        Points in each section.
+    edges : ndarray, shape (cells + 1,)
+        0, what the beam is smooth between, and 1.
+    sizes : ndarray of int, shape (cells,)
+        Points in each cell.
     x, weight : ndarray, shape (points,)
         Gauss-Legendre positions and weights.
     stiffness, mass, rotary : ndarray, shape (points,)
         EI, ρA and ρI there.
-    slope, deflection : ndarray, shape (points, points)
-        The two integrals.
+    shear : ndarray, shape (points,), or None
+        κGA there, of a beam that has it.
+    curvature, slope, deflection : ndarray, shape (points, coordinates)
+        As above.
     """
 
     edges: Floats
-    sizes: tuple[int, ...]
+    sizes: NDArray[np.int64]
     x: Floats
     weight: Floats
     stiffness: Floats
     mass: Floats
     rotary: Floats
+    shear: Floats | None
+    curvature: Floats
     slope: Floats
     deflection: Floats
 
+    @property
+    def has_own_curvature(self) -> bool:
+        """Whether the coordinates are the curvatures at the points."""
+        return len(self.edges) - 1 <= _OWN_CURVATURE
+
+    def integral(self, values: Floats) -> Floats:
+        """Return the integrals from 0 to each point of values at all points."""
+        return self.integrals(values[:, None])[:, 0]
+
+    def integrals(self, columns: Floats) -> Floats:
+        """Return the integrals from 0 to each point of columns of values at all points."""
+        return _integrals(self.edges, self.sizes, self.weight, columns)[0]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Smoothed:
+    """What stands for a table of very many kinks: polynomials that have its moments on each of 400 blocks.
+
+    A block's polynomial, of degree 5, is the projection of 1/EI, or of ρA or ρI: all integrals of it times a
+    polynomial of that degree are the table's. The bending moment and deflection differ from such polynomials
+    by (L/400 times their wavenumber)⁶ of themselves.
+    """
+
+    edges: Floats
+    series: Floats
+    reciprocal: bool
+
+    @classmethod
+    def of(cls, table: Table, breaks: tuple[float, ...], reciprocal: bool) -> _Smoothed:
+        length = table.x[-1]
+        edges = np.unique(np.concatenate((np.linspace(0.0, length, _BLOCKS + 1), breaks)))
+        points = np.unique(np.concatenate((edges, table.x)))
+        low, high = value_at(table, points[:-1], 1), value_at(table, points[1:], -1)
+        node, weight = np.polynomial.legendre.leggauss(int(_for_quotients(low, high).max()))
+        half = 0.5 * np.diff(points)[:, None]
+        values = 0.5 * ((high + low)[:, None] + (high - low)[:, None] * node)
+        x = points[:-1, None] + half * (1.0 + node)
+        owner = np.clip(np.searchsorted(edges, x[:, 0], side="right") - 1, 0, len(edges) - 2)
+        width = np.diff(edges)
+        place = 2.0 * (x - edges[owner, None]) / width[owner, None] - 1.0
+        mass = half * weight * (1.0 / values if reciprocal else values)
+        series = np.empty((_BLOCK_DEGREE + 1, len(width)))
+        for k in range(_BLOCK_DEGREE + 1):
+            basis = np.polynomial.legendre.legval(place, np.eye(k + 1)[k])
+            series[k] = np.bincount(owner, (mass * basis).sum(axis=1), len(width)) * (2 * k + 1) / width
+        return cls(edges, series, reciprocal)
+
+    def __call__(self, x: Floats) -> Floats:
+        block = np.clip(np.searchsorted(self.edges, x, side="right") - 1, 0, len(self.edges) - 2)
+        place = 2.0 * (x - self.edges[block]) / np.diff(self.edges)[block] - 1.0
+        values = np.asarray(np.polynomial.legendre.legval(place, self.series[:, block], tensor=False))
+        with np.errstate(divide="ignore"):
+            return np.asarray(1.0 / values if self.reciprocal else values, dtype=np.float64)
+
+
+class _Sections(NamedTuple):
+    """The properties as they are integrated, and the positions between which all are smooth, of length 1."""
+
+    profiles: tuple[Profile, Profile, Profile, Profile | None]
+    edges: Floats
+
+
+def _sections(beam: Beam) -> _Sections:
+    places, profiles = {0.0, beam.length}, list[Profile | None]()
+    for name in _PROPERTIES:
+        profile = getattr(beam, name)
+        if profile is None:
+            profiles.append(None)
+            continue
+        inside = profile_parts(profile, beam.length)
+        if isinstance(profile, Table) and len(inside) > _MOST_KINKS:
+            smoothed = _Smoothed.of(profile, profile_breaks(profile), name.endswith("stiffness"))
+            profile, inside = smoothed, tuple(smoothed.edges.tolist())
+        elif callable(profile) and (left := smooth_parts(profile, beam.length)[1]) > _PARTS_LEFT:
+            raise ArithmeticError(
+                f"{name} must be smooth between the beam's breaks but for a few steps, kinks or narrow "
+                f"features, or its integral is not known to 1e-11 but to {left:.1g}: give their positions as "
+                "breaks, or the property as a Table"
+            )
+        places.update(inside)
+        profiles.append(profile)
+    edges = np.array(each_place_once(sorted(places), beam.length)) / beam.length
+    bending, mass, rotary, shear = profiles
+    assert bending is not None and mass is not None and rotary is not None
+    return _Sections((bending, mass, rotary, shear), edges)
+
 
 def section_grid(beam: Beam, points: int, least: int) -> Grid:
-    """Return the grid of a beam: so many points shared out by length, and at least so many in each section.
+    """Return the grid of a beam: so many points shared out by length, and at least so many in each cell.
 
     Raises
     ------
     ValueError
         If a function among the beam's properties is not greater than 0 at a point.
+    ArithmeticError
+        If a function has so many steps, kinks or narrow features that its integral is not known.
 
     Examples
     --------
     >>> grid = section_grid(Beam(2.0, [3.0, 1.0], 1.0), points=8, least=6)
-    >>> grid.sizes, round(float(grid.weight.sum()), 12), grid.stiffness[0].item()
-    ((10, 10), 1.0, 1.5)
+    >>> grid.sizes.tolist(), round(float(grid.weight.sum()), 12), grid.stiffness[0].item()
+    ([10, 10], 1.0, 1.5)
     """
-    edges = np.array([0.0, *beam.breaks, beam.length]) / beam.length
-    sizes = tuple(least + math.ceil(points * width) for width in np.diff(edges).tolist())
-    x, weight, slope, deflection = _integrals(edges, sizes)
+    profiles, edges = _sections(beam)
+    width = np.diff(edges)
+    sizes = least + np.ceil(points * width).astype(int)
+    own, step = len(width) <= _OWN_CURVATURE, least // 2
+    if not own:
+        sizes = np.ceil(points * width).astype(int) + _cell_points(profiles[0], edges * beam.length)
+        sizes += np.where(width > 1e-3, step, 0)
+    x, weight = np.empty(sizes.sum()), np.empty(sizes.sum())
+    for size, cells, part in _alike(sizes):
+        node, plain = np.polynomial.legendre.leggauss(size)
+        half = 0.5 * width[cells, None]
+        x[part], weight[part] = edges[cells, None] + half * (1.0 + node), half * plain
     length, stiffness, mass = beam.length, beam.mean_bending_stiffness, beam.mean_mass_per_length
     at = x * length
+    bending, heavy, turning, shear = (
+        None if profile is None else _positive(name, profile, at)
+        for name, profile in zip(_PROPERTIES, profiles, strict=True)
+    )
+    assert bending is not None and heavy is not None and turning is not None
+    bending = bending / stiffness
+    if own:
+        curvature = np.eye(len(x))
+    else:
+        spans = _spans(edges, np.array(beam.breaks) / beam.length, 6 * step)
+        curvature = _moments_on_spans(spans, x, points, step + 1) / bending[:, None]
+    slope, deflection = _integrals(edges, sizes, weight, curvature)
     return Grid(
         edges=edges,
         sizes=sizes,
         x=x,
         weight=weight,
-        stiffness=_positive("bending_stiffness", beam.bending_stiffness, at) / stiffness,
-        mass=_positive("mass_per_length", beam.mass_per_length, at) / mass,
-        rotary=_positive("rotary_inertia_per_length", beam.rotary_inertia_per_length, at) / mass / length**2,
+        stiffness=bending,
+        mass=heavy / mass,
+        rotary=turning / mass / length**2,
+        shear=None if shear is None else shear / stiffness * length**2,
+        curvature=curvature,
         slope=slope,
         deflection=deflection,
     )
 
 
-def _integrals(edges: Floats, sizes: tuple[int, ...]) -> tuple[Floats, Floats, Floats, Floats]:
-    """Return the grid's x, weight, slope and deflection."""
-    x, weight = np.empty(sum(sizes)), np.empty(sum(sizes))
-    slope, deflection = np.zeros((len(x), len(x))), np.zeros((len(x), len(x)))
-    starts = np.cumsum((0, *sizes)).tolist()
-    parts = [slice(*ends) for ends in pairwise(starts)]
-    for part, size, low, high in zip(parts, sizes, edges[:-1], edges[1:], strict=True):
-        half = 0.5 * float(high - low)
-        node, plain = np.polynomial.legendre.leggauss(size)
-        x[part], weight[part] = low + half * (1.0 + node), half * plain
-        once = legendre_integral(legendre_of_values(size))
-        slope[part, part] = half * np.polynomial.legendre.legval(node, once).T
-        twice = legendre_integral(once)
-        deflection[part, part] = half**2 * np.polynomial.legendre.legval(node, twice).T
-    for part in parts:
-        # Points of later sections see all of this one: its integral, and its moment about them.
-        later = slice(part.stop, None)
-        slope[later, part] = weight[part]
-        deflection[later, part] = weight[part] * (x[later, None] - x[part])
-    return x, weight, slope, deflection
+def _cell_points(stiffness: Profile, edges: Floats) -> NDArray[np.int64]:
+    """Return how many points each cell needs for 1/EI, whatever it is multiplied with."""
+    if isinstance(stiffness, Table):
+        return _for_quotients(value_at(stiffness, edges[:-1], 1), value_at(stiffness, edges[1:], -1))
+    return np.full(len(edges) - 1, 12 if callable(stiffness) else 2)
 
 
+def _for_quotients(left: Floats, right: Floats) -> NDArray[np.int64]:
+    """Return how many points integrate 1/EI to the last digit, EI being linear from one value to another.
+
+    The error of n points falls as ((√b - √a)/(√b + √a))^(2n).
+    """
+    ratio = np.abs(np.sqrt(right) - np.sqrt(left)) / (np.sqrt(right) + np.sqrt(left))
+    points = np.clip(np.ceil(-7.5 / np.log10(np.clip(ratio, 1e-15, 0.99))), 2, 60)
+    return np.asarray(points, dtype=np.int64)
+
+
+def _spans(edges: Floats, breaks: Floats, number: int) -> Floats:
+    """Return the edges of spans: every so many cells, and all breaks unless these are many themselves."""
+    even = edges[np.linspace(0, len(edges) - 1, number + 1).round().astype(int)]
+    kept = breaks if len(breaks) < _MOST_SPANS else breaks[:0]
+    # A span ends on the cell's edge that the break is.
+    nearest = edges[np.abs(edges[:, None] - kept).argmin(axis=0)] if len(kept) else kept
+    return np.unique(np.concatenate((even, nearest)))
+
+
+def _moments_on_spans(spans: Floats, x: Floats, points: int, least: int) -> Floats:
+    """Return Legendre polynomials on each span at the points, a column each."""
+    sizes = least + np.ceil(points * np.diff(spans)).astype(int)
+    starts = np.concatenate(([0], np.cumsum(sizes)))
+    owner = np.clip(np.searchsorted(spans, x, side="right") - 1, 0, len(sizes) - 1)
+    values = np.zeros((len(x), starts[-1]))
+    for span, size in enumerate(sizes.tolist()):
+        here = np.flatnonzero(owner == span)
+        place = 2.0 * (x[here] - spans[span]) / (spans[span + 1] - spans[span]) - 1.0
+        columns = slice(starts[span], starts[span + 1])
+        values[here, columns] = np.polynomial.legendre.legvander(place, size - 1)
+    return values
+
+
+def _alike(sizes: NDArray[np.int64]) -> Iterator[tuple[int, NDArray[np.int64], NDArray[np.int64]]]:
+    """Yield every number of points, the cells that have it, and their points, shape (cells, number)."""
+    starts = np.cumsum(sizes) - sizes
+    for size in np.unique(sizes).tolist():
+        cells = np.flatnonzero(sizes == size)
+        yield size, cells, starts[cells, None] + np.arange(size)
+
+
+def _integrals(
+    edges: Floats, sizes: NDArray[np.int64], weight: Floats, curvature: Floats
+) -> tuple[Floats, Floats]:
+    """Return the first and second integral from 0 to each point of columns of values at all points."""
+    width, columns = np.diff(edges), curvature.shape[1]
+    slope, deflection = np.empty_like(curvature), np.empty_like(curvature)
+    turn, rise = np.empty((len(sizes), columns)), np.empty((len(sizes), columns))
+    for size, cells, part in _alike(sizes):
+        once, twice = _within(size)
+        node = np.polynomial.legendre.leggauss(size)[0]
+        here, half = curvature[part], 0.5 * width[cells, None, None]
+        slope[part], deflection[part] = half * (once @ here), half**2 * (twice @ here)
+        weighted = weight[part][:, :, None] * here
+        turn[cells] = weighted.sum(axis=1)
+        rise[cells] = ((0.5 * width[cells, None, None]) * (1.0 - node)[:, None] * weighted).sum(axis=1)
+    # What the cells before have turned and risen is carried on along a straight line.
+    turned = np.cumsum(turn, axis=0) - turn
+    risen = rise + turned * width[:, None]
+    risen = np.cumsum(risen, axis=0) - risen
+    for size, cells, part in _alike(sizes):
+        node = np.polynomial.legendre.leggauss(size)[0]
+        arm = 0.5 * width[cells, None, None] * (1.0 + node)[:, None]
+        slope[part] += turned[cells][:, None, :]
+        deflection[part] += risen[cells][:, None, :] + arm * turned[cells][:, None, :]
+    return slope, deflection
+
+
+@lru_cache(maxsize=128)
+def _within(size: int) -> tuple[Floats, Floats]:
+    """Return the matrices from values at Gauss points in -1..1 to both integrals there."""
+    node = np.polynomial.legendre.leggauss(size)[0]
+    once = legendre_integral(legendre_of_values(size))
+    twice = legendre_integral(once)
+    at = (np.polynomial.legendre.legval(node, series).T for series in (once, twice))
+    first, second = (np.ascontiguousarray(matrix, dtype=np.float64) for matrix in at)
+    return first, second
+
+
+@lru_cache(maxsize=128)
 def legendre_of_values(size: int) -> Floats:
     """Return the matrix that takes values at Gauss points to Legendre coefficients, shape (size, size)."""
     node, weight = np.polynomial.legendre.leggauss(size)

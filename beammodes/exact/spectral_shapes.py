@@ -44,8 +44,8 @@ class SpectralBeamModes:
         Largest relative change of a frequency between the last two degrees of the polynomials.
     grid : Grid
         The points of the last degree.
-    motions : ndarray, shape (points + 2, modes)
-        κ at these points, y and y' at x = 0, of a beam with L = mean EI = mean ρA = 1.
+    motions : ndarray, shape (coordinates + 2, modes)
+        The grid's coordinates, y and y' at x = 0, of a beam with L = mean EI = mean ρA = 1.
     theory : Theory, optional
         What tells the theory's own error; `euler_bernoulli` gives it.
 
@@ -134,19 +134,23 @@ class SpectralBeamModes:
 
 def values_of_motions(grid: Grid, motions: Floats, x: Floats, order: int) -> Floats:
     """Return a derivative of the motions at positions 0 to 1, shape (motions, positions)."""
+    curvature = grid.curvature @ motions[:-2]
+    cell = np.clip(np.searchsorted(grid.edges, x, side="right") - 1, 0, len(grid.sizes) - 1)
+    ends = np.concatenate(([0], np.cumsum(grid.sizes)))
     values = np.empty((motions.shape[1], len(x)))
-    section = np.clip(np.searchsorted(grid.edges, x, side="right") - 1, 0, len(grid.sizes) - 1)
-    first, (deflection, slope) = 0, motions[-2:]
-    for s, size in enumerate(grid.sizes):
-        low, half = grid.edges[s], 0.5 * (grid.edges[s + 1] - grid.edges[s])
-        series = legendre_of_values(size) @ motions[first : first + size]
-        for start in (slope, deflection)[: 2 - order]:
+    width = np.diff(grid.edges)
+    weighted = grid.weight[:, None] * curvature
+    arm = (np.repeat(grid.edges[1:], grid.sizes) - grid.x)[:, None]
+    turn, rise = (np.add.reduceat(part, ends[:-1]) for part in (weighted, arm * weighted))
+    # Slope and deflection at every cell's beginning.
+    slope = motions[-1] + np.cumsum(turn, axis=0) - turn
+    rise = rise + width[:, None] * slope
+    deflection = motions[-2] + np.cumsum(rise, axis=0) - rise
+    for at in np.unique(cell).tolist():
+        here, size, half = cell == at, int(grid.sizes[at]), 0.5 * width[at]
+        series = legendre_of_values(size) @ curvature[ends[at] : ends[at + 1]]
+        for start in (slope[at], deflection[at])[: 2 - order]:
             series = half * legendre_integral(series)
             series[0] += start
-        here = section == s
-        values[:, here] = np.polynomial.legendre.legval((x[here] - low) / half - 1.0, series)
-        part = slice(first, first + size)
-        arm = grid.weight[part] * (grid.edges[s + 1] - grid.x[part])
-        deflection = deflection + 2.0 * half * slope + arm @ motions[part]
-        slope, first = slope + grid.weight[part] @ motions[part], first + size
+        values[:, here] = np.polynomial.legendre.legval((x[here] - grid.edges[at]) / half - 1.0, series)
     return values

@@ -27,7 +27,7 @@ class Tension:
     pull : ndarray, shape (points + 2,)
         T times the weight at each of the grid's points, then what the two ends' bodies add; negative where
         something pushes.
-    row : ndarray, shape (points + 2, points + 2)
+    row : ndarray, shape (points + 2, coordinates + 2)
         The slopes there, as rows over a motion.
     """
 
@@ -109,7 +109,7 @@ def tension_of(beam: Beam, boundary: Boundary, grid: Grid, load: Load) -> Tensio
             turning.append(arm * force + square * (inertia / whole / length / length))
             tip += at * force
         spread = grid.mass * (gravity + square * (hub + grid.x))
-        beyond = grid.weight @ spread - grid.slope @ spread
+        beyond = grid.weight @ spread - grid.integral(spread)
         pull = np.array([*(grid.weight * (tip + beyond)), *turning])
     if not np.isfinite(pull).all():
         raise ValueError(f"load must not leave the range of floating-point numbers for this beam, got {load}")
@@ -118,7 +118,8 @@ def tension_of(beam: Beam, boundary: Boundary, grid: Grid, load: Load) -> Tensio
 
 def _slopes(grid: Grid) -> Floats:
     """Return the slopes at the grid's points and at both ends, as rows over a motion."""
-    bent = np.vstack((grid.slope, np.zeros_like(grid.x), grid.weight))
+    turn = grid.weight @ grid.curvature
+    bent = np.vstack((grid.slope, np.zeros_like(turn), turn))
     return np.hstack((bent, np.zeros((len(bent), 1)), np.ones((len(bent), 1))))
 
 

@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
+
+from numpy.typing import NDArray
 
 from beammodes.checks import positive_real, shown
-from beammodes.problem.beam_properties import PropertyLike, kept_property
+from beammodes.problem.beam_properties import PropertyLike, each_place_once, kept_breaks, kept_property
 from beammodes.problem.profiles import Profile, mean_over, profile_breaks
 from beammodes.problem.section_shape import poisson_ratio_of
-from beammodes.problem.tabulated import SAME_PLACE
 
 if TYPE_CHECKING:
     from beammodes.problem.section_shape import Section
@@ -26,8 +28,12 @@ class Beam:
     Bernoulli's beam, or Rayleigh's where the section's rotary inertia ρI is given.
 
     Each property along the beam is a number; a sequence of two numbers or more, constant on that many equal
-    lengths; a `Table`; or a smooth function of x [m], for arrays or for one number at a time. Sequences are
-    kept as tables, and what is constant as a number.
+    lengths; a `Table`; or a function of x [m], for arrays or for one number at a time. Sequences are kept as
+    tables, and what is constant as a number.
+
+    Between its breaks a beam is smooth. Breaks are the steps of sequences, the positions that a `Table` has
+    twice, and those of `breaks`: a function's steps and kinks, and the kinks of a table that are meant as
+    such. A table's other kinks are no breaks: a fine table of a taper is a taper. See `breaks` below.
 
     Parameters
     ----------
@@ -45,6 +51,10 @@ class Beam:
         r = √(I/A) of the section, the same all along, of a beam whose ρI is left out.
     assumed : tuple of str
         What of these two was assumed and not given, in words; no part of what makes beams equal.
+    breaks : sequence of float, optional [m]
+        Positions inside the beam where a property has a step or a kink that it does not tell itself, in any
+        order. Two of them also show where a function has a feature narrower than L/4096, the distance of the
+        places at which functions are looked at (see `problem.smooth_parts`).
 
     κGA and r are left out of the equation above, and of every chain: `timoshenko`, which keeps them in,
     and `theory_errors`, which says what leaving them out does, read them.
@@ -52,8 +62,9 @@ class Beam:
     Raises
     ------
     TypeError, ValueError
-        If a value is not a finite real number greater than 0 (`rotary_inertia_per_length` may be 0), or a
-        table does not span the beam. Functions are tried at 65 points, both ends among them.
+        If a value is not a finite real number greater than 0 (`rotary_inertia_per_length` may be 0), a table
+        does not span the beam, or a break lies outside it. Functions are tried at 65 places, both ends among
+        them, and at 4,096 evenly spaced ones.
 
     Examples
     --------
@@ -62,6 +73,9 @@ class Beam:
     8.1311
     >>> Beam(1.5, bending_stiffness=[3.0, 2.0, 1.0], mass_per_length=lambda x: 2.0 - x).breaks
     (0.5, 1.0)
+    >>> import numpy as np
+    >>> Beam(1.0, lambda x: np.where(x < 0.4, 2.0, 1.0 + x), 1.0, breaks=[0.4]).breaks       # a step at 0.4
+    (0.4,)
     """
 
     length: float
@@ -82,14 +96,18 @@ class Beam:
         shear_stiffness: PropertyLike | None = None,
         radius_of_gyration: float | None = None,
         assumed: tuple[str, ...] = (),
+        breaks: Sequence[float] | NDArray[Any] = (),
     ) -> None:
         whole = positive_real("length", length)
         object.__setattr__(self, "length", whole)
+        places = kept_breaks(breaks, whole)
         for name, given in (("bending_stiffness", bending_stiffness), ("mass_per_length", mass_per_length)):
-            object.__setattr__(self, name, kept_property(name, given, whole))
-        rotary = kept_property("rotary_inertia_per_length", rotary_inertia_per_length, whole)
+            object.__setattr__(self, name, kept_property(name, given, whole, places))
+        rotary = kept_property("rotary_inertia_per_length", rotary_inertia_per_length, whole, places)
         object.__setattr__(self, "rotary_inertia_per_length", rotary)
-        shear = None if shear_stiffness is None else kept_property("shear_stiffness", shear_stiffness, whole)
+        shear = None
+        if shear_stiffness is not None:
+            shear = kept_property("shear_stiffness", shear_stiffness, whole, places)
         object.__setattr__(self, "shear_stiffness", shear)
         radius = (
             None if radius_of_gyration is None else positive_real("radius_of_gyration", radius_of_gyration)
@@ -204,16 +222,15 @@ class Beam:
 
     @property
     def breaks(self) -> tuple[float, ...]:
-        """Positions inside the beam where a property has a step or a kink, ascending [m]."""
+        """Positions inside the beam between which it is smooth, ascending [m].
+
+        Those of sequences, those that a table has twice, and those given as `breaks` with what varies.
+        """
         properties = [self.bending_stiffness, self.mass_per_length, self.rotary_inertia_per_length]
         if self.shear_stiffness is not None:
             properties.append(self.shear_stiffness)
-        kept: list[float] = []
-        for x in sorted(x for profile in properties for x in profile_breaks(profile)):
-            # Thirds and sixths of a length meet but for rounding.
-            if not kept or x - kept[-1] > SAME_PLACE * self.length:
-                kept.append(x)
-        return tuple(kept)
+        places = sorted(x for profile in properties for x in profile_breaks(profile))
+        return each_place_once(places, self.length)
 
     @property
     def frequency_unit(self) -> float:

@@ -10,18 +10,21 @@ from numpy.typing import NDArray
 
 from beammodes.checks import positive_real, real, shown
 from beammodes.problem.profiles import Profile, value_at
-from beammodes.problem.tabulated import SAME_PLACE, Table
+from beammodes.problem.smooth_parts import SAMPLES, BrokenFunction
+from beammodes.problem.tabulated import SAME_PLACE, Table, table_with_breaks
 
-__all__ = ["PropertyLike", "kept_property"]
+__all__ = ["PropertyLike", "each_place_once", "kept_breaks", "kept_property"]
 
 #: What a user may give for a property along the beam.
 PropertyLike: TypeAlias = Profile | Sequence[float] | NDArray[Any]
 
-_GRID = 65
+_GRID, _MAY_VANISH = 65, "rotary_inertia_per_length"
 
 
-def kept_property(name: str, given: object, length: float) -> Profile:
+def kept_property(name: str, given: object, length: float, breaks: tuple[float, ...] = ()) -> Profile:
     """Return a property of a beam of this length as it is kept: a number, a table or a function.
+
+    A table and a function take the `breaks` with them.
 
     Raises
     ------
@@ -33,19 +36,55 @@ def kept_property(name: str, given: object, length: float) -> Profile:
     >>> kept_property("bending_stiffness", [2, 1], 1.0)
     Table(x=(0.0, 0.5, 0.5, 1.0), value=(2.0, 2.0, 1.0, 1.0))
     """
-    if isinstance(given, Table):
-        return _spanning(name, given, length)
-    if _is_row(given):
-        return _steps(name, given, length)
+    if isinstance(given, Table) or _is_row(given):
+        kept = _spanning(name, given, length) if isinstance(given, Table) else _steps(name, given, length)
+        return table_with_breaks(kept, breaks) if isinstance(kept, Table) else kept
     if callable(given):
         _try(name, given, length)
-        return given
-    if name != "rotary_inertia_per_length":
+        own = given.breaks if isinstance(given, BrokenFunction) else ()
+        places = each_place_once(sorted((*own, *breaks)), length)
+        function = given.function if isinstance(given, BrokenFunction) else given
+        return BrokenFunction(function, places) if places else function
+    if name != _MAY_VANISH:
         return positive_real(name, given)
     number = real(name, given)
     if number < 0.0:
         raise ValueError(f"{name} must not be negative, got {shown(given)}")
     return number + 0.0
+
+
+def kept_breaks(given: object, length: float) -> tuple[float, ...]:
+    """Return positions that a user marks inside a beam of this length, ascending, each once [m].
+
+    Raises
+    ------
+    TypeError, ValueError
+        If it is no sequence of real numbers, or one lies outside the beam or at its end.
+
+    Examples
+    --------
+    >>> kept_breaks([0.7, 0.2], 1.0)
+    (0.2, 0.7)
+    """
+    if isinstance(given, str | bytes) or not isinstance(given, Sequence | np.ndarray) or np.ndim(given) == 0:
+        raise TypeError(f"breaks must be a sequence of positions, got {shown(given)}")
+    places = sorted(real("breaks", place) for place in given)
+    for place in places:
+        if not SAME_PLACE * length < place < (1.0 - SAME_PLACE) * length:
+            raise ValueError(
+                f"breaks must be positions inside the beam, between 0 and its length {length}, got {place}"
+            )
+    return each_place_once(places, length)
+
+
+def each_place_once(places: Sequence[float], length: float) -> tuple[float, ...]:
+    """Return ascending positions without those that are the one before but for rounding [m]."""
+    kept: list[float] = []
+    for x in places:
+        # Thirds and sixths of a length meet but for rounding.
+        if not kept or x - kept[-1] > SAME_PLACE * length:
+            kept.append(x)
+    return tuple(kept)
 
 
 def _is_row(given: object) -> bool:
@@ -96,11 +135,17 @@ def _try(name: str, function: Callable[[Any], Any], length: float) -> None:
             f"{name} must be a function with one value at each position, got {together[at]} for an array "
             f"and {one_by_one[at]} for the number at x = {grid[at]}"
         )
+    places = (np.arange(SAMPLES) + 0.5) / SAMPLES * length
+    values = value_at(function, places)
+    wrong = ~(np.isfinite(values) & ((values > 0.0) | ((values == 0.0) & (name == _MAY_VANISH))))
+    if wrong.any():
+        at = int(np.argmax(wrong))
+        _allowed(name, real(f"{name} at x = {places[at]}", values[at].item()), f" at x = {places[at]}")
 
 
 def _allowed(name: str, value: float, where: str) -> float:
     """Return a value that the property may have, or raise an error that says where it is not."""
-    if name == "rotary_inertia_per_length":
+    if name == _MAY_VANISH:
         if value < 0.0:
             raise ValueError(f"{name} must not be negative, got {value}{where}")
     elif value < 0.0:

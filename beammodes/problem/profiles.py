@@ -8,8 +8,17 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from beammodes.checks import real
-from beammodes.problem.tabulated import Table, table_breaks, table_limit, table_moments
+from beammodes.problem.smooth_parts import BrokenFunction, function_values, smooth_parts
+from beammodes.problem.tabulated import (
+    SAME_PLACE,
+    Table,
+    about_middles,
+    near_a_place,
+    table_breaks,
+    table_kinks,
+    table_limit,
+    table_moments,
+)
 
 __all__ = [
     "Profile",
@@ -18,6 +27,7 @@ __all__ = [
     "mean_reciprocal",
     "moments",
     "profile_breaks",
+    "profile_parts",
     "scaled",
     "value_at",
 ]
@@ -38,7 +48,7 @@ def value_at(profile: Profile, x: ArrayLike, side: int = 0) -> Floats:
     x : float or array [m]
         Positions on the beam; one within 1e-10 of the length of a table's position is taken for it.
     side : int
-        At a step, -1 takes the limit from the left, +1 from the right and 0 the mean of both.
+        At a break, -1 takes the limit from the left, +1 from the right and 0 the mean of both.
 
     Returns
     -------
@@ -60,7 +70,15 @@ def value_at(profile: Profile, x: ArrayLike, side: int = 0) -> Floats:
             return 0.5 * (table_limit(profile, position, -1) + table_limit(profile, position, 1))
         return table_limit(profile, position, side)
     if callable(profile):
-        return _function_values(profile, position.ravel()).reshape(position.shape)
+        flat = position.ravel()
+        if isinstance(profile, BrokenFunction):
+            place, near = near_a_place(np.array(profile.breaks), flat)
+            if near.any():
+                if side == 0:
+                    return 0.5 * (value_at(profile, x, -1) + value_at(profile, x, 1))
+                # The function's own step may be a rounding beside the break.
+                flat = np.where(near, place * (1.0 + side * 2.0 * SAME_PLACE), flat)
+        return function_values(profile, flat).reshape(position.shape)
     return np.full(position.shape, profile)
 
 
@@ -74,6 +92,8 @@ def scaled(profile: Profile, factor: float) -> Profile:
     """
     if isinstance(profile, Table):
         return Table(profile.x, tuple(factor * value for value in profile.value))
+    if isinstance(profile, BrokenFunction):
+        return BrokenFunction(lambda x: factor * profile(x), profile.breaks)
     if callable(profile):
         return lambda x: factor * value_at(profile, x)
     return factor * profile
@@ -101,7 +121,7 @@ def mean_reciprocal(profile: Profile, x: ArrayLike) -> Floats:
     >>> mean_reciprocal(Table((0.0, 1.0, 1.0, 2.0), (1.0, 1.0, 4.0, 4.0)), [0.5, 1.0]).tolist()
     [1.0, 0.625]
     """
-    if isinstance(profile, Table):
+    if isinstance(profile, Table | BrokenFunction):
         return 0.5 * (1.0 / value_at(profile, x, -1) + 1.0 / value_at(profile, x, 1))
     return 1.0 / value_at(profile, x)
 
@@ -111,15 +131,15 @@ def moments(profile: Profile, edges: ArrayLike) -> tuple[Floats, Floats, Floats]
 
     m0 = ∫ρ dx,  m1 = ∫ρ (x-c) dx,  m2 = ∫ρ (x-c)² dx
 
-    Exact but for rounding for numbers and tables. Functions take Gauss's rule with 12 points an interval, 32
-    where intervals are few: 1e-14 where the function is smooth over one interval.
+    Exact but for rounding for numbers and tables. Functions take Gauss's rule with 12 points, 32 where
+    intervals are few, on each interval or what `smooth_parts` cuts it into: about 1e-14.
 
     Parameters
     ----------
     profile : float, Table or function
         ρ; mass per length makes a piece's mass, mass moment and rotary inertia.
     edges : array, shape (intervals + 1,) [m]
-        Ascending positions on the beam.
+        Ascending positions on the beam, from 0 to its length.
 
     Returns
     -------
@@ -147,16 +167,34 @@ def moments(profile: Profile, edges: ArrayLike) -> tuple[Floats, Floats, Floats]
 
 
 def profile_breaks(profile: Profile) -> tuple[float, ...]:
-    """Return the positions inside the beam where a profile has a step or a kink, ascending [m].
+    """Return the breaks of a profile inside the beam, ascending [m].
 
-    Functions are taken to be smooth.
+    They are the positions that a table has twice, for a step or a kink, and those given with a function. A
+    kink of a table that is not given twice is no break.
 
     Examples
     --------
     >>> profile_breaks(Table((0.0, 0.5, 0.5, 0.8, 1.0), (2.0, 2.0, 1.0, 1.0, 1.5)))
+    (0.5,)
+    """
+    if isinstance(profile, BrokenFunction):
+        return profile.breaks
+    return table_breaks(profile) if isinstance(profile, Table) else ()
+
+
+def profile_parts(profile: Profile, length: float) -> tuple[float, ...]:
+    """Return the positions inside the beam between which a profile is smooth, ascending [m].
+
+    The kinks of a table, and where `smooth_parts` cuts a function.
+
+    Examples
+    --------
+    >>> profile_parts(Table((0.0, 0.5, 0.8, 1.0), (2.0, 2.0, 1.0, 1.5)), 1.0)
     (0.5, 0.8)
     """
-    return table_breaks(profile) if isinstance(profile, Table) else ()
+    if isinstance(profile, Table):
+        return table_kinks(profile)
+    return smooth_parts(profile, length)[0][1:-1] if callable(profile) else ()
 
 
 def mean_over(profile: Profile, length: float) -> float:
@@ -173,25 +211,12 @@ def mean_over(profile: Profile, length: float) -> float:
     return profile
 
 
-def _function_values(function: Callable[[Any], Any], position: Floats) -> Floats:
-    if position.size > 1:
-        try:
-            values = np.asarray(function(position))
-        except (TypeError, ValueError):
-            values = np.empty(0)
-        if values.dtype.kind in "iuf" and values.shape in (position.shape, ()):
-            return np.broadcast_to(values, position.shape).astype(np.float64)
-    # The function takes one number at a time, or fails here with its own words.
-    return np.array([real("value of the function", _plain(function(at))) for at in position.tolist()])
-
-
-def _plain(value: Any) -> Any:
-    return value.item() if isinstance(value, np.ndarray) and value.size == 1 else value
-
-
 def _function_moments(function: Callable[[Any], Any], edges: Floats) -> tuple[Floats, Floats, Floats]:
+    inner = np.array(smooth_parts(function, float(edges[-1]))[0])
+    points = np.unique(np.concatenate((edges, inner[(inner > edges[0]) & (inner < edges[-1])])))
     node, weight = np.polynomial.legendre.leggauss(32 if len(edges) <= 4096 else 12)
-    half, middle = 0.5 * np.diff(edges), 0.5 * (edges[1:] + edges[:-1])
-    values = _function_values(function, (middle[:, None] + half[:, None] * node).ravel())
+    half, middle = 0.5 * np.diff(points), 0.5 * (points[1:] + points[:-1])
+    values = function_values(function, (middle[:, None] + half[:, None] * node).ravel())
     weighted = values.reshape(len(half), len(node)) * weight
-    return half * weighted.sum(axis=1), half**2 * (weighted @ node), half**3 * (weighted @ node**2)
+    parts = half * weighted.sum(axis=1), half**2 * (weighted @ node), half**3 * (weighted @ node**2)
+    return about_middles(parts, middle, edges)

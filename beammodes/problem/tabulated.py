@@ -1,4 +1,4 @@
-"""A property tabulated along a beam, with steps: its limits, moments and breaks."""
+"""A property tabulated along a beam, with steps: its limits, moments, kinks and breaks."""
 
 from __future__ import annotations
 
@@ -12,7 +12,17 @@ from numpy.typing import NDArray
 
 from beammodes.checks import real, shown
 
-__all__ = ["SAME_PLACE", "Table", "table_breaks", "table_limit", "table_moments"]
+__all__ = [
+    "SAME_PLACE",
+    "Table",
+    "about_middles",
+    "near_a_place",
+    "table_breaks",
+    "table_kinks",
+    "table_limit",
+    "table_moments",
+    "table_with_breaks",
+]
 
 Floats = NDArray[np.float64]
 
@@ -24,16 +34,21 @@ _AT_A_STEP = 1e-10
 
 @dataclass(frozen=True, slots=True)
 class Table:
-    """A property tabulated along a beam: linear between the positions, a step where one is given twice.
+    """A property tabulated along a beam: linear between the positions, a break where one is given twice.
 
     value(x) = value_i + (value_(i+1) - value_i) (x - x_i) / (x_(i+1) - x_i)  for x_i < x < x_(i+1)
+
+    Between two breaks the table stands for a smooth property, and the finer it is the better. Breaks are
+    steps, and kinks that are meant: give their position twice, or to `Beam` as `breaks`. Chain rules act on
+    breaks only (see `chains.rods.profile_weights`); at any other kink of EI, such as the few of a table of
+    five measured points, a rule of order 4 has order 2. The exact beam bends as the table says, kink by kink.
 
     Parameters
     ----------
     x : sequence of float [m]
-        Positions from 0 to the beam's length, ascending; each once, or twice inside for a step.
+        Positions from 0 to the beam's length, ascending; each once, or twice inside for a break.
     value : sequence of float
-        The property there, before and after a step, in the property's own unit.
+        The property there, before and after a break, in the property's own unit.
 
     Raises
     ------
@@ -58,18 +73,44 @@ class Table:
             raise ValueError(f"value must be as many numbers as x, {len(self.x)}, got {len(self.value)}")
 
 
+def table_with_breaks(table: Table, breaks: Sequence[float]) -> Table:
+    """Return the table with these positions inside it given twice, as breaks.
+
+    Examples
+    --------
+    >>> table_with_breaks(Table((0.0, 0.5, 1.0), (1.0, 1.0, 0.4)), [0.5])
+    Table(x=(0.0, 0.5, 0.5, 1.0), value=(1.0, 1.0, 1.0, 0.4))
+    """
+    known, length = np.array(table.x), table.x[-1]
+    points = list(zip(table.x, table.value, strict=True))
+    for place in breaks:
+        same = np.flatnonzero(np.abs(known - place) <= SAME_PLACE * length)
+        at = float(known[same[0]]) if len(same) else place
+        value = float(table_limit(table, np.array([at]), 1)[0])
+        points += [(at, value)] * (2 - len(same))
+    # In stable order the limits at a step stay as they are.
+    points.sort(key=lambda point: point[0])
+    x, values = zip(*points, strict=True)
+    return Table(x, values)
+
+
 def table_limit(table: Table, position: Floats, side: int) -> Floats:
     """Return the limits of a table at positions, from the left (side -1) or from the right (+1)."""
     x, value = np.array(table.x), np.array(table.value)
-    nearest = np.clip(np.searchsorted(0.5 * (x[1:] + x[:-1]), position), 0, len(x) - 1)
-    near = np.abs(x[nearest] - position) <= _AT_A_STEP * x[-1]
-    position = np.where(near, x[nearest], position)
+    nearest, near = near_a_place(x, position)
+    position = np.where(near, nearest, position)
     cell = np.searchsorted(x, position, side="right" if side > 0 else "left") - 1
     cell = np.clip(cell, 0, len(x) - 2)
     share = np.clip((position - x[cell]) / (x[cell + 1] - x[cell]), 0.0, 1.0)
     # Weights of both values, so that a value at a position is that value to the last digit.
     limit: Floats = (1.0 - share) * value[cell] + share * value[cell + 1]
     return limit
+
+
+def near_a_place(places: Floats, position: Floats) -> tuple[Floats, NDArray[np.bool_]]:
+    """Return for each position the nearest of ascending places, and whether it is taken for that."""
+    nearest = places[np.clip(np.searchsorted(0.5 * (places[1:] + places[:-1]), position), 0, len(places) - 1)]
+    return nearest, np.abs(nearest - position) <= _AT_A_STEP * places[-1]
 
 
 def table_moments(table: Table, edges: Floats) -> tuple[Floats, Floats, Floats]:
@@ -81,19 +122,37 @@ def table_moments(table: Table, edges: Floats) -> tuple[Floats, Floats, Floats]:
     inner = inner[(inner > edges[0]) & (inner < edges[-1])]
     points = np.sort(np.concatenate((edges, inner)))
     width, middle = np.diff(points), 0.5 * (points[1:] + points[:-1])
-    owner = np.clip(np.searchsorted(edges, middle, side="right") - 1, 0, len(edges) - 2)
     density, slope = _line_at(table, middle)
+    parts = density * width, slope * width**3 / 12.0, density * width**3 / 12.0
+    return about_middles(parts, middle, edges)
+
+
+def about_middles(
+    parts: tuple[Floats, Floats, Floats], middle: Floats, edges: Floats
+) -> tuple[Floats, Floats, Floats]:
+    """Sum moments of parts, each about its own middle, into those of the intervals that they make up."""
+    mass, tilt, inertia = parts
+    owner = np.clip(np.searchsorted(edges, middle, side="right") - 1, 0, len(edges) - 2)
     shift = middle - 0.5 * (edges[1:] + edges[:-1])[owner]
-    mass, tilt, inertia = density * width, slope * width**3 / 12.0, density * width**3 / 12.0
-    parts = (mass, tilt + shift * mass, inertia + 2.0 * shift * tilt + shift**2 * mass)
     sums = np.zeros((3, len(edges) - 1))
-    for total, part in zip(sums, parts, strict=True):
+    moved = (mass, tilt + shift * mass, inertia + 2.0 * shift * tilt + shift**2 * mass)
+    for total, part in zip(sums, moved, strict=True):
         np.add.at(total, owner, part)
     return sums[0], sums[1], sums[2]
 
 
 def table_breaks(table: Table) -> tuple[float, ...]:
-    """Return the positions inside the beam where a table has a step or a kink, ascending."""
+    """Return the positions inside the beam that a table has twice, for a step or a kink, ascending.
+
+    One where neither value nor slope changes is none.
+    """
+    x = np.array(table.x)
+    twice = x[1:][np.diff(x) == 0.0]
+    return tuple(twice[np.isin(twice, table_kinks(table))].tolist())
+
+
+def table_kinks(table: Table) -> tuple[float, ...]:
+    """Return the positions inside the beam where a table has a step or a kink, marked or not, ascending."""
     x, value = np.array(table.x), np.array(table.value)
     rise, run = np.diff(value), np.diff(x)
     slope = np.divide(rise, run, out=np.zeros_like(rise), where=run > 0.0)
