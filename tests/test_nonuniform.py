@@ -108,7 +108,7 @@ def test_a_fine_table_of_a_taper_errs_as_the_taper_does(name: str, points: int) 
     bent = np.abs(np.gradient(np.gradient(shape(x), x), x)) / shape(x)
     chords = 1 / 12 / (points - 1) ** 2 * bent.mean()
     one, other = (euler_bernoulli(b, "clamped-free", 1).angular_frequency[0] for b in (smooth, table))
-    assert abs(other / one - 1) < chords + 1e-12
+    assert abs(other / one - 1) < 2 * chords + 1e-12  # twice: the tip moves more than the mean
     for rule in CORRECTED:
         for segments in (10, 20):
             by_function = first_error(smooth, "clamped-free", segments, rule)

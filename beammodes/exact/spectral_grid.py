@@ -221,7 +221,7 @@ def _cell_points(stiffness: Profile, edges: Floats) -> NDArray[np.int64]:
     """Return how many points each cell needs for 1/EI, whatever it is multiplied with."""
     if isinstance(stiffness, Table):
         return _for_quotients(value_at(stiffness, edges[:-1], 1), value_at(stiffness, edges[1:], -1))
-    return np.full(len(edges) - 1, 12 if callable(stiffness) else 2)
+    return np.full(len(edges) - 1, 18 if callable(stiffness) else 2)
 
 
 def _for_quotients(left: Floats, right: Floats) -> NDArray[np.int64]:
@@ -319,6 +319,12 @@ def legendre_integral(series: Floats) -> Floats:
 
 def _positive(name: str, profile: Profile, x: Floats) -> Floats:
     values: Floats = value_at(profile, x)
+    if isinstance(profile, float):
+        # One that the beam has checked; infinite against shear that is left out.
+        return values
+    if isinstance(profile, float):
+        # One that the beam has checked; infinite against shear that is left out.
+        return values
     may_vanish = name == "rotary_inertia_per_length"
     wrong = ~((values > 0.0) | ((values == 0.0) & may_vanish)) | ~np.isfinite(values)
     if wrong.any():

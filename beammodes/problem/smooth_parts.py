@@ -21,7 +21,7 @@ Function = Callable[[Any], Any]
 SAMPLES = 4096
 
 # Gauss points by which a function is known on each part, and places between them at least.
-_POINTS, _BETWEEN = 16, 17
+_POINTS, _BETWEEN = 32, 33
 # Largest error on a part, relative to the function there, times the part's share of the length.
 _TOLERANCE = 1e-12
 _MOST_PARTS = 4000
@@ -71,7 +71,7 @@ def smooth_parts(function: Function, length: float) -> tuple[tuple[float, ...], 
     """Return the edges of parts on which a function is smooth, and the largest error left on one.
 
     Each part, at first the beam or what lies between two breaks, is halved until the polynomial through its
-    16 Gauss points is the function itself, and its reciprocal, at `SAMPLES` places along the beam and at 17
+    32 Gauss points is the function itself, and its reciprocal, at `SAMPLES` places along the beam and at 33
     places in every part:
 
         |p(x)/f(x) - 1| · width/L  <  1e-12.
