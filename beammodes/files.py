@@ -1,38 +1,124 @@
-"""Writing files so that a reader never meets half of one."""
+"""Files, ordinary ones only: read in bounds; written whole or not at all, and checked before the work."""
 
 from __future__ import annotations
 
+import errno
 import os
+import secrets
 import stat
-import tempfile
 from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
 from typing import BinaryIO
 
-__all__ = ["ordinary_bytes", "write_atomically"]
+from beammodes.checks import shown
+
+__all__ = ["file_target", "ordinary_bytes", "write_atomically"]
+
+_KINDS = {
+    stat.S_IFDIR: "folder",
+    stat.S_IFIFO: "FIFO",
+    stat.S_IFSOCK: "socket",
+    stat.S_IFCHR: "device",
+    stat.S_IFBLK: "device",
+}
+#: What systems say whose file systems have no hard links.
+_NO_LINKS = {errno.EPERM, errno.ENOTSUP, errno.EOPNOTSUPP, errno.ENOSYS, errno.EMLINK, errno.EXDEV}
 
 
-def write_atomically(path: Path, write: Callable[[BinaryIO], object]) -> None:
-    """Let `write` fill a temporary file beside `path`, then move it there in one step.
+def file_target(path: object, *, new: bool = False) -> Path:
+    """Return where a file is to be written; what cannot be is found out before the work, not after it.
 
-    Interrupted or failed writing leaves what was at `path` untouched, and no temporary file.
+    A symbolic link to an ordinary file stands for that file: the link stays, and the file is replaced. A link
+    that leads nowhere is refused.
+
+    Parameters
+    ----------
+    path : str or Path
+    new : bool
+        Whether nothing, not even a link, may be there already.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If it is no path, or there is something else than an ordinary file: a folder, a device, a FIFO.
+    FileNotFoundError
+        If its folder does not exist, or it is a link that leads nowhere.
+    FileExistsError
+        If something is there and it must be `new`.
+    PermissionError
+        If the folder, or the file that is there, may not be written.
 
     Examples
     --------
+    >>> file_target("/dev/null")
+    Traceback (most recent call last):
+        ...
+    ValueError: path must be an ordinary file, got the device '/dev/null'
+    """
+    if not isinstance(path, str | os.PathLike) or isinstance(os.fspath(path), bytes):
+        raise TypeError(f"path must be a str or a Path, got {shown(path)}")
+    given = Path(path)
+    # Of a long path the end says most.
+    text = str(given)
+    name = shown(text if len(text) <= 50 else f"...{text[-47:]}")
+    if not given.name or "\0" in str(given):
+        raise ValueError(f"path must name a file, got {name}")
+    if new and os.path.lexists(given):
+        raise FileExistsError(f"path must be new unless force=True, got {name}, which exists already")
+    place = Path(os.path.realpath(given)) if given.is_symlink() else given
+    if place.is_symlink() or (place != given and not os.path.lexists(place)):
+        raise FileNotFoundError(f"path must be an ordinary file, got {name}, a link that leads nowhere")
+    if not place.parent.is_dir():
+        raise FileNotFoundError(f"path must be in a folder that exists, got {name}")
+    there = _mode(place)
+    if there is not None and not stat.S_ISREG(there):
+        kind = _KINDS.get(stat.S_IFMT(there), "special file")
+        raise ValueError(f"path must be an ordinary file, got the {kind} {name}")
+    if there is not None and not os.access(place, os.W_OK):
+        raise PermissionError(f"path must be a file that may be written, got {name}")
+    if not os.access(place.parent, os.W_OK | os.X_OK):
+        raise PermissionError(f"path must be in a folder that may be written to, got {name}")
+    return place
+
+
+def write_atomically(path: str | Path, write: Callable[[BinaryIO], object], *, new: bool = False) -> None:
+    """Let `write` fill a temporary file beside `path`, then move it there in one step.
+
+    Interrupted or failed writing leaves what was at `path` untouched, and no temporary file. A file that is
+    replaced keeps its permissions; a new one has those that the process gives its files. With `new`, one of
+    two that write at the same time succeeds and the other raises FileExistsError. Two that replace a file do
+    not disturb each other: the last one's content stays.
+
+    Parameters
+    ----------
+    path, new
+        As `file_target` takes them; it is called again here.
+    write : function of an open binary file
+
+    Examples
+    --------
+    >>> import tempfile
     >>> folder = Path(tempfile.mkdtemp())
     >>> write_atomically(folder / "a.txt", lambda file: file.write(b"whole"))
     >>> (folder / "a.txt").read_bytes(), len(list(folder.iterdir()))
     (b'whole', 1)
     """
-    descriptor, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
+    place = file_target(path, new=new)
+    descriptor, temporary = _beside(place)
     try:
         with os.fdopen(descriptor, "wb") as file:
             write(file)
-        # mkstemp makes files private; these are meant to be shared like any other.
-        os.chmod(name, 0o644)
-        os.replace(name, path)
+        # Asked again: what is there now must not be a special file that came meanwhile.
+        there = _mode(file_target(path, new=new))
+        if new:
+            _move_new(temporary, place)
+        else:
+            if there is not None:
+                os.chmod(temporary, stat.S_IMODE(there) & 0o777)
+            os.replace(temporary, place)
     except BaseException:
-        Path(name).unlink(missing_ok=True)
+        temporary.unlink(missing_ok=True)
         raise
 
 
@@ -48,6 +134,7 @@ def ordinary_bytes(path: str | os.PathLike[str], most: int) -> bytes:
 
     Examples
     --------
+    >>> import tempfile
     >>> with tempfile.NamedTemporaryFile() as file:
     ...     ordinary_bytes(file.name, 10)
     b''
@@ -63,3 +150,40 @@ def ordinary_bytes(path: str | os.PathLike[str], most: int) -> bytes:
     if len(data) > most:
         raise ValueError(f"must have at most {most // 2**20} MiB")
     return data
+
+
+def _mode(place: Path) -> int | None:
+    """Return type and permissions of what is there, links not followed, or None."""
+    try:
+        return place.lstat().st_mode
+    except FileNotFoundError:
+        return None
+
+
+def _beside(place: Path) -> tuple[int, Path]:
+    """Open a file of a name that nobody else has, in the folder of another."""
+    flags = os.O_WRONLY | os.O_CREAT | os.O_EXCL | getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_BINARY", 0)
+    while True:
+        # Names have at most 255 bytes.
+        start = os.fsdecode(os.fsencode(place.name)[:200])
+        temporary = place.with_name(f".{start}.{secrets.token_hex(8)}")
+        with suppress(FileExistsError):
+            return os.open(temporary, flags | getattr(os, "O_CLOEXEC", 0), 0o666), temporary
+
+
+def _move_new(temporary: Path, place: Path) -> None:
+    """Move a file to a place where there is none, or raise FileExistsError."""
+    try:
+        os.link(temporary, place)
+    except OSError as error:
+        if error.errno not in _NO_LINKS:
+            raise
+        # Reserve the name, which only one can do, and fill it.
+        os.close(os.open(place, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o666))
+        try:
+            os.replace(temporary, place)
+        except BaseException:
+            place.unlink(missing_ok=True)
+            raise
+    else:
+        temporary.unlink()

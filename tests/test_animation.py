@@ -157,7 +157,7 @@ def test_refusals(
 
 def test_a_folder_is_no_file_and_other_data_no_motion(motion: xarray.Dataset, tmp_path: Path) -> None:
     (tmp_path / "film.gif").mkdir()
-    with pytest.raises(ValueError, match=r"^path must be a file, got the folder"):
+    with pytest.raises(ValueError, match=r"^path must be an ordinary file, got the folder"):
         animate(motion, tmp_path / "film.gif")
     for result, error in ((None, TypeError), (motion.drop_vars("x"), ValueError)):
         with pytest.raises(error, match=r"^result must "):

@@ -492,7 +492,7 @@ def test_export(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     Ran(call, capsys).refused("--force")
     assert path.read_bytes() == before
     assert Ran([*call, "--force"], capsys).lines == [str(path)]
-    Ran([*call[:-1], str(tmp_path / "no" / "beam.csv")], capsys).refused("no such folder")
+    Ran([*call[:-1], str(tmp_path / "no" / "beam.csv")], capsys).refused("in a folder that exists")
 
 
 AUDITED = ["--length", "1.2", "--ei", "85", "--rho-a", "0.62"]

@@ -7,6 +7,8 @@ import math
 import signal
 import subprocess
 import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -19,6 +21,7 @@ from hypothesis import strategies as st
 from scipy.special import ellipk
 
 from beammodes.chains.chain import Chain
+from beammodes.dynamics import runs
 from beammodes.dynamics.base_motion import BaseMotion, harmonic, spin_up
 from beammodes.dynamics.chain_state import base_vector
 from beammodes.dynamics.initial_state import mode_start
@@ -669,18 +672,125 @@ print(found.stopped)
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="no such signal")
-@pytest.mark.parametrize("method", ["rk4", "midpoint"])
-def test_an_interrupt_from_the_keyboard_within_compiled_code(method: str, tmp_path: Path) -> None:
+@pytest.mark.parametrize("times", [1, 5])
+@pytest.mark.parametrize("method", ["rk4", "midpoint", "dop853"])
+def test_an_interrupt_from_the_keyboard_within_compiled_code(method: str, times: int, tmp_path: Path) -> None:
     path = tmp_path / "motion.nc"
     command = [sys.executable, "-c", INTERRUPTED, method, str(path)]
     with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as run:
-        assert run.stdout is not None and int(run.stdout.readline()) == 2000
-        run.send_signal(signal.SIGINT)
+        assert run.stdout is not None and int(run.stdout.readline()) > 0
+        for _ in range(times):
+            run.send_signal(signal.SIGINT)
         out, err = run.communicate(timeout=600)
     last = out.splitlines()[-1]
-    assert (run.returncode, err) == (0, "") and last.startswith("interrupted after step")
+    assert (run.returncode, err) == (0, "") and last.startswith("interrupted after")
     with xarray.open_dataset(path, engine="h5netcdf") as kept:
-        assert kept.complete == 0 and float(kept.time[-1]) == pytest.approx(int(last.split()[-1]) * 1e-3)
+        assert kept.complete == 0 and kept.stopped == last
+        if method != "dop853":
+            assert float(kept.time[-1]) == pytest.approx(int(last.split()[-1]) * 1e-3)
+
+
+@contextmanager
+def pressed(at: set[int]) -> Iterator[list[int]]:
+    """Press Ctrl-C at these calls of any function, compiled ones included; how many there were so far."""
+    count = [0]
+
+    def watch(_frame: Any, event: str, _what: Any) -> None:
+        if event in ("call", "c_call"):
+            count[0] += 1
+            if count[0] in at:
+                signal.raise_signal(signal.SIGINT)
+
+    sys.setprofile(watch)
+    try:
+        yield count
+    finally:
+        sys.setprofile(None)
+
+
+@pytest.mark.parametrize("boundary", ["clamped-free", "clamped-pinned"])
+@pytest.mark.parametrize("method", METHODS)
+def test_an_interrupt_at_any_moment_keeps_what_is_finished(
+    method: str, boundary: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Before the first step it is a KeyboardInterrupt and no file; after it a motion and its file.
+
+    Pressed once, twice at the next call, or three times over the rest.
+    """
+    monkeypatch.setattr(runs, "_NUMBERS", 0)  # one step at a time
+    chain = Chain(Beam.unit(), boundary, segments=2)
+    start = mode_start(chain, 1, 0.1)
+    done: list[int] = []
+    stepped: list[int] = []
+    counted = [[0]]
+
+    def told(k: int, _: int) -> None:
+        done.append(k)
+        stepped.append(counted[-1][0])
+
+    def run(path: Path) -> xarray.Dataset:
+        # A load, so that no equations are kept from the last run.
+        return simulate(
+            chain,
+            duration=0.02,
+            step=0.002,
+            output_step=0.002,
+            method=method,
+            initial=start,
+            load=Load(tip_moment=1e-6),
+            progress=told,
+            path=path,
+        )
+
+    run(tmp_path / "first.nc")  # modules are loaded once
+    stepped.clear()
+    with pressed(set()) as calls:
+        counted.append(calls)
+        whole = run(tmp_path / "whole.nc")
+    # While equations are built, while steps are made, and while the result is put together.
+    spans = ((1, stepped[0]), (stepped[0], stepped[-1]), (stepped[-1], calls[0] - 1))
+    moments = np.concatenate([np.linspace(*span, 4).astype(int) for span in spans]).tolist()
+    outcomes = []
+    for number, first in enumerate(moments):
+        path = tmp_path / f"{number}.nc"
+        later = (first + 1, first + (calls[0] - first) // 2) if number % 3 == 2 else (first + 1,)
+        done.clear()
+        found = None
+        try:
+            with pressed({first, *(later if number % 3 else ())}):
+                found = run(path)
+        except KeyboardInterrupt:
+            assert not done and not path.exists()
+        assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
+        if found is None:
+            outcomes.append("nothing")
+            continue
+        outcomes.append("whole" if found.complete else "part")
+        assert found.stopped.startswith("interrupted after") != bool(found.complete)
+        times = found.sizes["time"]
+        assert times == len(done) + 1
+        np.testing.assert_array_equal(found.q, whole.q[:times])
+        with xarray.open_dataset(path, engine="h5netcdf") as kept:
+            assert kept.identical(found)
+    assert {"nothing", "part", "whole"} == set(outcomes), outcomes
+    assert not [p for p in tmp_path.iterdir() if p.name.startswith(".")]
+
+
+def test_a_programs_own_handler_hears_of_an_interrupt_at_the_end(tmp_path: Path) -> None:
+    heard: list[int] = []
+    before = signal.signal(signal.SIGINT, lambda number, _: heard.append(number))
+    try:
+        found = simulate(
+            CANTILEVER,
+            duration=0.5,
+            step=0.001,
+            progress=lambda *_: signal.raise_signal(signal.SIGINT),
+            method="dop853",
+            path=tmp_path / "motion.nc",
+        )
+    finally:
+        signal.signal(signal.SIGINT, before)
+    assert heard == [signal.SIGINT] and found.complete == 0 and (tmp_path / "motion.nc").exists()
 
 
 @pytest.mark.parametrize("method", ["midpoint", "rk45", "dop853"])
@@ -779,7 +889,7 @@ def test_a_folder_that_is_not_there_is_noticed_before_the_run(tmp_path: Path) ->
             progress=lambda *done: calls.append(done),
         )
     assert calls == []
-    with pytest.raises(ValueError, match=r"^path must be a file, got the folder"):
+    with pytest.raises(ValueError, match=r"^path must be an ordinary file, got the folder"):
         simulate(CANTILEVER, duration=0.1, step=0.01, path=tmp_path)
 
 

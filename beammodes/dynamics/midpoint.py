@@ -23,6 +23,7 @@ from beammodes.dynamics.runge_kutta import Stepper, closure
 from beammodes.equations.coordinates import coordinate_names, tip_names
 from beammodes.equations.load_field import Algebra
 from beammodes.equations.mechanics import piece_energies
+from beammodes.interrupts import pause
 from beammodes.problem.loading import Load, checked_load
 from beammodes.vibration.damping import Damping
 
@@ -72,6 +73,7 @@ def implicit_midpoint(
     if held:
         gap = closure(chain, between, middle)
         pull = pull + casadi.jacobian(gap, v).T / (step / 2) * force
+    pause()
     units, moving = chain.units, size - len(tip_names(chain))
     # Newton's tolerance is absolute: the chain's own units make it relative.
     rate = (units.stiffness / units.mass) ** 0.5 / units.length
@@ -85,6 +87,7 @@ def implicit_midpoint(
     system = casadi.Function("system", [unknown, given], [residual])
     # What is not finite is reported once, by the run, and not by CasADi at every iteration.
     options = {"abstol": 1e-13, "max_iter": 30, "error_on_fail": False, "show_eval_warnings": False}
+    pause()
     solve = casadi.rootfinder("solve", "newton", system, options)
     # Where Newton's method finds nothing there is no new state.
     failed = casadi.if_else(casadi.norm_inf(residual) < 1e-9, 0, casadi.SX.nan())
@@ -104,6 +107,7 @@ def momentum_map(chain: Chain, *, load: Load | None = None) -> tuple[casadi.Func
     size = len(coordinate_names(chain))
     q, u, base = (casadi.SX.sym(name, count) for name, count in (("q", size), ("u", size), ("base", 9)))
     momentum, _ = _lagrangian_terms(chain, checked_load(load), Damping(), q, u, base)
+    pause()
     mass = casadi.jacobian(momentum, u)
     rest = casadi.substitute(momentum, u, casadi.SX.zeros(size))
     parts = casadi.Function("parts", [q, base], [mass, rest])

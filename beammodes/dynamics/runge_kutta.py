@@ -20,6 +20,7 @@ from beammodes.dynamics.base_motion import BaseMotion
 from beammodes.dynamics.chain_state import ChainState
 from beammodes.dynamics.forward_dynamics import forward_dynamics
 from beammodes.equations.coordinates import coordinate_names
+from beammodes.interrupts import pause
 from beammodes.problem.loading import Load
 from beammodes.vibration.damping import Damping
 from beammodes.vibration.integrators import INTEGRATORS
@@ -45,23 +46,12 @@ class Stepper:
     times: tuple[float, ...]
 
     def steps(self, state: Array, step: float, start: float, count: int, base: BaseMotion) -> Array:
-        """Return the states after each of `count` steps from time `start`, shape (count, size).
-
-        Raises
-        ------
-        KeyboardInterrupt
-            Also where CasADi, interrupted in its own code, raises a RuntimeError that says so.
-        """
+        """Return the states after each of `count` steps from time `start`, shape (count, size)."""
         at = start + step * (np.arange(count)[None, :] + np.array(self.times)[:, None])
         course = base.at(at)  # (3, 3, stages, count)
         columns = np.moveaxis(course, 2, 0).reshape(-1, count)
         mapped = _repeated(self.function, count)
-        try:
-            return np.asarray(mapped(state, np.full((1, count), step), columns).full().T)
-        except RuntimeError as error:
-            if str(error).rstrip().endswith("KeyboardInterrupt"):
-                raise KeyboardInterrupt from error
-            raise
+        return np.asarray(mapped(state, np.full((1, count), step), columns).full().T)
 
 
 # Runs are cut into chunks of equal length, so the last few functions are asked for again and again.
@@ -98,6 +88,7 @@ def runge_kutta(
     """
     method = INTEGRATORS[integrator]
     dynamics = forward_dynamics(chain, load=load, damping=damping, base=base)
+    pause()
     size = len(dynamics.coordinates)
     # The last time is that of the new state's closure.
     nodes = [sum(row) for row in method.stages]

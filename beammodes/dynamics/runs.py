@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +16,7 @@ from beammodes.dynamics.chain_state import base_vector
 from beammodes.dynamics.forward_dynamics import forward_dynamics
 from beammodes.dynamics.midpoint import implicit_midpoint, momentum_map
 from beammodes.dynamics.runge_kutta import Stepper, projection, runge_kutta
+from beammodes.interrupts import pause
 from beammodes.problem.loading import Load
 from beammodes.vibration.damping import Damping
 from beammodes.vibration.integrators import INTEGRATORS
@@ -111,8 +113,10 @@ def _fixed(run: Run, stepper: Stepper, state: Array, progress: Progress) -> tupl
     """Return output times and states of fixed steps, and why they stopped early, or nothing."""
     kept, times, done, why = [state[None]], [0.0], 0, ""
     chunk = min(_CHUNK, 1 + _NUMBERS // max(1, len(state)))
+    pause()
     try:
         while done < run.steps and not why:
+            pause()
             count = min(chunk, run.steps - done)
             states = stepper.steps(state, run.step, done * run.step, count, run.base)
             bad = np.flatnonzero(~np.isfinite(states).all(axis=1))
@@ -160,7 +164,10 @@ def variable_run(run: Run, start: tuple[Array, Array], progress: Progress) -> Fo
     """Integrate by a Runge-Kutta pair of SciPy, which chooses its steps."""
     size, why = len(start[0]), ""
     kept, times = [np.concatenate(start)], [0.0]
-    pieces = _variable_pieces(run, kept[0])
+    rate = Rate(run, size)
+    onto = projection(run.chain) if run.chain.boundary.right.holds_deflection else None
+    pause()
+    pieces = _variable_pieces(run, rate, onto, kept[0])
     outputs = math.ceil(run.steps / run.every)
     try:
         # A motion that diverges passes through numbers whose squares are too large.
@@ -178,14 +185,11 @@ def variable_run(run: Run, start: tuple[Array, Array], progress: Progress) -> Fo
     return np.array(times), states[:, :size], states[:, size:], why
 
 
-def _variable_pieces(run: Run, state: Array) -> Iterator[tuple[float, Array, str]]:
+def _variable_pieces(run: Run, rate: Rate, onto: Any, state: Array) -> Iterator[tuple[float, Array, str]]:
     """Yield each output time, the state there, and why the motion cannot go on, or nothing."""
     import scipy.integrate
 
     solver_class = getattr(scipy.integrate, run.integrator.upper())
-    rate, onto = Rate(run, len(state) // 2), None
-    if run.chain.boundary.right.holds_deflection:
-        onto = projection(run.chain)
     time, first, message = 0.0, None, ""
     if not np.isfinite(rate(0.0, state)).all():
         # SciPy would look for a first step for ever.
@@ -205,6 +209,7 @@ def _variable_pieces(run: Run, state: Array) -> Iterator[tuple[float, Array, str
             first_step=first,
         )
         while solver.status == "running":
+            pause()
             message = solver.step()
         if solver.status == "failed" or not np.isfinite(solver.y).all():
             yield bound, state, f"non-finite state before t = {bound:.6g} s ({message})"

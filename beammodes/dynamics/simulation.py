@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import math
 import sys
 import warnings
@@ -18,6 +19,8 @@ from beammodes.dynamics.chain_state import checked_system
 from beammodes.dynamics.initial_state import initial_state
 from beammodes.dynamics.motion_dataset import motion_dataset
 from beammodes.dynamics.runs import Run, runner
+from beammodes.files import file_target, write_atomically
+from beammodes.interrupts import held
 from beammodes.problem.loading import Load, checked_load
 from beammodes.vibration.damping import Damping
 from beammodes.vibration.integrators import INTEGRATORS
@@ -26,7 +29,7 @@ from beammodes.vibration.stability import stable_time_step
 if TYPE_CHECKING:
     import xarray
 
-__all__ = ["METHODS", "DivergedWarning", "simulate"]
+__all__ = ["METHODS", "DivergedWarning", "UnsavedMotion", "simulate"]
 
 #: Classical fixed-step Runge-Kutta, the implicit midpoint rule, and variable-step Runge-Kutta pairs of order
 #: 5(4) and 8(5,3), for which the step is the largest one and the one of output: the report's recipe.
@@ -38,6 +41,18 @@ OUTPUTS = 1000
 
 class DivergedWarning(UserWarning):
     """A motion left the finite numbers: the step was too long, or the chain unstable."""
+
+
+class UnsavedMotion(OSError):
+    """A motion was computed, but could not be written to its file.
+
+    Attributes
+    ----------
+    motion : xarray.Dataset
+        What `simulate` would have returned.
+    """
+
+    motion: xarray.Dataset
 
 
 def simulate(
@@ -86,7 +101,8 @@ def simulate(
         True writes to standard error how far a run is; a function is called with (steps or output times
         done, all of them).
     path : str or Path, optional
-        netCDF file for the result, also for what an interrupted run has.
+        netCDF file for the result, also for what an interrupted run has. It is asked for before the motion
+        whether it can be written, and replaced in one step.
 
     Returns
     -------
@@ -95,6 +111,9 @@ def simulate(
         and momenta, q and u. Attribute `complete` is 0 if the run was interrupted from the keyboard or left
         the finite numbers; `stopped` then says why. What came before is kept. Without damping, on a base at
         rest, `energy` changes by the error of the steps only: it tells whether they were short enough.
+        Ctrl-C, however often, ends the motion with the step that it came in, and what there is of it is put
+        together and written before this function returns. While equations are built there is nothing to
+        keep: it is then a KeyboardInterrupt.
 
     Warns
     -----
@@ -105,6 +124,10 @@ def simulate(
     ------
     TypeError, ValueError
         If an argument is not of its kind, or the base cannot move this chain.
+    FileNotFoundError, PermissionError
+        If the folder of `path` is missing or may not be written to.
+    UnsavedMotion
+        If the file could not be written after all, as on a full disk; the motion is its attribute `motion`.
 
     Examples
     --------
@@ -123,7 +146,8 @@ def simulate(
     if not isinstance(progress, bool) and not callable(progress):
         raise TypeError(f"progress must be a bool or a function, got {shown(progress)}")
     told = _say if progress is True else progress or None
-    target = None if path is None else _target(path)
+    if path is not None:
+        file_target(path)
     if positive_real("tolerance", tolerance) < 1e-13:
         raise ValueError(f"tolerance must be at least 1e-13, got {shown(tolerance)}")
     if step is not None and positive_real("step", step) > span:
@@ -142,13 +166,14 @@ def simulate(
     start = initial_state(chain, initial, ground)
     steps = math.ceil(span / longest - 1e-9)
     run = Run(chain, given, ground, damping or Damping(), span, longest, every, steps, float(tolerance), kind)
-    time, q, u, why = runner(kind)(run, start, told)
+    with held():
+        time, q, u, why = runner(kind)(run, start, told)
+        attributes = {"method": kind, "step": longest, "complete": int(not why), "stopped": why}
+        result = motion_dataset(chain, time, q, u, load=given, base=ground, attributes=attributes)
+        if path is not None:
+            _save(result, path)
     if why.startswith("non-finite"):
         warnings.warn(f"{why}: the step is too long or the motion unstable", DivergedWarning, stacklevel=2)
-    attributes = {"method": kind, "step": longest, "complete": int(not why), "stopped": why}
-    result = motion_dataset(chain, time, q, u, load=given, base=ground, attributes=attributes)
-    if target is not None:
-        _save(result, target)
     return result
 
 
@@ -173,30 +198,24 @@ def _largest_pull(chain: Chain, load: Load, base: BaseMotion, span: float) -> fl
     return max(0.0, float(load.axial_force)) + 3 * push
 
 
-def _target(path: str | Path) -> Path:
-    """Return a file to write; what cannot be one is found out before the motion, not after it."""
-    if not isinstance(path, str | Path):
-        raise TypeError(f"path must be a str or a Path, got {shown(path)}")
-    target = Path(path)
-    if not target.parent.is_dir():
-        raise ValueError(f"path must be in a folder that exists, got {shown(str(path))}")
-    if target.is_dir():
-        raise ValueError(f"path must be a file, got the folder {shown(str(path))}")
-    return target
-
-
 def _say(done: int, whole: int) -> None:
     sys.stderr.write(f"\r{done} of {whole}" + ("\n" if done == whole else ""))
     sys.stderr.flush()
 
 
-def _save(result: xarray.Dataset, path: Path) -> None:
-    from beammodes.files import write_atomically
+def _save(result: xarray.Dataset, path: str | Path) -> None:
+    import h5netcdf
+    from xarray.backends import H5NetCDFStore
 
-    # h5netcdf writes to a path of its own; the finished file is moved into place in one step.
-    temporary = path.with_name(f".{path.name}.part")
     try:
-        result.to_netcdf(temporary, engine="h5netcdf")
-        write_atomically(path, lambda file: file.write(temporary.read_bytes()))
-    finally:
-        temporary.unlink(missing_ok=True)
+        # In memory first: HDF5 that meets a full disk may end the whole process when it closes the file.
+        whole = io.BytesIO()
+        with h5netcdf.File(whole, "w") as file:
+            result.dump_to_store(H5NetCDFStore(file))
+        write_atomically(path, lambda file: file.write(whole.getbuffer()))
+    except Exception as error:
+        unsaved = UnsavedMotion(
+            f"path could not be written, but the motion is this error's attribute `motion`: {error}"
+        )
+        unsaved.motion = result
+        raise unsaved from error

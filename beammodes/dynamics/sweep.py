@@ -24,6 +24,7 @@ import numpy as np
 
 from beammodes.chains.chain import Chain
 from beammodes.dynamics.chain_state import ChainState, Vector
+from beammodes.interrupts import pause
 from beammodes.problem.loading import Load
 from beammodes.vibration.damping import Damping
 
@@ -94,6 +95,7 @@ class Sweep:
         b: Vector = (-(pull + float(fx)) + casadi.SX(0), -(float(fy) + self._support(1, -1) + closing))
         inward = []
         for i in range(self.chain.pieces - 1, -1, -1):
+            pause()
             a, b, turning = self._carried(i, a, b)
             inward.append(turning)
         node = self._left_tip(a, b, -pull)

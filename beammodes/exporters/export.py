@@ -17,7 +17,7 @@ from beammodes.exporters.mjcf import MAX_BODIES, mjcf_text
 from beammodes.exporters.planar_tree import Tree, planar_tree
 from beammodes.exporters.sdformat import sdformat_text
 from beammodes.exporters.urdf import springs_text, urdf_text
-from beammodes.files import write_atomically
+from beammodes.files import file_target, write_atomically
 from beammodes.problem.loading import Load
 from beammodes.vibration.damping import Damping
 from beammodes.vibration.integrators import INTEGRATORS
@@ -84,7 +84,8 @@ def export_chain(
         no gravity, and its step holds without gravity and with 9.81 m/s² in any direction, also for a chain
         that then hangs, which its weight and body stiffen.
     force : bool
-        Overwrite files that exist.
+        Overwrite files that exist. Without it, one of two exports to the same path at the same time succeeds.
+        Only ordinary files are overwritten; a symbolic link to one stands for it.
 
     Returns
     -------
@@ -95,8 +96,8 @@ def export_chain(
     ------
     TypeError, ValueError
         If an argument is not of its kind or not for that format, or the format cannot hold the chain.
-    FileExistsError
-        If a file exists and `force` is not set.
+    FileExistsError, FileNotFoundError, PermissionError
+        If a file exists and `force` is not set, or the folder is missing or may not be written to.
 
     Examples
     --------
@@ -117,16 +118,17 @@ def export_chain(
         raise ValueError(f'name must be a word of letters, digits and _ such as "beam", got {shown(name)}')
     springs = place.with_name(f"{place.name.removesuffix('.urdf')}.springs.yaml") if kind == "urdf" else None
     places = (place,) if springs is None else (place, springs)
-    _check_places(places, force)
+    for each in places:
+        file_target(each, new=not force)
     if kind == "csv":
-        return _write(places, csv_lines(chain, facts_about(chain).lines()))
+        return _write(places, force, csv_lines(chain, facts_about(chain).lines()))
     tree = _tree(kind, chain, name, second, damping)
     facts = [facts_about(each) for each in (chain, second) if each is not None]
     lines = facts[0].lines(tree.turned)
     lines += [f"along y: {line}" for each in facts[1:] for line in each.lines()[1:-1]]
     if springs is not None:
         text = urdf_text(tree, lines, name, springs=one_line(springs.name))
-        return _write(places, [text], [springs_text(tree, lines, name)])
+        return _write(places, force, [text], [springs_text(tree, lines, name)])
     chains = [each for each in (chain, second) if each is not None]
     engine = "Drake discrete" if kind == "sdf" else f"MuJoCo {choice('integrator', integrator, _MUJOCO)}"
     step = engine_step(chains, engine, damping, timestep, load, tree)
@@ -134,7 +136,7 @@ def export_chain(
     lines += step.lines
     if kind == "sdf":
         text = sdformat_text(tree, lines, name, timestep=step.size, gravity=gravity, fragment=fragment)
-        return _write(places, [text])
+        return _write(places, force, [text])
     text = mjcf_text(
         tree,
         lines,
@@ -144,7 +146,7 @@ def export_chain(
         gravity=gravity,
         fragment=fragment,
     )
-    return _write(places, [text])
+    return _write(places, force, [text])
 
 
 def gravity_of(load: Load | None, turned: bool) -> tuple[float, float, float]:
@@ -179,16 +181,6 @@ def _check_given(kind: str, only: dict[str, object]) -> None:
             raise TypeError(f"{what} must be a {kept.__name__} or None, got {shown(only[what])}")
 
 
-def _check_places(places: tuple[Path, ...], force: bool) -> None:
-    if not places[0].parent.is_dir():
-        raise FileNotFoundError(f"no such folder: {places[0].parent}")
-    for place in places:
-        if place.is_dir():
-            raise IsADirectoryError(f"{place} is a folder")
-        if not force and os.path.lexists(place):
-            raise FileExistsError(f"{place} exists already; it is overwritten with force=True only")
-
-
 def _tree(kind: str, chain: Chain, name: str, second: Chain | None, damping: Damping | None) -> Tree:
     # An outer piece without mass becomes no body.
     too_long = chain.pieces - 2 > (most := _MOST[kind])
@@ -204,10 +196,18 @@ def _tree(kind: str, chain: Chain, name: str, second: Chain | None, damping: Dam
     return tree
 
 
-def _write(places: tuple[Path, ...], *texts: Iterable[str]) -> tuple[Path, ...]:
-    # The last first: a URDF file never stands there without its springs.
-    for place, parts in reversed([*zip(places, texts, strict=True)]):
-        write_atomically(place, partial(_fill, parts))
+def _write(places: tuple[Path, ...], force: bool, *texts: Iterable[str]) -> tuple[Path, ...]:
+    written: list[Path] = []
+    try:
+        # The last first: a URDF file never stands there without its springs.
+        for place, parts in reversed([*zip(places, texts, strict=True)]):
+            write_atomically(place, partial(_fill, parts), new=not force)
+            written.append(place)
+    except BaseException:
+        # Nor do springs stand there without it, unless they have taken the place of others.
+        for place in written if not force else ():
+            place.unlink(missing_ok=True)
+        raise
     return places
 
 

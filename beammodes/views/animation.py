@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -9,7 +10,7 @@ import numpy as np
 
 from beammodes.checks import positive_real, shown
 from beammodes.dynamics.base_motion import BaseMotion
-from beammodes.files import write_atomically
+from beammodes.files import file_target, write_atomically
 from beammodes.views.plots import STYLE
 
 if TYPE_CHECKING:
@@ -60,9 +61,10 @@ def animate(
     Raises
     ------
     TypeError, ValueError
-        If an argument is not of its kind, `path` ends otherwise, or the film would exceed 5000 frames.
-    FileNotFoundError
-        If the folder of `path` does not exist.
+        If an argument is not of its kind, `path` ends otherwise or is no ordinary file, or the film would
+        exceed 5000 frames.
+    FileNotFoundError, PermissionError
+        If the folder of `path` does not exist, or may not be written to.
     RuntimeError
         If `path` ends in .mp4 and there is no ffmpeg.
 
@@ -101,15 +103,12 @@ def animate(
 
 
 def _target(path: str | Path) -> Path:
-    if not isinstance(path, str | Path):
+    if not isinstance(path, str | os.PathLike):
         raise TypeError(f"path must be a str, a Path or None, got {shown(path)}")
     target = Path(path)
     if target.suffix.lower() not in KINDS:
         raise ValueError(f"path must end in {' or '.join(KINDS)}, got {shown(str(path))}")
-    if target.is_dir():
-        raise ValueError(f"path must be a file, got the folder {shown(str(path))}")
-    if not target.parent.is_dir():
-        raise FileNotFoundError(f"path must be in a folder that exists, got {shown(str(path))}")
+    file_target(target)
     if target.suffix.lower() == ".mp4":
         need_ffmpeg(path)
     return target
