@@ -48,6 +48,11 @@ Runge-Kutta at its limit would do with {share_1:.0f} and {share_3:.0f} % of that
   the modes wanted count. The amplitude is exact, the frequency binds. A step costs an implicit solve.
 - Leapfrog, semi-implicit Euler: C = min({leapfrog:.4f}/K_n, 0.288/N²).
 
+With joint dampers or a load these numbers do not hold. Dampers shorten the step of Runge-Kutta (column
+`damped`), and of others that take them explicitly. They lengthen it where they are taken implicitly, as by
+MuJoCo's Euler, implicit and implicitfast and by Drake's discrete plants. Tension, such as the weight of a chain
+that hangs, shortens it. `stable_time_step(chain, integrator, load=, damping=)` has the limit of each case.
+
 ## C for n modes, beside the published one
 
 Accuracy only, from K_n of the beam (a chain's own frequencies are lower, so these are safe for it).

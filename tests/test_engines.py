@@ -494,4 +494,6 @@ def test_hinges_in_turns_twist_by_second_order_only(tmp_path: Path) -> None:
         fixed.append(abs(spurious_twist(in_a_fixed_order(text), tip)))
     assert fixed == pytest.approx([4.66, 2.52, 1.30], rel=0.01)
     assert turns == pytest.approx([1.63, 0.60, 0.18], rel=0.015)
+    page = (Path(__file__).parents[1] / "beammodes" / "pages" / "mujoco.md").read_text(encoding="utf-8")
+    assert f"({fixed[1]:.1f} degrees at N = 10 where {turns[1]:.1f} are left)" in page
     assert fixed[1] / fixed[2] < 2.1 and turns[1] / turns[2] > 3.2

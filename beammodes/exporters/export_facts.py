@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import warnings
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -111,7 +111,7 @@ def engine_step(
     damping, timestep
         As `export_chain` takes them.
     tree : Tree, optional
-        The bodies and ties that the file has, for MuJoCo: where a constraint holds its far end, hard dampers
+        The bodies and ties that the file has: where a constraint holds its far end in MuJoCo, hard dampers
         shorten the step (see `held_step`).
     load : Load, optional
         What the step holds for. By default it holds without gravity and with 9.81 in any direction, along a
@@ -127,13 +127,16 @@ def engine_step(
     >>> from beammodes.problem.beam import Beam
     >>> chain = Chain(Beam.unit(), "clamped-free", 10)
     >>> engine_step([chain], "MuJoCo RK4").size, engine_step([chain], "MuJoCo RK4", load=Load()).size
-    (0.00209, 0.00211)
+    (0.0021, 0.00211)
     """
     record = find_integrator(engine)
     given = None if timestep is None else positive_real("timestep", timestep)
     cases = {"with gravity off": Load(), _ANY: _WEIGHT}
     if load is not None:
         cases = {"without load" if load == Load() else f"under {load}": load}
+    if tree is not None and tree.turned:
+        # The file holds the right end along the beam, not the left one: let loads pull either way.
+        cases = {case: _across(each) for case, each in cases.items()}
     limits = {
         case: min(
             _stable_step(chain, letter, engine, damping, each, tree)
@@ -170,6 +173,11 @@ def engine_step(
     if load is not None and (any(load.tip) or load.tip_moment or load.axial_force or load.spin_rate):
         lines.append("this file holds gravity only: the other loads are yours to apply")
     return EngineStep(size, tuple(map(one_line, lines)))
+
+
+def _across(load: Load) -> Load:
+    weight, force = (math.hypot(*map(float, pair)) for pair in (load.weight, load.tip))
+    return replace(load, gravity=weight, tip_force=force)
 
 
 def _stable_step(
