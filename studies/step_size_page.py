@@ -50,8 +50,8 @@ Runge-Kutta at its limit would do with {share_1:.0f} and {share_3:.0f} % of that
 
 With joint dampers or a load these numbers do not hold. Dampers shorten the step of Runge-Kutta (column
 `damped`), and of others that take them explicitly. They lengthen it where they are taken implicitly, as by
-MuJoCo's Euler, implicit and implicitfast and by Drake's discrete plants. Tension, such as the weight of a chain
-that hangs, shortens it. `stable_time_step(chain, integrator, load=, damping=)` has the limit of each case.
+MuJoCo's Euler, implicit and implicitfast and by Drake's discrete plants. Tension, such as the weight of a
+chain that hangs, shortens it. `stable_time_step(chain, integrator, load=, damping=)` has the limit of each.
 
 ## C for n modes, beside the published one
 

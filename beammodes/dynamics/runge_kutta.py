@@ -103,7 +103,10 @@ def runge_kutta(
         for weight, rate in zip(row, rates, strict=False):
             x = x + (step * weight) * rate if weight else x
         rates.append(casadi.vertcat(x[size:], dynamics.acceleration(x[:size], x[size:], at[node])))
-    new = state + step * sum(weight * rate for weight, rate in zip(method.weights, rates, strict=True))
+    # In multiples of the least weight, as the method is written in books: h/6 (k_1 + 2 k_2 + 2 k_3 + k_4).
+    least = min(weight for weight in method.weights if weight)
+    terms = [weight / least * rate for weight, rate in zip(method.weights, rates, strict=True) if weight]
+    new = state + step / (1 / least) * sum(terms[1:], terms[0])
     if chain.boundary.right.holds_deflection:
         new = projection(chain)(new, at[1.0])
     return Stepper(casadi.Function("runge_kutta", [state, step, course], [new]), times)
