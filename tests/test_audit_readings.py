@@ -186,6 +186,54 @@ def test_a_box_on_the_tip_is_a_body_and_the_layout_is_known(
     np.testing.assert_allclose(again.errors, found.errors, rtol=1e-6)
 
 
+ROD = {
+    "cylinder": '<geom type="cylinder" fromto="0 0 0 .2 0 0" size=".004" mass=".1"/>',
+    "lump": '<geom type="cylinder" fromto="0 0 0 .2 0 0" size=".004" mass="0"/>'
+    '<geom size=".02" pos=".2 0 0" mass=".1"/>',
+    "inertial": '<inertial pos=".1 0 0" mass=".1" diaginertia="1e-6 3.3e-4 3.3e-4"/>',
+}
+TIPS = {
+    "none": "",
+    "sphere": '<body pos=".2 0 0"><geom size=".03" mass=".3"/></body>',
+    "box": '<body pos=".2 0 0"><geom type="box" size=".04 .02 .02" pos=".04 0 0" mass=".3"/></body>',
+    "sphere of the last body": '<geom size=".03" pos=".2 0 0" mass=".3"/>',
+}
+BASES = {
+    "none": "{}",
+    "block": '<body><geom type="box" size=".1 .1 .1" pos="-.1 0 0" mass="5"/>{}</body>',
+    "half a block": '<body><geom type="box" size=".05 .1 .1" pos="-.05 0 0" mass="5"/>{}</body>',
+    "post": '<body><geom type="cylinder" size=".02 .5" pos="0 0 -.5" mass="5"/>{}</body>',
+    "wall": '<geom type="box" size=".1 .1 .1" pos="-.1 0 0"/>{}',
+}
+
+
+@pytest.mark.parametrize("rod", ROD)
+@pytest.mark.parametrize("tip", TIPS)
+@pytest.mark.parametrize("base", BASES)
+@pytest.mark.parametrize("start", ["spring", "stub", "pivot"])
+def test_solids_at_either_end_are_told_from_the_beam(
+    rod: str, tip: str, base: str, start: str, tmp_path: Path
+) -> None:
+    """Four segments with what people fix to their ends, beside beams from 0.6 to 1.4 of their length."""
+    if rod == "inertial" and tip.endswith("body"):
+        return  # an explicit inertial hides the geometry of its body
+    first = {"spring": '<joint axis="0 1 0" stiffness="10"/>', "stub": "", "pivot": '<joint axis="0 1 0"/>'}[
+        start
+    ]
+    text = ""
+    for i in (3, 2, 1, 0):
+        hinge = first if i == 0 else '<joint axis="0 1 0" stiffness="10"/>'
+        text = f'<body pos="{0.2 * (i > 0)} 0 0">{hinge}{ROD[rod]}{TIPS[tip] if i == 3 else ""}{text}</body>'
+    path = written(tmp_path, world(BASES[base].format(text)))
+    for share in (0.6, 1.0, 1.4):
+        found = audit_file(path, Beam(0.8 * share, STIFFNESS, DENSITY))
+        assert found.length_mismatch == pytest.approx(1 / share - 1, abs=1e-6)
+        assert found.segments == 4
+        assert found.boundary.right.mass == pytest.approx(0.3 * (tip != "none"), abs=1e-9)
+        held = {"spring": "first hinge is at the held end", "stub": "first segment is rigid with its parent"}
+        assert held.get(start, "hinges are where equal segments meet") in found.remark
+
+
 ARM = '<body name="arm">{motor}<geom type="cylinder" fromto="-.4 0 0 0 0 0" size=".02" mass="1"/>{{}}</body>'
 MOTORS = (
     '<joint name="motor" axis="0 1 0"/>',

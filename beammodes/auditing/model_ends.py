@@ -108,7 +108,7 @@ def _inferred(chain: PlanarChain) -> JudgedChain:
     for at, supports in ((0, chain.near), (-1, chain.far)):
         between = [piece for piece in pieces[1:-1] if piece.length]
         own = _mirrored(pieces[0]) if at == 0 else pieces[-1]
-        neighbour = between[at] if between else None
+        neighbour = between[at] if between else chain.segment
         if neighbour and at == 0:
             neighbour = _mirrored(neighbour)
         # Ten digits: what is beyond is left from taking the rod off.

@@ -16,7 +16,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -68,7 +68,7 @@ def planar_chain(path: HingePath, frame: Frame, far: FarEnd, length: float, word
     _check(path, frame, root)
     span = frame.places[-1] - frame.places[0]
     near = _begin(path, frame, root)
-    tip = _end(path, frame, far, span)
+    tip = _end(path, frame, far, span, root)
     if far.turning and root is not None:
         # Beyond the far hinge the beam may go on, so its length does not tell where it begins.
         near = _Outer(near.lengths[:1])
@@ -84,8 +84,9 @@ def planar_chain(path: HingePath, frame: Frame, far: FarEnd, length: float, word
         tuple(map(_spring, frame.hinges)),
         (support.across, support.turning),
         (far.across, far.turning),
-        _spring(support.hinge) if support.hinge else None,
-        (*_assumed(frame, (near, start), (tip, end), word or support.why), *_undamped(root)),
+        near_hinge=_spring(support.hinge) if support.hinge else None,
+        assumed=(*_assumed(frame, (near, start), (tip, end), word or support.why), *_undamped(root)),
+        segment=_inside(path, frame, 1, root),
     )
 
 
@@ -173,7 +174,7 @@ def _begin(path: HingePath, frame: Frame, root: RootSupport | None) -> _Outer:
         return _Outer((_pivot(root.hinge, frame),))
     slides = [] if root is None else [-frame.place(j.position) for j in path.root.joints if j.kind == "slide"]
     known = [value for value in slides if value >= 0]
-    inside = _inside(path, frame, -1)
+    inside = _inside(path, frame, -1, root)
     found = _by_matter(path.root, frame, frame.places[0], -1.0, inside)
     if found is not None:
         return _Outer((found,))
@@ -185,12 +186,12 @@ def _begin(path: HingePath, frame: Frame, root: RootSupport | None) -> _Outer:
     return _by_solids(path.root, frame, frame.places[0], -1.0, inside, held=root is None)
 
 
-def _end(path: HingePath, frame: Frame, far: FarEnd, span: float) -> _Outer:
+def _end(path: HingePath, frame: Frame, far: FarEnd, span: float, root: RootSupport | None) -> _Outer:
     """Return what the length of the last piece may be."""
     hinge, tip = frame.places[-1], path.groups[-1]
     if far.place is not None:
         return _Outer((far.place - hinge,))
-    inside = _inside(path, frame, 1)
+    inside = _inside(path, frame, 1, root)
     found = _by_matter(tip, frame, hinge, 1.0, inside)
     if found is not None:
         return _Outer((found,))
@@ -199,15 +200,31 @@ def _end(path: HingePath, frame: Frame, far: FarEnd, span: float) -> _Outer:
     return _Outer(positive or (0.0,), outer.certain)
 
 
-def _inside(path: HingePath, frame: Frame, way: float) -> Piece | None:
-    """Return the piece between two hinges that is nearest to an end, seen from its hinge towards that end."""
+def _inside(path: HingePath, frame: Frame, way: float, root: RootSupport | None) -> Piece | None:
+    """Return the piece that shows what segments are made of, seen from its hinge towards an end.
+
+    It is the one between two hinges that is nearest to that end, else the first up to the hinge that turns
+    it; of one hinge alone, the body on it, as long as its solids or as twice the way to its centre of mass.
+    """
     pairs = list(zip(itertools.pairwise(frame.places), path.groups, strict=False))
     for (start, end), group in pairs[::-1] if way > 0 else pairs:
         if end > start and group.inertial.mass:
             piece = _piece(group, frame, start, end)
-            centre = piece.centre if way > 0 else piece.length - piece.centre
-            return Piece(piece.length, piece.mass, centre, piece.inertia)
-    return None
+            return _seen(piece, way)
+    if root is not None and root.hinge is not None and path.root.inertial.mass:
+        length = _pivot(root.hinge, frame)
+        if length > 0:
+            return _seen(_piece(path.root, frame, -length, frame.places[0]), way)
+    own = path.groups[-1].bodies[0]
+    hinge, centre = frame.places[-1], frame.place(own.inertial.centre) - frame.places[-1]
+    length = max((frame.place(point) - hinge for point in own.extent), default=0.0) or 2 * centre
+    if not own.inertial.mass or length <= _ALIKE * abs(centre) or not 0 <= centre <= length * (1 + _ALIKE):
+        return None
+    return _seen(Piece(length, own.inertial.mass, centre, 0.0), way)
+
+
+def _seen(piece: Piece, way: float) -> Piece:
+    return piece if way > 0 else replace(piece, centre=piece.length - piece.centre)
 
 
 def _by_matter(group: Group, frame: Frame, hinge: float, way: float, inside: Piece | None) -> float | None:
@@ -241,7 +258,11 @@ def _by_solids(
     group: Group, frame: Frame, hinge: float, way: float, inside: Piece | None, held: bool
 ) -> _Outer:
     """Return lengths by how far a piece's solids reach: a whole or half segment, if one ends there."""
-    reach = {round(way * (frame.place(point) - hinge), 12) for point in group.extent}
+    # A welded body that has mass, and another than a segment's, is what the beam is fixed to.
+    points = group.extent
+    if held:
+        points = [point for body in group.bodies if not body.inertial.mass for point in body.extent]
+    reach = {round(way * (frame.place(point) - hinge), 12) for point in points}
     ahead = sorted(value for value in reach if value > 0)
     if inside is not None:
         ends = [

@@ -62,6 +62,8 @@ class PlanarChain:
         The hinge behind `near`, for its damping and armature.
     assumed : tuple of str
         What was taken for granted in reading it so.
+    segment : Piece or None
+        What segments are made of, where no piece between two hinges shows it.
     """
 
     pieces: tuple[Piece, ...]
@@ -70,6 +72,7 @@ class PlanarChain:
     far: tuple[float, float]
     near_hinge: Spring | None = None
     assumed: tuple[str, ...] = ()
+    segment: Piece | None = None
 
 
 def held_piece(length: float, others: Sequence[Piece]) -> Piece:

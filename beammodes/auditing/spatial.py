@@ -149,6 +149,8 @@ def solid(kind: str, size: Sequence[float], mass: float | None, density: float) 
 def ends_of(kind: str, size: Sequence[float]) -> list[Array]:
     """Return how far a solid reaches from its middle: the ends of its axis, without round caps, or its faces.
 
+    Of a sphere, which is all cap, it is the middle itself: as a lumped mass it has no length.
+
     Examples
     --------
     >>> [point.tolist() for point in ends_of("capsule", [0.1, 2.0])]
@@ -156,8 +158,10 @@ def ends_of(kind: str, size: Sequence[float]) -> list[Array]:
     """
     if kind in ("capsule", "cylinder"):
         half = [0.0, 0.0, size[1]]
+    elif kind == "sphere":
+        return [np.zeros(3)]
     else:
-        half = [size[0]] * 3 if kind == "sphere" else list(size[:3])
+        half = list(size[:3])
     return [sign * half[i] * np.eye(3)[i] + 0.0 for i in range(3) if half[i] for sign in (1.0, -1.0)]
 
 
