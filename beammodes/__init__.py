@@ -109,6 +109,7 @@ _HOME = {
     "equations_of_motion": "equations.symbolic",
     "error_dataset": "accuracy.error_table",
     "error_law": "accuracy.law",
+    "error_remarks": "accuracy.remarks",
     "euler_bernoulli": "exact.beam_theory",
     "export_chain": "exporters.export",
     "find_equilibrium": "equilibrium.equilibria",
@@ -160,6 +161,7 @@ if TYPE_CHECKING:
     from beammodes.accuracy.errors import segments_needed as segments_needed
     from beammodes.accuracy.law import error_law as error_law
     from beammodes.accuracy.law import law_holds_from as law_holds_from
+    from beammodes.accuracy.remarks import error_remarks as error_remarks
     from beammodes.accuracy.shapes import modal_assurance as modal_assurance
     from beammodes.accuracy.shapes import shape_dataset as shape_dataset
     from beammodes.accuracy.static_errors import static_dataset as static_dataset

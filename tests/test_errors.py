@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 import math
 from fractions import Fraction
+from typing import Any
 
 import numpy as np
 import pytest
@@ -243,3 +244,83 @@ def test_segments_needed_by_a_layout_of_ones_own(load: bm.Load | None) -> None:
 def test_segments_needed_with_matched_springs_says_why_not() -> None:
     with pytest.raises(ValueError, match=r"^rule must be one whose errors fall as N grows, got matched\(3\)"):
         bm.segments_needed("clamped-free", 0.01, 3, bm.matched(3))
+
+
+# --- Remarks ----------------------------------------------------------------------------------------------
+
+
+def _named(remarks: tuple[str, ...]) -> tuple[str, float] | None:
+    """The rule that a remark names as better, and its error."""
+    for remark in remarks:
+        name, told, rest = remark.partition(", of lower order and with the same pieces, errs less here: ")
+        if told:
+            return name, float(rest.split()[0]) / 100
+    return None
+
+
+@pytest.mark.parametrize("rule", RULES)
+def test_a_rule_that_turns_worse_than_simpler_ones_says_so(rule: str) -> None:
+    """Over all plain ends, short chains and longer ones: told exactly where it is so, and with what."""
+    turned = 0
+    for pair, n, mode in itertools.product(BOUNDARIES, (1, 2, 3, 5, 9, 14, 25, 29), (1, 2, 6)):
+        own = bm.frequency_error(pair, segments=n, mode=mode, rule=rule)
+        remarks = bm.error_remarks(pair, segments=n, mode=mode, rule=rule)
+        if math.isnan(own):
+            assert remarks == ("the chain has no such mode",)
+            continue
+        order = RULES[rule].declared_order(pair)
+        lower = {
+            name: bm.frequency_error(pair, segments=n, mode=mode, rule=name)
+            for name, other in RULES.items()
+            if other.declared_order(pair) < order
+            and (other.stub, other.rotary_inertia) == (RULES[rule].stub, RULES[rule].rotary_inertia)
+        }
+        best = min((abs(e) for e in lower.values() if not math.isnan(e)), default=math.inf)
+        assert any(r.startswith("coarse:") for r in remarks) == (abs(own) > 0.1)
+        found = _named(remarks)
+        assert (found is not None) == (best < abs(own) / 1.02)
+        if found:
+            turned += 1
+            assert found[1] == pytest.approx(lower[found[0]], rel=1e-3)
+            assert abs(found[1]) == pytest.approx(best, rel=1e-3)
+        corrected = [len(RULES[rule].end_weights(end)) for end in (pair.left, pair.right)]
+        hinges = len(RULES[rule].piece_lengths(pair, n)) - 1
+        assert any("cut short" in r or "overlap" in r for r in remarks) == (sum(corrected) > hinges)
+    assert turned or not rule.endswith(("corrected", "gregory"))
+
+
+def test_remarks_under_load() -> None:
+    # A cantilever at half its buckling load, N = 20, mode 1: mitiguy -1.4e-5, gregory -2.6e-4.
+    load = bm.Load(axial_force=-(math.pi**2) / 8)
+    given: dict[str, Any] = {"segments": 20, "mode": 1, "load": load, "beam": bm.Beam.unit()}
+    assert bm.frequency_error("clamped-free", rule="mitiguy", **given) == pytest.approx(-1.4e-5, rel=0.1)
+    remarks = bm.error_remarks("clamped-free", rule="gregory", **given)
+    assert _named(remarks) == ("mitiguy", pytest.approx(-1.4e-5, rel=0.1))
+    corrected = bm.axially_corrected("gregory", load, bm.Beam.unit())
+    error = 100 * bm.frequency_error("clamped-free", rule=corrected, **given)
+    assert f"under load gregory has order 2, not 4; springs of axially_corrected: {error:+.4g} %" in remarks
+    given |= {"load": bm.Load(spin_rate=3.0), "segments": 6}
+    found = bm.error_remarks("clamped-free", rule="gregory", **given)
+    assert found == ("under load gregory has order 2, not 4",)
+
+
+def test_remarks_on_springs_that_are_not_positive() -> None:
+    # mode_tuned(4): sigma beta = 11 at the wall of a cantilever's fourth mode, so N > 11/3.
+    rule = bm.mode_tuned(4)
+    (remark,) = bm.error_remarks("clamped-free", segments=3, mode=1, rule=rule)
+    expected = f"{rule.name} has no positive springs for clamped-free with 3 segments; it has from N = 4 on"
+    assert remark == expected
+    assert not math.isnan(bm.frequency_error("clamped-free", segments=4, mode=1, rule=rule))
+
+
+@pytest.mark.parametrize("on_segment", [False, True])
+def test_remarks_on_a_body(on_segment: bool) -> None:
+    ends = [bm.End(mass=1, rotary_inertia=1e-3, on_segment=flag) for flag in (on_segment, not on_segment)]
+    own, other = (bm.Boundary.of(("clamped", end)) for end in ends)
+    (remark,) = bm.error_remarks(own, segments=12, mode=1, rule="gregory")
+    error = 100 * bm.frequency_error(other, segments=12, mode=1, rule="gregory")
+    place = "on the last" if on_segment else "behind a hinge"
+    assert remark.startswith(f"the body at the right end is {place}")
+    assert remark.endswith(f": {error:+.4g} %")
+    # Half a stub has one layout for both.
+    assert bm.error_remarks(own, segments=12, mode=1, rule="half_stub") == ()

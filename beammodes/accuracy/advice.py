@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from beammodes.accuracy.errors import ToleranceOutOfReach, frequency_error, segments_needed, solved_grid
+from beammodes.accuracy.remarks import error_remarks
 from beammodes.accuracy.statics import LOADS, beam_statics, chain_statics
 from beammodes.chains.chain import Chain
 from beammodes.chains.rules import RULES, AnyRule, Layout, layout_of
@@ -59,6 +60,8 @@ class Recommendation:
     theory_error : float
         Largest of `theory_errors` of the wanted modes, which no number of segments lowers: a chain tends to
         Euler and Bernoulli's beam, having no shear. NaN where the beam's section is not known.
+    remarks : tuple of str
+        What to know about the error of the least accurate mode; see `error_remarks`.
     """
 
     rule: str
@@ -70,6 +73,7 @@ class Recommendation:
     stable_time_step: float
     cost: float
     theory_error: float
+    remarks: tuple[str, ...]
 
     def __repr__(self) -> str:
         static = max(self.static_error.values(), key=abs, default=math.nan)
@@ -187,6 +191,13 @@ class _Judge(NamedTuple):
         errors[: len(found)] = found / self.exact[: len(found)] - 1
         return errors
 
+    def remarks(self, record: Layout, segments: int) -> tuple[str, ...]:
+        """Return what to know about the error of the least accurate mode; nothing of a beam that varies."""
+        if not self.beam.is_uniform or self.beam.has_rotary_inertia:
+            return ()
+        worst = int(np.argmax(np.abs(self.errors(record, segments)))) + 1
+        return error_remarks(self.boundary, segments=segments, mode=worst, rule=record, beam=self.beam)
+
     def segments(self, record: Layout) -> int:
         """Return the N from which errors stay in bounds; raises ToleranceOutOfReach."""
         if self.beam.is_uniform and not self.beam.has_rotary_inertia:
@@ -221,6 +232,7 @@ def _way(judge: _Judge, segments: int, record: Layout, integrator: str) -> Recom
         stable_time_step=step,
         cost=segments * 2 * math.pi / float(judge.exact[0]) / step,
         theory_error=judge.theory_error,
+        remarks=judge.remarks(record, segments),
     )
 
 

@@ -108,8 +108,11 @@ def frequency_error(
     Returns
     -------
     float or ndarray
-        NaN where the chain has no such mode. Near the chain's last mode every rule is wrong by tens of
-        percent.
+        NaN where the chain has no such mode, or its springs would not be positive (`mode_tuned` with
+        N ≤ σβ/3). Near the chain's last mode every rule is wrong by tens of percent. A rule of high order
+        may be worse than a simple one there, where its end corrections do not fit into the chain (`gregory`
+        with one hinge: -19.6 %, `mitiguy` -14.7 %), and under load, which leaves it order 2: `error_remarks`
+        tells it, case by case.
 
     Raises
     ------

@@ -34,6 +34,7 @@ Answer = tuple[dict[str, Any], str]
 def answer_error(options: argparse.Namespace) -> Answer:
     """Answer the relative frequency error of one mode of a uniform chain."""
     from beammodes.accuracy.errors import frequency_error
+    from beammodes.accuracy.remarks import error_remarks
     from beammodes.problem.beam import Beam
 
     error: float = frequency_error(
@@ -58,10 +59,17 @@ def answer_error(options: argparse.Namespace) -> Answer:
     }
     if options.axial_force:
         answer["axial_force"] = options.axial_force
-    note = (
-        "  (coarse: a mode this near the chain's last is wrong under every rule)" if abs(error) > 0.1 else ""
+    remarks = error_remarks(
+        options.boundary,
+        segments=options.segments,
+        mode=options.mode,
+        rule=options.rule,
+        load=load_of(options),
+        beam=Beam.unit(),
     )
-    return answer, f"{100 * error:+.6g} %{note}"
+    if remarks:
+        answer["remarks"] = list(remarks)
+    return answer, "\n".join([f"{100 * error:+.6g} %", *(f"  {remark}" for remark in remarks)])
 
 
 def answer_frequencies(options: argparse.Namespace) -> Answer:
@@ -244,6 +252,7 @@ def answer_recommend(options: argparse.Namespace) -> Answer:
             "stable_time_step_s": way.stable_time_step,
             "cost": way.cost,
             "joint_stiffness_n_m_per_rad": way.joint_stiffness.tolist(),
+            "remarks": list(way.remarks),
         }
         for way in ways
     ]
