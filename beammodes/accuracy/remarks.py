@@ -154,7 +154,10 @@ def _short(record: Layout, case: _Case, error: float) -> Iterator[str]:
         return
     order = record.declared_order(case.pair)
     simpler = [
-        rule for rule in RULES.values() if (rule.stub, rule.rotary_inertia) == (record.stub, record.rotary_inertia) and rule.declared_order(case.pair) < order
+        rule
+        for rule in RULES.values()
+        if (rule.stub, rule.rotary_inertia) == (record.stub, record.rotary_inertia)
+        and rule.declared_order(case.pair) < order
     ]
     errors = {rule.name: case.error(rule) for rule in simpler}
     known = {name: found for name, found in errors.items() if not math.isnan(found)}
