@@ -59,6 +59,10 @@ class Case:
 
     values: Mapping[str, Any]
 
+    def __hash__(self) -> int:
+        # The values may be of any kind; equal cases have the same axes.
+        return hash(frozenset(self.values))
+
     def __str__(self) -> str:
         named = {name: getattr(value, "name", value) for name, value in self.values.items()}
         return ", ".join(f"{name} {value}" for name, value in named.items())

@@ -60,7 +60,7 @@ class Quantity:
     compute: Callable[[Cases], Floats]
     per_mode: bool = False
     closed_form: bool = False
-    source: Mapping[str, str] = field(default_factory=dict)
+    source: Mapping[str, str] = field(default_factory=dict, hash=False)
     uncounted: tuple[str, ...] = ()
 
     def definition(self) -> dict[str, Any]:

@@ -124,13 +124,19 @@ def harmonic(amplitude: float, angular_frequency: float) -> Course:
     >>> [float(part[0]) for part in harmonic(2.0, 3.0)(np.zeros(1))]
     [0.0, 6.0, -0.0]
     """
-    size, omega = real("amplitude", amplitude), positive_real("angular_frequency", angular_frequency)
+    return _Harmonic(real("amplitude", amplitude), positive_real("angular_frequency", angular_frequency))
 
-    def course(time: Floats) -> tuple[Floats, Floats, Floats]:
+
+# Courses are values, not functions within functions, which could be neither compared nor sent to a process.
+@dataclass(frozen=True)
+class _Harmonic:
+    amplitude: float
+    angular_frequency: float
+
+    def __call__(self, time: Floats) -> tuple[Floats, Floats, Floats]:
+        size, omega = self.amplitude, self.angular_frequency
         sine, cosine = np.sin(omega * time), np.cos(omega * time)
         return size * sine, size * omega * cosine, -size * omega**2 * sine
-
-    return course
 
 
 def spin_up(rate: float, duration: float) -> Course:
@@ -160,14 +166,19 @@ def spin_up(rate: float, duration: float) -> Course:
     >>> [float(part[0]) for part in spin_up(6.0, 15.0)(np.array([15.0]))]
     [45.0, 6.0, 0.0]
     """
-    omega, end = real("rate", rate), positive_real("duration", duration)
-    turn = 2 * math.pi / end
+    return _SpinUp(real("rate", rate), positive_real("duration", duration))
 
-    def course(time: Floats) -> tuple[Floats, Floats, Floats]:
+
+@dataclass(frozen=True)
+class _SpinUp:
+    rate: float
+    duration: float
+
+    def __call__(self, time: Floats) -> tuple[Floats, Floats, Floats]:
+        omega, end = self.rate, self.duration
+        turn = 2 * math.pi / end
         early = np.minimum(time, end)
         angle = omega / end * (early**2 / 2 + (np.cos(turn * early) - 1) / turn**2)
         speed = omega / end * (early - np.sin(turn * early) / turn)
         gain = omega / end * (1 - np.cos(turn * early))
         return angle + omega * (time - early), speed, np.where(time < end, gain, 0.0)
-
-    return course

@@ -1,0 +1,141 @@
+"""What every public value shares: it can be pickled, and compared by one meaning of ==.
+
+Values that are what they were made from (beams, ends, rules, chains, loads, motions of a base) are equal if
+they were made from equal parts. Results, which hold arrays, are equal to themselves only: == is a bool, the
+hash agrees, and numbers are compared by NumPy, with a tolerance that the reader chooses.
+"""
+
+from __future__ import annotations
+
+import copy
+import dataclasses
+import inspect
+import pickle
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+
+import beammodes as bm
+
+UNIT = bm.Beam.unit()
+TAPERED = bm.Beam(1.0, bm.Table([0.0, 0.5, 1.0], [1.0, 0.8, 0.7]), 1.0)
+CHAIN = bm.Chain(UNIT, "clamped-free", 3)
+BODY = bm.Boundary.of(("clamped", bm.End(mass=0.5)))
+
+#: Made from equal parts by each call.
+MADE: dict[str, Callable[[], Any]] = {
+    "BaseMotion": lambda: bm.BaseMotion(bm.harmonic(0.1, 2.0), angle=bm.spin_up(6.0, 15.0), hub_radius=0.5),
+    "BaseMotion at rest": bm.BaseMotion,
+    "harmonic": lambda: bm.harmonic(0.1, 2.0),
+    "spin_up": lambda: bm.spin_up(6.0, 15.0),
+    "Beam": bm.Beam.unit,
+    "Beam of a table": lambda: bm.Beam(1.0, bm.Table([0.0, 0.5, 1.0], [1.0, 0.8, 0.7]), 1.0),
+    "Boundary": lambda: bm.Boundary.of(("clamped", bm.End(mass=0.5))),
+    "Box": lambda: bm.Box(0.1, 0.2, 0.01),
+    "Case": lambda: bm.Case({"segments": 3}),
+    "Chain": lambda: bm.Chain(bm.Beam.unit(), "clamped-free", 3),
+    "Circle": lambda: bm.Circle(0.1),
+    "Damping": lambda: bm.Damping(stiffness=0.1),
+    "End": lambda: bm.End(mass=0.5),
+    "GivenSection": lambda: bm.GivenSection(0.01, 1e-6, 1e-7),
+    "ISection": lambda: bm.ISection(0.2, 0.1, 0.01, 0.005),
+    "Integrator": lambda: bm.INTEGRATORS["rk4"],
+    "LinearModel": lambda: bm.linearize(bm.Chain(bm.Beam.unit(), "clamped-free", 3)),
+    "Load": lambda: bm.Load(axial_force=0.1, gravity=(0.0, -9.81)),
+    "Normal": lambda: bm.Normal(1.0, 0.1),
+    "Rectangle": lambda: bm.Rectangle(0.1, 0.2),
+    "Rule": lambda: bm.RULES["gregory"],
+    "axially_corrected": lambda: bm.axially_corrected("mitiguy", bm.Load(axial_force=0.1), UNIT),
+    "mode_tuned": lambda: bm.mode_tuned(1),
+    "matched": lambda: bm.matched(2),
+    "error_law": lambda: bm.error_law("clamped-free", 1),
+    "Study": lambda: bm.Study.grid(boundary="free-free", segments=[3, 4], mode=1, compute="relative_error"),
+    "Table": lambda: bm.Table([0.0, 0.5, 1.0], [1.0, 0.8, 0.7]),
+    "Tolerance": lambda: bm.Tolerance(0.1),
+    "Tube": lambda: bm.Tube(0.1, wall=0.01),
+    "Uniform": lambda: bm.Uniform(1.0, 2.0),
+    "Weight": lambda: bm.Weight(1, 2),
+}
+#: Results: equal to themselves only.
+FOUND: dict[str, Callable[[], Any]] = {
+    "Audit": lambda: bm.audit_chain(
+        UNIT,
+        "clamped-free",
+        length=CHAIN.length,
+        mass=CHAIN.mass,
+        rotary_inertia=CHAIN.rotary_inertia,
+        joint_stiffness=CHAIN.joint_stiffness,
+    ),
+    "BeamModes": lambda: bm.euler_bernoulli(UNIT, "clamped-free", 2),
+    "SupportedBeamModes": lambda: bm.euler_bernoulli(UNIT, BODY, 2),
+    "SpectralBeamModes": lambda: bm.euler_bernoulli(TAPERED, "clamped-free", 2),
+    "TimoshenkoModes": lambda: bm.timoshenko(
+        UNIT, "clamped-free", 2, shear_stiffness=100.0, rotary_inertia_per_length=0.01
+    ),
+    "BentModel": lambda: bm.BentModel(bm.find_equilibrium(CHAIN, bm.Load(tip_moment=0.1))),
+    "Equilibrium": lambda: bm.find_equilibrium(CHAIN, bm.Load(tip_moment=0.1)),
+    "Modes": lambda: bm.solve_modes(bm.linearize(CHAIN)),
+    "match_springs": lambda: bm.match_springs("clamped-free", 3, 2),
+    "recommend": lambda: bm.recommend("clamped-free", 0.01, 2)[0],
+}
+
+
+def test_every_public_value_is_here() -> None:
+    classes = {
+        name
+        for name in bm.__all__
+        if inspect.isclass(getattr(bm, name)) and dataclasses.is_dataclass(getattr(bm, name))
+    }
+    assert classes <= MADE.keys() | FOUND.keys()
+    for name in classes:
+        made = {**MADE, **FOUND}[name]()
+        assert type(made) is getattr(bm, name) and getattr(bm, name).__dataclass_params__.frozen
+
+
+def twins(value: Any) -> list[Any]:
+    copies = [
+        pickle.loads(pickle.dumps(value, protocol)) for protocol in range(2, pickle.HIGHEST_PROTOCOL + 1)
+    ]
+    return [*copies, copy.copy(value), copy.deepcopy(value)]
+
+
+@pytest.mark.parametrize("name", MADE)
+def test_values_made_from_equal_parts_are_equal_and_survive_pickling(name: str) -> None:
+    value = MADE[name]()
+    for other in (value, MADE[name](), *twins(value)):
+        assert (value == other) is True and (value != other) is False and hash(value) == hash(other)
+    assert (value == object()) is False and value not in (None, 1, "x")
+    assert len({value, MADE[name]()}) == 1
+
+
+def alike(a: Any, b: Any) -> bool:
+    """Whether two values are built alike, whatever their == says."""
+    if isinstance(a, np.ndarray):
+        return isinstance(b, np.ndarray) and np.array_equal(a, b, equal_nan=a.dtype.kind in "fc")
+    if dataclasses.is_dataclass(a) and type(a) is type(b):
+        return all(alike(getattr(a, f.name), getattr(b, f.name)) for f in dataclasses.fields(a))
+    if isinstance(a, tuple | list):
+        return len(a) == len(b) and all(map(alike, a, b))
+    return type(a) is type(b) and (a == b or a is b or repr(a) == repr(b))
+
+
+@pytest.mark.parametrize("name", FOUND)
+def test_results_are_equal_to_themselves_only_and_survive_pickling(name: str) -> None:
+    value = FOUND[name]()
+    assert (value == value) is True and hash(value) == hash(value)
+    for other in (FOUND[name](), *twins(value)):
+        assert (value == other) is False and (value != other) is True
+        assert isinstance(hash(other), int) and len({value, other}) == 2
+        assert alike(value, other)
+
+
+def test_a_course_is_what_it_was_made_from() -> None:
+    course = bm.harmonic(0.1, 2.0)
+    assert course != bm.harmonic(0.1, 3.0) and course != bm.spin_up(0.1, 2.0)
+    time = np.linspace(0.0, 20.0, 7)
+    for made in (course, bm.spin_up(6.0, 15.0)):
+        np.testing.assert_array_equal(pickle.loads(pickle.dumps(made))(time), made(time))
+    # What is at rest stays so, and does not turn.
+    assert not pickle.loads(pickle.dumps(bm.BaseMotion(x=course))).turns
