@@ -71,14 +71,19 @@ def audit_file(
     pairs of hinges about two axes). Files are read without any simulator; what cannot be honoured is refused
     by name. Hostile files are refused within 1.6 s and 120 MB, as measured in the tests.
 
+    Where the beam ends is told by matter: an outer piece that is made as its neighbour is a segment, and what
+    more it has is a body. The beam's length does not decide that, nor does where in the world the chain is.
+
     Parameters
     ----------
     path : str or Path
     beam : Beam
         The uniform beam that the chain stands for.
     boundary : str, pair or Boundary, optional
-        Its ends. By default those of the file: held where the ground carries the chain, free at the tip
-        unless fixed tendons support it, with a body where an outer piece is heavier than its neighbours.
+        Its ends. By default those of the file: held where the ground carries the chain, pinned on a hinge
+        without a spring, free at the tip unless fixed tendons support it, with a body where an outer piece is
+        heavier than its neighbours. Your word counts for what a file cannot say: that a motor holds its
+        joint, or that a body which moves is held.
     modes, tolerance
         As `audit_chain` takes them.
     chain : str, optional
@@ -263,10 +268,16 @@ def _of_path(
     return _Read(
         tuple(chains),
         (*_given(path, planes, frame), *_others(paths, path)),
-        (*model.notes, *held),
+        (*model.notes, *_undamped(model, frame), *held),
         model.step,
         (along, across if across > 1e-9 * abs(along) else 0.0),
     )
+
+
+def _undamped(model: Model, frame: Frame) -> list[str]:
+    names = _joint_names(frame)
+    damped = [tie for tie in model.ties if tie.damping and names & dict(tie.terms).keys()]
+    return [f"the damping of tendon {tie.name} is left out" for tie in damped]
 
 
 def _words(path: HingePath, frame: Frame, given: Boundary | None) -> list[str]:

@@ -86,6 +86,7 @@ class ModelTie:
     terms: tuple[tuple[str, float], ...]
     stiffness: float
     refusal: str = ""
+    damping: float = 0.0
 
 
 @dataclass(frozen=True)

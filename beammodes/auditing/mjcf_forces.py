@@ -35,7 +35,7 @@ def linear_stiffness(element: XmlElement) -> float:
 
 
 def linear_damping(element: XmlElement) -> float:
-    """Return the damping of a joint; in MuJoCo 4 it may be a polynomial of one term."""
+    """Return the damping of a joint or tendon; in MuJoCo 4 it may be a polynomial of one term."""
     value, *more = element.numbers("damping", (1, 2, 3), "0")
     if any(more):
         element.refuse("must have a linear damper, got a damping with more than one number")
@@ -135,7 +135,8 @@ def ties(root: XmlElement, settings: Settings) -> Iterator[ModelTie]:
                 (part.attributes.get("joint", ""), part.numbers("coef", 1)[0]) for part in tendon.all("joint")
             )
             stiffness = math.inf if name in holding else linear_stiffness(tendon)
-            yield ModelTie(name, terms, stiffness, holding.get(name, "") or _why_not(tendon, stiffness))
+            why = holding.get(name, "") or _why_not(tendon, stiffness)
+            yield ModelTie(name, terms, stiffness, why, linear_damping(tendon))
 
 
 def _why_not(tendon: XmlElement, stiffness: float) -> str:
