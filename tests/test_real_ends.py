@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 from fractions import Fraction
 from typing import Any
@@ -498,3 +499,40 @@ def test_both_layouts_of_a_body_have_the_same_limit(rule: str) -> None:
         np.testing.assert_allclose(omega / exact - 1, errors[0], atol=1e-11)
         order = RULES[rule].declared_order(pair)
         assert abs(errors[2]) < 1e-13 or abs(math.log10(abs(errors[1] / errors[2])) - order) < 0.1
+
+
+@pytest.mark.parametrize("rule", RULES)
+def test_a_hinge_of_its_own_suits_every_inertia_and_the_last_segment_light_bodies(rule: str) -> None:
+    """Why a hinge of its own is the default: with it no inertia makes a rule much worse than a point mass."""
+
+    def worst(inertia: float, on_segment: bool) -> float:
+        ends = [End(mass=m, rotary_inertia=inertia, on_segment=on_segment) for m in (1e-3, 0.1, 1.0, 10.0)]
+        pairs = [Boundary.of((word, end)) for word in ("clamped", "pinned", "free") for end in ends]
+        return max(
+            float(np.nanmax(np.abs(frequency_error(pair, segments=12, mode=[1, 2, 3], rule=rule))))
+            for pair in pairs
+        )
+
+    light, heavy = ([worst(inertia, flag) for flag in (False, True)] for inertia in (1e-6, 1e-2))
+    assert light[1] <= light[0] * (1 + 1e-4)
+    if RULES[rule].stub == 0 and rule != "naive":
+        assert heavy[0] < heavy[1]
+    if rule == "gregory":
+        # As the docstring of `End.statics` has it.
+        assert light == pytest.approx([5e-3, 7e-4], rel=0.1) and heavy == pytest.approx([2e-3, 0.13], rel=0.1)
+
+
+@pytest.mark.parametrize(
+    ("carried", "order"),
+    [((), 1), (("3/2",), 2), (("23/12", "7/12"), 3), (("479/240", "173/240", "39/80", "311/240"), 4)],
+)
+@pytest.mark.parametrize("stub", ["0", "1"])
+def test_open_end_weights_mend_the_last_segment(carried: tuple[str, ...], order: int, stub: str) -> None:
+    # The weights of an open end, first hinge one segment in: Adams and Bashforth's; the last by least change.
+    plain = RULES["gregory" if stub == "0" else "rigid_stub_corrected"]
+    rule = dataclasses.replace(plain, name="welded", carried=carried)
+    assert rule.order["carried"] == order
+    pair = Boundary.of(("pinned", End(mass=0.3, rotary_inertia=0.05, on_segment=True)))
+    counts = (200, 400) if order > 2 else (2000, 4000)
+    errors = [abs(frequency_error(pair, segments=n, mode=1, rule=rule)) for n in counts]
+    assert math.log2(errors[0] / errors[1]) == pytest.approx(order, abs=0.25)

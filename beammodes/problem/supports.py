@@ -149,7 +149,10 @@ class End:
         and the offset vanish, the chain becomes that of a point mass. Its price is the moment that the body
         puts on the end: no hinge stands for the last half segment there. A body whose moment acts like its
         inertia force at less than about one segment beyond the end (a box that is smaller than a segment)
-        is served well; for a flywheel the error is of order 1, and a hinge of its own is better.
+        is served well; for a flywheel the error is of order 1, and a hinge of its own is better. At N = 12,
+        over clamped, pinned and free other ends and masses of 0.001 to 10 ρA L, the largest error of
+        `gregory` in three modes is 0.07 % on the segment and 0.5 % behind a hinge for an inertia of 1e-6
+        ρA L³, but 13 and 0.2 % for 1e-2: so a hinge of its own is the default.
         As the translational spring of a guided end vanishes the wall's spring jumps to the guided one: up
         to there the error has the rule's order at clamped ends.
         """
