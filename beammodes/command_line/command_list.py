@@ -43,7 +43,8 @@ class Command:
     build: Callable[[argparse.ArgumentParser], None]
 
 
-_OF = "--length 1.2 --ei 85 --rho-a 0.62"
+_BEAM = "--length 1.2 --ei 85 --rho-a 0.62"
+_OF = f"{_BEAM} --units SI"
 #: In the order of a user's work: before, while and after building a chain.
 _STAGES: dict[str, tuple[Command, ...]] = {
     "before you build a chain": (
@@ -51,14 +52,14 @@ _STAGES: dict[str, tuple[Command, ...]] = {
             "recommend",
             answer_recommend,
             "which rule, how many segments and which step meet my tolerance?",
-            "beammodes recommend clamped-free --tolerance 0.01 --modes 3",
+            "beammodes recommend clamped-free --tolerance 1% --modes 3",
             advice_options,
         ),
         Command(
             "segments",
             answer_segments,
             "how many segments does one rule need?",
-            "beammodes segments clamped-clamped --tolerance 0.01 --modes 3 --rule gregory",
+            "beammodes segments clamped-clamped --tolerance 1% --modes 3 --rule gregory",
             tolerance_options,
         ),
         Command(
@@ -102,7 +103,7 @@ _STAGES: dict[str, tuple[Command, ...]] = {
             "export",
             answer_export,
             "can I have the chain as a file for MuJoCo, Gazebo, Drake or URDF tools?",
-            f"beammodes export clamped-free --segments 10 --rule gregory {_OF} --output beam.xml",
+            f"beammodes export clamped-free --segments 10 --rule gregory {_BEAM} --output beam.xml",
             export_options,
         ),
     ),
@@ -111,7 +112,7 @@ _STAGES: dict[str, tuple[Command, ...]] = {
             "audit",
             answer_audit,
             "how wrong is the chain in my model file, and what mends it?",
-            f"beammodes audit beam.xml {_OF} --tolerance 0.01",
+            f"beammodes audit beam.xml {_OF} --tolerance 1%",
             audit_options,
         ),
     ),
@@ -126,8 +127,10 @@ which step, and how wrong it is: one command for each question.
 """
 _FOOT = """
 
-Lengths, stiffnesses and masses are in SI, or in any consistent units. Errors are those of natural frequencies
-against the exact Euler-Bernoulli beam, with their sign: negative is too low.
+Give --length, --ei and --rho-a in any consistent units, all other numbers in the same; --units names them.
+Without the three, answers and numbers of ends are multiples of the beam's own, such as EI/L.
+Errors are those of natural frequencies against the exact Euler-Bernoulli beam, with their sign: negative is
+too low. They hold for small vibration about the straight beam, in vacuum and without gravity.
 exit codes:
 {codes}
 options: --json for scripts; --version; beammodes COMMAND --help for all options of a command

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import argparse
 
+from beammodes.command_line.text_tables import DECLARED
+
 __all__ = [
     "BOUNDARY",
     "advice_options",
@@ -18,13 +20,14 @@ __all__ = [
 ]
 
 _BEAM = (
-    ("length", "L, length of the beam [m]"),
-    ("ei", "EI, bending stiffness [N m²]"),
-    ("rho_a", "ρA, mass per length [kg/m]"),
+    ("length", "L, length of the beam, such as 1.2 m"),
+    ("ei", "EI, bending stiffness, such as 85 N m²"),
+    ("rho_a", "ρA, mass per length, such as 0.62 kg/m"),
 )
 BOUNDARY = (
     "two ends of clamped, pinned, guided, free, such as clamped-free; numbers may follow: "
-    '"clamped-free(mass=0.5, rotary_inertia=0.01, offset=0.1, translational_stiffness=3)"'
+    '"clamped-free(mass=0.5, rotary_inertia=0.01, offset=0.1, translational_stiffness=3)", in the units of '
+    "the beam; without --length, --ei and --rho-a they are multiples of ρA L, ρA L³, L, EI/L³ and EI/L"
 )
 Options = argparse.ArgumentParser
 
@@ -35,6 +38,7 @@ def in_flags(message: str) -> str:
         "bending_stiffness must": "--ei must",
         "mass_per_length must": "--rho-a must",
         "axial_force must": "--axial-force must",
+        "tolerance must": "--tolerance must",
         "say by boundary": "say by --boundary",
         "force=True": "--force",
         "second must": "--ei-across must",
@@ -50,7 +54,14 @@ def in_flags(message: str) -> str:
 def _beam_options(sub: Options) -> None:
     for name, text in _BEAM:
         flag = "--" + name.replace("_", "-")
-        sub.add_argument(flag, type=_number, default=1.0, metavar="X", help=f"{text} (default: 1)")
+        sub.add_argument(flag, type=_number, metavar="X", help=text)
+    _units_option(sub)
+
+
+def _units_option(sub: Options) -> None:
+    sub.add_argument(
+        "--units", metavar="NAME", help=f"what your numbers are in, for headings: {', '.join(DECLARED)}"
+    )
 
 
 def _segments_option(sub: Options) -> None:
@@ -66,7 +77,8 @@ def error_options(sub: Options) -> None:
     """Add what an error depends on."""
     _segments_option(sub)
     sub.add_argument("--mode", type=_integer, default=1, metavar="n", help="elastic mode (default: 1)")
-    _axial_option(sub, "EI/L²")
+    _beam_options(sub)
+    _axial_option(sub)
 
 
 def frequency_options(sub: Options) -> None:
@@ -74,7 +86,7 @@ def frequency_options(sub: Options) -> None:
     _segments_option(sub)
     _modes_option(sub, 3)
     _beam_options(sub)
-    _axial_option(sub, "N")
+    _axial_option(sub)
 
 
 def spring_options(sub: Options) -> None:
@@ -85,12 +97,13 @@ def spring_options(sub: Options) -> None:
 
 def tolerance_options(sub: Options) -> None:
     """Add what must be met."""
-    sub.add_argument("--tolerance", type=_number, required=True, metavar="e", help="0.01 is one percent")
+    sub.add_argument("--tolerance", type=_fraction, required=True, metavar="e", help="1%% or 0.01")
     _modes_option(sub, 1)
+    _beam_options(sub)
 
 
-def _axial_option(sub: Options, unit: str) -> None:
-    text = f"axial force [{unit}], tension positive (default: 0)"
+def _axial_option(sub: Options) -> None:
+    text = "axial force, tension positive; in EI/L² without a beam (default: 0)"
     sub.add_argument("--axial-force", type=_number, default=0.0, metavar="T", help=text)
 
 
@@ -105,7 +118,7 @@ def step_options(sub: Options) -> None:
 def _load_options(sub: Options) -> None:
     text = "gravity [m/s²], as one number across the beam or as two, along,across: --gravity=9.81,0 hangs it"
     sub.add_argument("--gravity", type=_vector, metavar="g", help=text)
-    _axial_option(sub, "N")
+    _axial_option(sub)
     text = "force on the right tip [N], across the beam or along,across"
     sub.add_argument("--tip-force", type=_vector, metavar="F", help=text)
 
@@ -119,7 +132,6 @@ def _damping_options(sub: Options) -> None:
 def advice_options(sub: Options) -> None:
     """Add what advice depends on."""
     tolerance_options(sub)
-    _beam_options(sub)
     _integrator_option(sub)
 
 
@@ -152,8 +164,9 @@ def audit_options(sub: Options) -> None:
         flag = "--" + name.replace("_", "-")
         sub.add_argument(flag, type=_number, required=True, metavar="X", help=text)
     sub.add_argument("--boundary", metavar="ENDS", help=f"the beam's ends (default: the file's): {BOUNDARY}")
-    text = "largest error that meets, 0.01 is one percent (default: 0.01)"
-    sub.add_argument("--tolerance", type=_number, default=0.01, metavar="e", help=text)
+    _units_option(sub)
+    text = "largest error that meets, 1%% or 0.01 (default: 1%%)"
+    sub.add_argument("--tolerance", type=_fraction, default=0.01, metavar="e", help=text)
     _modes_option(sub, 3)
     sub.add_argument("--chain", metavar="NAME", help="a body of the chain to judge (default: the longest)")
     sub.add_argument("--plane", help="x, y or z, along which it deflects (default: by the springs)")
@@ -182,6 +195,11 @@ def _number(text: str) -> float | str:
         return float(text)
     except ValueError:
         return text
+
+
+def _fraction(text: str) -> float | str:
+    number = _number(text.strip().removesuffix("%"))
+    return number / 100 if text.strip().endswith("%") and isinstance(number, float) else number
 
 
 def _vector(text: str) -> float | str | tuple[float | str, ...]:

@@ -11,7 +11,7 @@ from typing import Any, NoReturn
 from beammodes import __version__
 from beammodes.command_line.command_list import COMMANDS, Command, help_text
 from beammodes.command_line.command_options import BOUNDARY
-from beammodes.command_line.commands import answer_recommend
+from beammodes.command_line.commands import DEFAULT_RULE, answer_recommend
 from beammodes.command_line.file_commands import answer_audit
 from beammodes.command_line.shell import put, tell_all
 
@@ -78,7 +78,9 @@ def _added(subs: argparse._SubParsersAction[_Parser], command: Command) -> _Pars
     if command.answer is answer_recommend:
         sub.add_argument("--rule", metavar="RULE,...", help="only these rules (default: all)")
     elif command.answer is not answer_audit:
-        sub.add_argument("--rule", default="mitiguy", help="discretization rule (default: mitiguy)")
+        sub.add_argument(
+            "--rule", default=DEFAULT_RULE, help=f"discretization rule (default: {DEFAULT_RULE})"
+        )
     sub.add_argument("--json", action="store_true", help="print one JSON object")
     sub.set_defaults(command=command.answer)
     return sub

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import argparse
 import math
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 from beammodes.checks import positive_real
-from beammodes.command_line.commands import Answer, beam_of, chain_of, damping_of, load_of
+from beammodes.command_line.commands import Answer, beam_of, chain_of, damping_of, load_of, units_of
 from beammodes.command_line.text_tables import frequency_table, number, percents, text_table, typed_in
 
 if TYPE_CHECKING:
@@ -24,6 +25,8 @@ def answer_export(options: argparse.Namespace) -> Answer:
     from beammodes.exporters.export import export_chain
     from beammodes.problem.loading import Load
 
+    if options.length is options.ei is options.rho_a is None:
+        raise ValueError("--length, --ei and --rho-a must be given: a model file has units")
     chain, load = chain_of(options), load_of(options)
     across = None
     if options.ei_across is not None:
@@ -63,7 +66,7 @@ def answer_audit(options: argparse.Namespace) -> Answer:
     rows = _modes(found)
     said = {name: list(getattr(found, name)) for name in ("given", "assumed", "found")}
     answer = {"file": str(options.file), **said, **_facts(found), "modes": rows, **_lists(found)}
-    return answer, "\n".join([*_verdict(found), frequency_table(rows), *_changes(found)])
+    return answer, "\n".join([*_verdict(found), frequency_table(rows), *_changes(found, units_of(options))])
 
 
 def _facts(found: Audit) -> dict[str, Any]:
@@ -152,7 +155,7 @@ def _verdict(found: Audit) -> list[str]:
     return [*lines, "found", f"  {first}", *(f"  {line}" for line in found.found[1:]), ""]
 
 
-def _changes(found: Audit) -> list[str]:
+def _changes(found: Audit, units: Mapping[str, Any]) -> list[str]:
     """Return what may be changed, what each change buys, and the numbers for it."""
     if not found.suggestions:
         return []
@@ -164,10 +167,14 @@ def _changes(found: Audit) -> list[str]:
     tables = ["", "what to change, and what it buys", text_table(heads, rows, names=2)]
     kept = [item for item in found.suggestions if not item.moves_hinges]
     if kept:
-        tables += ["", "stiffness for the same hinges [N m/rad]", *_springs_table(found, kept)]
+        tables += [
+            "",
+            f"stiffness for the same hinges [{units['joint_stiffness']}]",
+            *_springs_table(found, kept, units),
+        ]
     for item in found.suggestions:
         if item.moves_hinges:
-            tables += ["", f"{item.name}, hinges moved", *_moved_table(item)]
+            tables += ["", f"{item.name}, hinges moved", *_moved_table(item, units)]
     return tables
 
 
@@ -175,23 +182,24 @@ def _error(value: float) -> str:
     return percents(value) if math.isfinite(value) else "no such mode"
 
 
-def _springs_table(found: Audit, kept: list[Suggestion]) -> list[str]:
+def _springs_table(found: Audit, kept: list[Suggestion], units: Mapping[str, Any]) -> list[str]:
     columns = [found.joint_stiffness.tolist(), *(item.joint_stiffness.tolist() for item in kept)]
     whole = [*zip(found.hinge_names, kept[0].hinge_position.tolist(), *columns, strict=True)]
     changed = [row for row in whole if any(abs(value - row[2]) > 1e-9 * row[2] for value in row[3:])]
     shown = whole if len(whole) <= _SHOWN_HINGES else changed[:_SHOWN_HINGES]
     rows = [[name, number(place), *map(typed_in, values)] for name, place, *values in shown]
-    heads = ["hinge", "position [m]", "now", *(item.name for item in kept)]
+    heads = ["hinge", f"position [{units['length']}]", "now", *(item.name for item in kept)]
     rest = len(whole) - len(shown)
     return [text_table(heads, rows, names=1)] + ([f"{rest} more hinges: see --json"] if rest else [])
 
 
-def _moved_table(item: Suggestion) -> list[str]:
+def _moved_table(item: Suggestion, units: Mapping[str, Any]) -> list[str]:
     numbers = [*zip(item.hinge_position.tolist(), item.joint_stiffness.tolist(), strict=True)]
     rows = [
         [str(i), number(place), typed_in(stiffness)]
         for i, (place, stiffness) in enumerate(numbers[:_SHOWN_HINGES], start=1)
     ]
     rest = len(numbers) - len(rows)
-    table = text_table(["hinge", "position [m]", "stiffness [N m/rad]"], rows)
+    heads = ["hinge", f"position [{units['length']}]", f"stiffness [{units['joint_stiffness']}]"]
+    table = text_table(heads, rows)
     return [table] + ([f"{rest} more hinges: see --json"] if rest else [])

@@ -3,10 +3,76 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
-__all__ = ["frequency_table", "number", "percents", "text_table", "typed_in"]
+__all__ = [
+    "DECLARED",
+    "GIVEN",
+    "OWN",
+    "UNITS",
+    "frequency_table",
+    "number",
+    "percents",
+    "text_table",
+    "typed_in",
+]
+
+
+_SECONDS = {"frequency": "Hz", "angular_frequency": "rad/s", "time": "s"}
+
+#: Systems of units that the user may declare: names in heads of tables and in JSON; numbers stay as they are.
+DECLARED: dict[str, Mapping[str, Any]] = {
+    "SI": {
+        **_SECONDS,
+        "length": "m",
+        "force": "N",
+        "joint_stiffness": "N m/rad",
+        "translational_stiffness": "N/m",
+        "gravity": ("9.81 m/s²", 9.81),
+    },
+    "mm-N-t": {
+        **_SECONDS,
+        "length": "mm",
+        "force": "N",
+        "joint_stiffness": "N mm/rad",
+        "translational_stiffness": "N/mm",
+        "gravity": ("9810 mm/s²", 9810.0),
+    },
+    "in-lbf-s": {
+        **_SECONDS,
+        "length": "in",
+        "force": "lbf",
+        "joint_stiffness": "lbf in/rad",
+        "translational_stiffness": "lbf/in",
+        "gravity": ("386 in/s²", 9.81 / 0.0254),
+    },
+}
+
+#: Any consistent units, as long as the user has not said which.
+GIVEN: Mapping[str, Any] = {
+    "frequency": "1/time",
+    "angular_frequency": "rad/time",
+    "time": "time",
+    "length": "length",
+    "force": "force",
+    "joint_stiffness": "force length/rad",
+    "translational_stiffness": "force/length",
+    "gravity": ("9.81 m/s², if your units are SI,", 9.81),
+}
+
+#: Multiples of the beam's own, where it has no length, stiffness and mass.
+OWN: Mapping[str, Any] = {
+    "frequency": "√(EI/(ρA L⁴))/(2π)",
+    "angular_frequency": "√(EI/(ρA L⁴))",
+    "time": "√(ρA L⁴/EI)",
+    "length": "L",
+    "force": "EI/L²",
+    "joint_stiffness": "EI/L",
+    "translational_stiffness": "EI/L³",
+    "gravity": None,
+}
+UNITS = {**DECLARED, "as given": GIVEN, "multiples of the beam's own": OWN}
 
 
 def text_table(heads: Sequence[str], rows: Sequence[Sequence[str]], *, names: int = 0) -> str:
@@ -54,8 +120,8 @@ def percents(fraction: float) -> str:
     return "0" if abs(fraction) < 1e-14 else f"{100 * fraction:+.4g}"
 
 
-def frequency_table(rows: Sequence[dict[str, Any]]) -> str:
-    """Return modes with `frequency_hz`, `exact_frequency_hz` and `relative_error`, None where missing.
+def frequency_table(rows: Sequence[dict[str, Any]], key: str = "frequency_hz", unit: str = "Hz") -> str:
+    """Return modes with their frequencies, those of the exact beam and errors, None where missing.
 
     A mode that has a `damping_ratio` shows it; one that does not swing says so beside its frequency.
     """
@@ -65,14 +131,14 @@ def frequency_table(rows: Sequence[dict[str, Any]]) -> str:
         + [
             "no such mode" if row[key] is None else show(row[key])
             for key, show in (
-                ("frequency_hz", number),
-                ("exact_frequency_hz", number),
+                (key, number),
+                (f"exact_{key}", number),
                 ("relative_error", percents),
             )
         ]
         for row in rows
     ]
-    heads = ["mode", "chain [Hz]", "exact [Hz]", "error [%]"]
+    heads = ["mode", f"chain [{unit}]", f"exact [{unit}]", "error [%]"]
     if damped:
         heads = [*heads, "damping ratio"]
         cells = [[*cell, _ratio(row["damping_ratio"])] for cell, row in zip(cells, rows, strict=True)]
