@@ -25,6 +25,7 @@ def answer_export(options: argparse.Namespace) -> Answer:
     from beammodes.exporters.export import export_chain
     from beammodes.problem.loading import Load
 
+    beam_of(options)
     if options.length is options.ei is options.rho_a is None:
         raise ValueError("--length, --ei and --rho-a must be given: a model file has units")
     chain, load = chain_of(options), load_of(options)
