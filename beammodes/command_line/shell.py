@@ -42,39 +42,15 @@ EXIT_CODES = {
     INTERRUPTED: "interrupted by Ctrl-C",
 }
 
-#: How a character is written where the encoding lacks it; all others are written as \\x.., \\u.... .
-_PLAIN: dict[str, str] = {
-    **{character: f"^{digit}" for digit, character in enumerate("⁰¹²³⁴⁵⁶⁷⁸⁹")},
-    "β": "beta",
-    "ζ": "zeta",
-    "θ": "theta",
-    "λ": "lambda",
-    "π": "pi",
-    "ρ": "rho",
-    "σ": "sigma",
-    "φ": "phi",
-    "ω": "omega",
-    "Ω": "Omega",
-    "Δ": "Delta",
-    "ℓ": "ell",
-    "√": "sqrt",
-    "∞": "inf",
-    "±": "+-",
-    "×": "x",
-    "·": "*",
-    "½": "1/2",
-    "≤": "<=",
-    "≥": ">=",
-    "≈": "~",
-    "–": "-",
-    "−": "-",
-    "…": "...",
-    "°": " deg",
-    "ä": "ae",
-    "ö": "oe",
-    "ü": "ue",
-    "Ü": "Ue",
-}
+# How a character is written where the encoding lacks it; all others become escapes such as \u2603.
+_SPELLED = """
+α=alpha β=beta γ=gamma δ=delta ε=epsilon ζ=zeta η=eta θ=theta κ=kappa λ=lambda μ=mu ν=nu ξ=xi π=pi ρ=rho
+σ=sigma τ=tau φ=phi χ=chi ψ=psi ω=omega Δ=Delta Σ=sum Φ=Phi Ω=Omega ℓ=ell
+⁰=^0 ¹=^1 ²=^2 ³=^3 ⁴=^4 ⁵=^5 ⁶=^6 ⁷=^7 ⁸=^8 ⁹=^9 ₀=0 ₁=1 ₂=2 ₃=3 ₄=4 ₅=5 ₆=6 ₇=7 ₈=8 ₉=9
+√=sqrt ∞=inf ∂=d ∫=integral ∝=~ ≈=~ ≠=!= ≤=<= ≥=>= ±=+- ×=x ·=* ½=1/2 ¼=1/4 ‖=| ′=' °=deg §=section
+–=- —=- −=- …=... →=-> ←=<- ’=' “=" ”=" ä=ae ö=oe ü=ue Ä=Ae Ö=Oe Ü=Ue ß=ss é=e è=e
+"""
+_PLAIN = {word[0]: word[2:] for word in _SPELLED.split()}
 
 
 def _plainly(error: UnicodeError) -> tuple[str, int]:
