@@ -61,6 +61,7 @@ _HOME = {
     "Box": "problem.sections",
     "Case": "batch.cases",
     "Chain": "chains.chain",
+    "MissedFeatureWarning": "chains.rods",
     "Circle": "problem.sections",
     "Damping": "vibration.damping",
     "DivergedWarning": "dynamics.simulation",
@@ -179,6 +180,7 @@ if TYPE_CHECKING:
     from beammodes.batch.study_run import open_study as open_study
     from beammodes.chains.axial_rule import axially_corrected as axially_corrected
     from beammodes.chains.chain import Chain as Chain
+    from beammodes.chains.rods import MissedFeatureWarning as MissedFeatureWarning
     from beammodes.chains.rules import RULES as RULES
     from beammodes.chains.rules import Layout as Layout
     from beammodes.chains.rules import Rule as Rule

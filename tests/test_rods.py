@@ -14,10 +14,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from beammodes.chains.chain import Chain
+from beammodes.chains.rods import MissedFeatureWarning, missed_feature
 from beammodes.chains.rules import RULES
+from beammodes.chains.units import ExactUnits
 from beammodes.problem.beam import Beam
 from beammodes.problem.ends import End
-from beammodes.problem.profiles import Table
+from beammodes.problem.profiles import Table, integral_of_reciprocal
 from beammodes.vibration.linear import linearize
 from beammodes.vibration.modes import solve_modes
 
@@ -111,6 +113,76 @@ def test_hinges_take_the_stiffness_where_they_stand(rule: str) -> None:
     chain, uniform = (Chain(b, "pinned-clamped", 5, rule) for b in (beam, Beam(LENGTH, 1.0, 1.0)))
     expected = uniform.joint_stiffness * WAVY(chain.hinge_position)
     np.testing.assert_allclose(chain.joint_stiffness, expected, rtol=1e-13)
+
+
+# --- Features that hinges miss ------------------------------------------------------------------------------
+
+
+def notched(centre: float, width: float) -> Callable[[Any], Any]:
+    return lambda x: 1.0 - 0.9 * np.exp(-(((x - centre) / width) ** 2))
+
+
+# The flexibility that a notch adds: ∫ (1/EI - 1) dx = w √π Σ 0.9^k / √k, term by term.
+ADDED = np.pi**0.5 * sum(0.9**k / k**0.5 for k in range(1, 400))
+
+
+@pytest.mark.parametrize("rule", RULES)
+@pytest.mark.parametrize("centre", [0.05, 0.1, 0.137, 0.37, 0.5, 0.98])
+@pytest.mark.parametrize("told", ["function", "table", "parts"])
+def test_a_notch_between_hinges_or_on_one_is_told(rule: str, centre: float, told: str) -> None:
+    width = 0.002
+    if told == "table":
+        x = np.unique([0.0, 1.0, *np.clip(centre + width * np.linspace(-6, 6, 601), 0, 1)])
+        beam = Beam(1.0, Table(x, notched(centre, width)(x)), 1.0)
+    elif told == "parts":
+        part = int(centre * 400)
+        beam = Beam(1.0, [1.0] * part + [0.1] + [1.0] * (399 - part), 1.0)
+    else:
+        beam = Beam(1.0, notched(centre, width), 1.0)
+    with pytest.warns(MissedFeatureWarning, match=r"^the hinge at x = .* of 10 segments (misses|makes too)"):
+        Chain(beam, "clamped-free", 10, rule)
+
+
+@pytest.mark.parametrize("width", [0.002, 0.0005])
+def test_the_part_that_is_told_is_the_notchs(width: float) -> None:
+    beam = Beam(1.0, notched(0.137, width), 1.0)
+    chain = Chain(Beam.unit(), "clamped-free", 10, "gregory")
+    found = missed_feature(beam, [Fraction(0), *[Fraction(1)] * 10], ExactUnits.of(beam, 10))
+    assert found is not None and found[0] == pytest.approx(0.1, rel=1e-12) and chain.pieces == 11
+    assert found[1] == pytest.approx(width * ADDED / (1 + width * ADDED), rel=1e-9)
+
+
+@pytest.mark.parametrize("rule", RULES)
+@pytest.mark.parametrize("segments", [4, 5, 10, 40])
+def test_what_varies_smoothly_or_in_steps_is_not_told(rule: str, segments: int) -> None:
+    # Warnings are errors here.
+    for stiffness in (
+        WAVY,
+        lambda x: (1.0 - 0.6 * x) ** 3,
+        lambda x: np.exp(-3.0 * x),
+        KINKED,
+        [4.0, 1.0, 2.0],
+        Table(np.linspace(0, LENGTH, 301), WAVY(np.linspace(0, LENGTH, 301))),
+        notched(0.5, 0.5),
+    ):
+        Chain(Beam(LENGTH, stiffness, 1.0), "clamped-free", segments, rule)
+
+
+def test_enough_segments_see_the_notch() -> None:
+    beam = Beam(1.0, notched(0.37, 0.02), 1.0)
+    with pytest.warns(MissedFeatureWarning):
+        Chain(beam, "clamped-free", 5)
+    Chain(beam, "clamped-free", 200)
+
+
+@pytest.mark.parametrize("segments", [1, 7, 33])
+@pytest.mark.parametrize("name", PROFILES)
+def test_the_integral_of_the_reciprocal(name: str, segments: int) -> None:
+    profile, function, breaks = PROFILES[name]
+    kept = Beam(LENGTH, profile, 1.0).bending_stiffness
+    edges = np.linspace(0.0, LENGTH, segments + 1)
+    expected = [integral(lambda x: 1 / function(x), a, b, breaks) for a, b in pairwise(edges.tolist())]
+    np.testing.assert_allclose(integral_of_reciprocal(kept, edges), expected, rtol=1e-13)
 
 
 # --- One beam, told in different ways ---------------------------------------------------------------------

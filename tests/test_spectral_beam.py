@@ -19,6 +19,7 @@ from beammodes.problem.beam import Beam
 from beammodes.problem.ends import BOUNDARIES, ENDS, Boundary, End
 from beammodes.problem.loading import Load
 from beammodes.problem.profiles import Table
+from beammodes.problem.smooth_parts import SAMPLES
 
 UNIT = Beam.unit()
 BEAM = Beam(length=1.7, bending_stiffness=83.0, mass_per_length=0.45)
@@ -352,6 +353,139 @@ def test_compression_at_the_buckling_load_and_beyond() -> None:
     for boundary in ("pinned-free", "free-free"):
         with pytest.raises(ValueError, match=r"^boundary must resist a rigid rotation"):
             spectral_buckling(TABLE, boundary)
+
+
+# --- Narrow features of functions -------------------------------------------------------------------------
+
+
+def notch(width: float, centre: float, depth: float = 0.9) -> Any:
+    return lambda x: 1.0 - depth * np.exp(-(((x - centre) / width) ** 2))
+
+
+@pytest.mark.parametrize(
+    ("width", "centre", "first"),
+    [
+        # Source: the exact beam of another hand, its points crowded into the notch; ten digits.
+        (0.002, 0.1, 3.4437119565),
+        (0.002, 0.37, 3.4912660266),
+        (0.003, 0.5, 3.4987857913),
+        (0.001, 0.2, 3.4899237336),
+        (0.0005, 0.05, 3.4944763431),
+    ],
+)
+def test_a_narrow_notch_is_seen(width: float, centre: float, first: float) -> None:
+    beam = Beam(1.0, notch(width, centre), 1.0)
+    found = spectral_modes(beam, "clamped-free", 2)
+    assert found.angular_frequency[0] == pytest.approx(first, rel=2e-11)
+    # The second route: a table that is fine within the notch, whose chords err by (1e-3)²/12 of its share.
+    x = np.unique([0.0, 1.0, *np.clip(centre + width * np.linspace(-8.0, 8.0, 16_001), 0.0, 1.0)])
+    table = Beam(1.0, Table(x, notch(width, centre)(x)), 1.0)
+    assert spectral_modes(table, "clamped-free", 2).angular_frequency == pytest.approx(
+        found.angular_frequency, rel=1e-7
+    )
+
+
+@pytest.mark.parametrize("name", ["mass_per_length", "rotary_inertia_per_length"])
+def test_a_narrow_lump_of_mass_or_inertia_is_seen(name: str) -> None:
+    # The same lump as a table, fine within it.
+    width, centre = 1e-3, 0.6180339
+    x = np.unique([0.0, 1.0, *np.clip(centre + width * np.linspace(-8.0, 8.0, 16_001), 0.0, 1.0)])
+    lump = lambda z: 1.0 + 500.0 * np.exp(-(((z - centre) / width) ** 2))  # noqa: E731
+    given = {"bending_stiffness": 1.0, "mass_per_length": 1.0}
+    found = [
+        spectral_modes(Beam(1.0, **{**given, name: profile}), "clamped-free", 3).angular_frequency
+        for profile in (lump, Table(x, lump(x)))
+    ]
+    assert found[0] == pytest.approx(found[1], rel=1e-6)
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_no_feature_as_wide_as_the_distance_of_samples_is_missed(seed: int) -> None:
+    # A rectangle, which no sample hints at before one falls into it: EI a tenth on L/4096.
+    start = float(np.random.default_rng(seed).uniform(0.01, 0.98))
+    end = start + 1.001 / SAMPLES
+    beam = Beam(1.0, lambda x: np.where((x > start) & (x < end), 0.1, 1.0), 1.0)
+    table = Beam(1.0, Table((0.0, start, start, end, end, 1.0), (1.0, 1.0, 0.1, 0.1, 1.0, 1.0)), 1.0)
+    found = [spectral_modes(one, "clamped-clamped", 2).angular_frequency for one in (beam, table)]
+    assert np.allclose(found[0], found[1], rtol=1e-10, atol=0.0)
+
+
+def test_a_feature_between_all_samples_is_seen_with_breaks_beside_it() -> None:
+    # It cannot be seen otherwise, as is said; one break on each side shows it.
+    places = (np.arange(SAMPLES) + 0.382) / SAMPLES
+    start, end = float(places[1000]) + 2e-5, float(places[1001]) - 2e-5
+    narrow = lambda x: np.where((np.asarray(x) > start) & (np.asarray(x) < end), 0.01, 1.0)  # noqa: E731
+    table = Beam(1.0, Table((0.0, start, start, end, end, 1.0), (1.0, 1.0, 0.01, 0.01, 1.0, 1.0)), 1.0)
+    exact = spectral_modes(table, "clamped-free", 1).angular_frequency
+    told = spectral_modes(Beam(1.0, narrow, 1.0, breaks=[start, end]), "clamped-free", 1).angular_frequency
+    assert told == pytest.approx(exact, rel=1e-12)
+
+
+# --- Random steps and kinks -------------------------------------------------------------------------------
+
+
+def drawn_end(rng: np.random.Generator) -> End:
+    def stiffness() -> float:
+        return float(rng.choice([0.0, HELD, 10 ** rng.uniform(-3, 4)]))
+
+    body = (
+        float(rng.choice([0.0, 10 ** rng.uniform(-2, 1)])),
+        float(rng.choice([0.0, 10 ** rng.uniform(-3, 0)])),
+    )
+    kind = int(rng.integers(0, 3))
+    if kind == 0:
+        return [ENDS[name] for name in ("clamped", "pinned", "guided", "free")][int(rng.integers(0, 4))]
+    return End(stiffness(), stiffness(), *body, float(rng.uniform(-0.3, 0.3)))
+
+
+def drawn_beam(seed: int, *, sloped: bool) -> tuple[Beam, list[Section], Boundary]:
+    """Parts down to a thousandth of the length, next to each other too, EI and ρA from 0.1 to 10 on each."""
+    rng = np.random.default_rng(seed)
+    number = int(rng.integers(1, 10))
+    close = rng.random() < 0.4
+    inner = rng.uniform(0, 0.7) + np.cumsum(rng.uniform(1e-3, 0.02, number))
+    inner = inner if close else np.sort(rng.uniform(0.002, 0.998, number))
+    inner = inner[np.diff(inner, prepend=0.0) > 1e-3]
+    edges = np.array([0.0, *inner, 1.0])
+    ends = np.repeat(edges, 2)[1:-1]
+    rows = [10 ** rng.uniform(-1, 1, len(ends)) for _ in range(2)]
+    if not sloped:
+        rows = [np.repeat(row[::2], 2) for row in rows]
+    sections = []
+    for i, width in enumerate(np.diff(edges).tolist()):
+        (a, b), (c, d) = (row[2 * i : 2 * i + 2].tolist() for row in rows)
+        # The series converges where EI less than doubles, so a steep part is several.
+        share = [0.0]
+        while share[-1] < 1.0:
+            value = a + (b - a) * share[-1]
+            share.append(min(1.0, share[-1] + 0.5 * value / abs(b - a)) if b != a else 1.0)
+        for p, q in pairwise(share):
+            stiff, heavy = (a + (b - a) * p, (b - a) / width), (c + (d - c) * p, (d - c) / width)
+            sections.append(Section((q - p) * width, stiff, heavy))
+    beam = Beam(1.0, *(Table(ends, row) for row in rows))
+    return beam, sections, Boundary(drawn_end(rng), drawn_end(rng))
+
+
+def check_drawn_beam(seed: int, *, sloped: bool) -> None:
+    beam, sections, pair = drawn_beam(seed, sloped=sloped)
+    found = spectral_modes(beam, pair, 3)
+    assert found.agreement <= 1e-11
+    for omega in found.angular_frequency.tolist():
+        assert error(omega, sections, pair) < 2e-11, f"seed {seed}"
+
+
+@pytest.mark.parametrize("sloped", [False, True])
+@pytest.mark.parametrize("seed", range(6))
+def test_close_steps_of_a_hundred_to_one(seed: int, sloped: bool) -> None:
+    check_drawn_beam(seed, sloped=sloped)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("sloped", [False, True])
+@pytest.mark.parametrize("block", range(10))
+def test_five_hundred_drawn_tables(block: int, sloped: bool) -> None:
+    for seed in range(100 + 25 * block, 125 + 25 * block):
+        check_drawn_beam(seed, sloped=sloped)
 
 
 # --- Shapes ----------------------------------------------------------------------------------------------

@@ -23,6 +23,7 @@ chain made by a rule is exact: its lengths, masses, inertias and springs are rat
 from __future__ import annotations
 
 import math
+import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
@@ -35,7 +36,13 @@ from numpy.typing import NDArray
 from beammodes.chains.chain_numbers import ChainNumbers
 from beammodes.chains.pieces import MAX_PIECES, Number, Pieces, check_pieces, check_turning, piece_numbers
 from beammodes.chains.repeated import each_once
-from beammodes.chains.rods import hinge_flexibilities, profile_weights, rigid_rods
+from beammodes.chains.rods import (
+    MissedFeatureWarning,
+    hinge_flexibilities,
+    missed_feature,
+    profile_weights,
+    rigid_rods,
+)
 from beammodes.chains.rules import AnyRule, Layout, Rule, layout_of
 from beammodes.chains.units import ExactUnits, Units
 from beammodes.checks import shown, whole_number
@@ -59,6 +66,13 @@ class Chain(ChainNumbers):
         N, how many equal segments the beam is cut into (1 to 10 million).
     rule : str, Rule or any Layout, such as a record from `mode_tuned` or `matched`
         Where the hinges sit and how stiff they are.
+
+    Warns
+    -----
+    MissedFeatureWarning
+        If the beam has a feature of EI narrower than about a fifth of a segment, such as a notch, that no
+        hinge stands on, so that no spring knows of it, or that one does stand on, whose spring then is as if
+        the whole segment were so; and it is more than a thousandth of the beam's flexibility.
 
     Raises
     ------
@@ -91,6 +105,7 @@ class Chain(ChainNumbers):
             raise ValueError(
                 f"rule {record.name} has no positive springs for {boundary.name} with {count} segments"
             )
+        _warn_of_missed_features(beam, lengths, exact, count)
         flexibility = hinge_flexibilities(beam, lengths, exact)
         springs = each_once(lambda weight, give: 1 / (weight * give), weights, flexibility)
         rods = rigid_rods(beam, lengths, record.rotary_inertia, exact)
@@ -225,3 +240,18 @@ def _cut(rule: Layout, boundary: Boundary, segments: int) -> tuple[list[Fraction
             f"got {shown(lengths)}"
         )
     return lengths, weights
+
+
+def _warn_of_missed_features(beam: Beam, lengths: Sequence[Fraction], units: ExactUnits, count: int) -> None:
+    found = missed_feature(beam, lengths, units)
+    if found is None:
+        return
+    place, part = found
+    does = "misses" if part > 0 else "makes too much of"
+    warnings.warn(
+        f"the hinge at x = {place:.6g} of {count} segments {does} {100 * abs(part):.2g} % of the beam's "
+        "flexibility, a feature of bending_stiffness narrower than its segment: take more segments, or see "
+        "by chain_errors what it does to frequencies",
+        MissedFeatureWarning,
+        stacklevel=3,
+    )

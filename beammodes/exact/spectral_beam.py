@@ -51,14 +51,15 @@ def spectral_modes(
     integral, and frequencies are the reciprocals of the largest singular values from stored to kinetic
     energy. So no digits are lost to differences: what is kept is about 1e-13, and 1e-11 is made sure of by a
     second degree, with springs from 1e-12 to 1e12 EI/L³ and bodies from 1e-3 to 1e3 ρAL too. Tapers to a
-    thousandth of the width, and up to 199 steps or kinks, take less than a second, or a few. Close to the
+    thousandth of the width, and tables of 100,000 positions, take less than a second, or a few. Close to the
     buckling load, where frequencies hang on its last digits, 1e-14 / (1 - P / buckling load) is asked for;
     so is 1e-13 (ω² + Ω²) / ω² of the first ω in the plane of rotation.
 
     Parameters
     ----------
     beam : Beam
-        The beam; functions among its properties must be smooth, steps and kinks come as a `Table`.
+        The beam. Tables count as they are, kink by kink. Functions are followed into features as wide as
+        L/4096 or wider (`problem.smooth_parts`); narrower ones are seen with `breaks` beside them.
     boundary : str, pair of ends or Boundary
         Its ends; the one named first is at x = 0.
     modes : int
@@ -73,7 +74,8 @@ def spectral_modes(
         If an argument is not as above, or the load bends the beam, buckles it, leaves its straight shape
         unstable in the plane of rotation, or pulls on it where nothing holds its left end.
     ArithmeticError
-        If polynomials of growing degree do not agree to 1e-11; the message says what was reached.
+        If polynomials of growing degree do not agree to 1e-11; the message says what was reached. If a
+        function has more steps, kinks and narrow features than can be followed.
 
     Examples
     --------

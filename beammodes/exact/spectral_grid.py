@@ -23,6 +23,8 @@ Floats = NDArray[np.float64]
 _PROPERTIES = ("bending_stiffness", "mass_per_length", "rotary_inertia_per_length", "shear_stiffness")
 # Finer tables are integrated block by block.
 _MOST_KINKS, _BLOCKS, _BLOCK_DEGREE = 1500, 400, 5
+# Points in a cell, at least.
+_FEWEST = 2
 # Larger errors of what functions are cut into would show in the results.
 _PARTS_LEFT = 1e-11
 # Up to this many cells curvature is a polynomial of its own on each.
@@ -89,11 +91,11 @@ class Grid:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Smoothed:
-    """What stands for a table of very many kinks: polynomials that have its moments on each of 400 blocks.
+    """What stands for a table of very many kinks: polynomials that have its moments on some 400 blocks.
 
     A block's polynomial, of degree 5, is the projection of 1/EI, or of ρA or ρI: all integrals of it times a
     polynomial of that degree are the table's. The bending moment and deflection differ from such polynomials
-    by (L/400 times their wavenumber)⁶ of themselves.
+    by (block times their wavenumber)⁶ of themselves.
     """
 
     edges: Floats
@@ -103,7 +105,10 @@ class _Smoothed:
     @classmethod
     def of(cls, table: Table, breaks: tuple[float, ...], reciprocal: bool) -> _Smoothed:
         length = table.x[-1]
-        edges = np.unique(np.concatenate((np.linspace(0.0, length, _BLOCKS + 1), breaks)))
+        # Half of them even, half as the table's positions crowd.
+        every = np.array(table.x)[np.linspace(0, len(table.x) - 1, _BLOCKS // 2 + 1).round().astype(int)]
+        even = np.linspace(0.0, length, _BLOCKS // 2 + 1)
+        edges = np.array(each_place_once(np.unique(np.concatenate((even, every, breaks))).tolist(), length))
         points = np.unique(np.concatenate((edges, table.x)))
         low, high = value_at(table, points[:-1], 1), value_at(table, points[1:], -1)
         node, weight = np.polynomial.legendre.leggauss(int(_for_quotients(low, high).max()))
@@ -178,11 +183,11 @@ def section_grid(beam: Beam, points: int, least: int) -> Grid:
     """
     profiles, edges = _sections(beam)
     width = np.diff(edges)
-    sizes = least + np.ceil(points * width).astype(int)
+    quotients = [_cell_points(profile, edges * beam.length) for profile in (profiles[0], profiles[3] or 1.0)]
+    sizes = np.ceil(points * width).astype(int) + np.maximum(*quotients)
     own, step = len(width) <= _OWN_CURVATURE, least // 2
-    if not own:
-        sizes = np.ceil(points * width).astype(int) + _cell_points(profiles[0], edges * beam.length)
-        sizes += np.where(width > 1e-3, step, 0)
+    # Cells that only serve to integrate know their function already, and may be thousands.
+    sizes += least - _FEWEST if own else np.where(width > 1e-3, step, 0)
     x, weight = np.empty(sizes.sum()), np.empty(sizes.sum())
     for size, cells, part in _alike(sizes):
         node, plain = np.polynomial.legendre.leggauss(size)
@@ -221,7 +226,7 @@ def _cell_points(stiffness: Profile, edges: Floats) -> NDArray[np.int64]:
     """Return how many points each cell needs for 1/EI, whatever it is multiplied with."""
     if isinstance(stiffness, Table):
         return _for_quotients(value_at(stiffness, edges[:-1], 1), value_at(stiffness, edges[1:], -1))
-    return np.full(len(edges) - 1, 18 if callable(stiffness) else 2)
+    return np.full(len(edges) - 1, 18 if callable(stiffness) and len(edges) > 2 else _FEWEST)
 
 
 def _for_quotients(left: Floats, right: Floats) -> NDArray[np.int64]:
@@ -230,7 +235,7 @@ def _for_quotients(left: Floats, right: Floats) -> NDArray[np.int64]:
     The error of n points falls as ((√b - √a)/(√b + √a))^(2n).
     """
     ratio = np.abs(np.sqrt(right) - np.sqrt(left)) / (np.sqrt(right) + np.sqrt(left))
-    points = np.clip(np.ceil(-7.5 / np.log10(np.clip(ratio, 1e-15, 0.99))), 2, 60)
+    points = np.clip(np.ceil(-7.5 / np.log10(np.clip(ratio, 1e-15, 0.99))), _FEWEST, 60)
     return np.asarray(points, dtype=np.int64)
 
 

@@ -23,6 +23,7 @@ from beammodes.problem.tabulated import (
 __all__ = [
     "Profile",
     "Table",
+    "integral_of_reciprocal",
     "mean_over",
     "mean_reciprocal",
     "moments",
@@ -166,6 +167,38 @@ def moments(profile: Profile, edges: ArrayLike) -> tuple[Floats, Floats, Floats]
     return profile * width, np.zeros_like(width), profile * width**3 / 12.0
 
 
+def integral_of_reciprocal(profile: Profile, edges: ArrayLike) -> Floats:
+    """Return ∫ dx/profile over each interval between successive edges.
+
+    Of EI it is the flexibility of the interval. Tables are linear between their positions, from a to b on a
+    width w, and there it is  w ln(b/a) / (b - a).
+
+    Parameters
+    ----------
+    profile, edges
+        As of `moments`; the profile nowhere zero.
+
+    Examples
+    --------
+    >>> integral_of_reciprocal(Table((0.0, 1.0), (1.0, 2.0)), [0.0, 1.0]).round(6)      # ln 2
+    array([0.693147])
+    """
+    position = np.asarray(edges, dtype=np.float64)
+    if isinstance(profile, Table):
+        inner = np.array(profile.x)
+        points = np.unique(np.concatenate((position, inner[(inner > position[0]) & (inner < position[-1])])))
+        left, right = value_at(profile, points[:-1], 1), value_at(profile, points[1:], -1)
+        rise, width = right / left - 1.0, np.diff(points)
+        level = np.abs(rise) < 1e-8
+        growth = np.where(level, 1.0 - 0.5 * rise, np.log1p(rise) / np.where(level, 1.0, rise))
+        parts = width / left * growth
+        middle = 0.5 * (points[1:] + points[:-1])
+        return about_middles((parts, np.zeros_like(parts), np.zeros_like(parts)), middle, position)[0]
+    if callable(profile):
+        return _function_moments(profile, position, reciprocal=True)[0]
+    return np.diff(position) / profile
+
+
 def profile_breaks(profile: Profile) -> tuple[float, ...]:
     """Return the breaks of a profile inside the beam, ascending [m].
 
@@ -211,12 +244,14 @@ def mean_over(profile: Profile, length: float) -> float:
     return profile
 
 
-def _function_moments(function: Callable[[Any], Any], edges: Floats) -> tuple[Floats, Floats, Floats]:
+def _function_moments(
+    function: Callable[[Any], Any], edges: Floats, *, reciprocal: bool = False
+) -> tuple[Floats, Floats, Floats]:
     inner = np.array(smooth_parts(function, float(edges[-1]))[0])
     points = np.unique(np.concatenate((edges, inner[(inner > edges[0]) & (inner < edges[-1])])))
     node, weight = np.polynomial.legendre.leggauss(32 if len(edges) <= 4096 else 12)
     half, middle = 0.5 * np.diff(points), 0.5 * (points[1:] + points[:-1])
     values = function_values(function, (middle[:, None] + half[:, None] * node).ravel())
-    weighted = values.reshape(len(half), len(node)) * weight
+    weighted = (1.0 / values if reciprocal else values).reshape(len(half), len(node)) * weight
     parts = half * weighted.sum(axis=1), half**2 * (weighted @ node), half**3 * (weighted @ node**2)
     return about_middles(parts, middle, edges)
