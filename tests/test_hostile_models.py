@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import os
+import re
 import subprocess
 import sys
 import tracemalloc
@@ -18,7 +19,10 @@ from beammodes.__main__ import main
 from beammodes.auditing.audit_model import audit_file
 from beammodes.auditing.bounded_xml import MAX_BYTES, MAX_DEPTH, MAX_ELEMENTS, read_xml
 from beammodes.auditing.urdf_springs import read_springs
+from beammodes.chains.chain import Chain
+from beammodes.exporters.export import export_chain
 from beammodes.problem.beam import Beam
+from beammodes.vibration.damping import Damping
 
 BEAM = Beam(1.0, 20.0, 0.5)
 HINGE = (
@@ -351,6 +355,34 @@ def test_any_numbers_are_judged_or_refused(
         GOOD.replace("200", stiffness, 1).replace('"1"', f'"{mass}"', 1).replace(".1 0 0", f"{place} 0 0", 1)
     )
     path.write_text(text.replace(".01", size, 1))
+    judged_or_refused(path)
+
+
+NUMBER = re.compile(r"(?<![A-Za-z_0-9.])-?\d+\.?\d*(?:e[-+]?\d+)?(?![A-Za-z_0-9.])")
+EXTREMES = st.sampled_from(
+    ["0", "-1", "1e30", "-1e30", "1e-100", "1e-30", "1e15", "1e-15", "5e-324", "1e308", "nan"]
+)
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("suffix", [".xml", ".urdf", ".sdf", ".csv"])
+@given(st.lists(st.tuples(st.floats(0, 1, exclude_max=True), EXTREMES), min_size=1, max_size=3))
+@settings(max_examples=40)
+def test_extreme_numbers_end_in_an_answer_or_one_line(
+    tmp_path_factory: pytest.TempPathFactory, suffix: str, changes: list[tuple[float, str]]
+) -> None:
+    """In every format: no division by zero, no overflow, no warning in place of a refusal."""
+    folder = tmp_path_factory.mktemp("extreme")
+    chain = Chain(BEAM, "clamped-free", 3)
+    path = export_chain(
+        chain, folder / f"chain{suffix}", damping=Damping(stiffness=1e-3) if suffix != ".csv" else None
+    )[0]
+    text = path.read_text(encoding="utf-8")
+    for where, number in changes:
+        spots = list(NUMBER.finditer(text))
+        spot = spots[int(where * len(spots))]
+        text = text[: spot.start()] + number + text[spot.end() :]
+    path.write_text(text, encoding="utf-8")
     judged_or_refused(path)
 
 

@@ -263,6 +263,18 @@ def test_two_axes_are_judged_one_at_a_time(tmp_path: Path) -> None:
         audit_file(path, BEAM, plane="x")
 
 
+@pytest.mark.parametrize("turn", ["", 'euler="20 30 40" pos="1 2 3"', 'euler="0 90 0"'])
+@pytest.mark.parametrize("mixed", [False, True])
+def test_balls_with_springs_bend_in_every_plane_alike(turn: str, mixed: bool, tmp_path: Path) -> None:
+    """As hinges of the same spring about an axis across the line; their twist is apart from bending."""
+    ball = '<joint type="ball" stiffness="200" damping="0.01"/>'
+    plain = nested(6, ROD + HINGE, ROD + HINGE)
+    text = plain.replace(HINGE, ball) if not mixed else plain.replace(HINGE, ball, 3)
+    found = audit_file(write(tmp_path, world(f"<body {turn}>{text}</body>")), BEAM)
+    np.testing.assert_allclose(found.angular_frequency, mujoco_frequencies(world(plain))[:3], rtol=1e-9)
+    assert found.layout == "naive" and (found.damping_ratio > 0).all()
+
+
 TURN = '<joint axis="0 0 1"/><geom size=".1"/>'
 ARM = f'<body name="arm">{TURN}{nested(3, ROD + HINGE, ROD + HINGE)}</body>'
 TWO = world(
@@ -304,7 +316,7 @@ def test_a_body_at_the_tip_is_told_from_the_rod(end: str, word: str, tmp_path: P
 
 
 REFUSED = {
-    "a ball": (ROD + '<joint type="ball" stiffness="200"/>', "must be a hinge, got type 'ball'"),
+    "a ball": (ROD + '<joint type="ball"/>', "must be a hinge or a ball with a stiffness, got type 'ball'"),
     "a negative armature": (ROD + HINGE.replace("/>", ' armature="-0.01"/>'), "armature of at least 0"),
     "a negative damping": (ROD + HINGE.replace("/>", ' damping="-0.01"/>'), "damping of at least 0"),
     "a bent rest": (ROD + HINGE.replace("/>", ' springref="3"/>'), "springref equal to ref"),

@@ -162,11 +162,14 @@ def _audited(
         "damping": [spring.damping for spring in judged.springs],
     }
     left_out = list(read.left_out)
-    if any(springs["damping"]) and _in_series(columns, springs["joint_stiffness"], judged.boundary):
-        left_out.append("damping is left out here: a hinge is in series with a support's spring")
-        springs["damping"] = [0.0] * len(judged.springs)
     try:
-        found = audit_chain(beam, judged.boundary, **columns, **springs, modes=modes, tolerance=tolerance)
+        # Numbers that are too far apart for each other end here, not in results that are none.
+        with np.errstate(divide="raise", invalid="raise"):
+            if any(springs["damping"]) and _in_series(columns, springs["joint_stiffness"], judged.boundary):
+                left_out.append("damping is left out here: a hinge is in series with a support's spring")
+                springs["damping"] = [0.0] * len(judged.springs)
+            found = audit_chain(beam, judged.boundary, **columns, **springs, modes=modes, tolerance=tolerance)
+            step = _step(read, judged, columns, springs)
     except (ValueError, *_OUT_OF_RANGE) as error:
         first, last = judged.springs[0].name, judged.springs[-1].name
         raise BadModel(f"chain from hinge {first} to hinge {last} cannot be judged: {error}") from None
@@ -176,7 +179,7 @@ def _audited(
         hinge_names=tuple(spring.name for spring in judged.springs),
         given=(*read.given, *((f"ends {judged.boundary.name}",) if judged.said else ())),
         assumed=(*judged.assumed, *ends, *left_out),
-        step=_step(read, judged, columns, springs),
+        step=step,
     ), judged.unevenness
 
 

@@ -63,8 +63,8 @@ def read_mjcf(root: XmlElement) -> Model:
     inertials, solids with mass or density, poses, hinges, slides and free joints, fixed tendons with
     stiffness, and equality constraints on these. Armature is inertia of a hinge's own rotation; servos of
     velocity without other terms are dampers. What cannot be honoured is refused where a chain needs it:
-    composites, plugins, flexes, meshes, ball joints, dry friction, stops at rest, servos that act like
-    springs, spatial tendons with springs.
+    composites, plugins, flexes, meshes, balls without a spring, dry friction, stops at rest, servos
+    that act like springs, spatial tendons with springs.
 
     Raises
     ------
@@ -176,8 +176,8 @@ def _joints(
 
 
 def _why_not(settings: Settings, joint: XmlElement, kind: str, stiffness: float) -> str:
-    if kind not in ("hinge", "slide", "free"):
-        return f"{joint.where} must be a hinge, got type {kind!r}: {_BALL}"
+    if kind not in ("hinge", "slide", "free") and not (kind == "ball" and stiffness):
+        return f"{joint.where} must be a hinge or a ball with a stiffness, got type {kind!r}"
     if kind == "free" and stiffness:
         return f"{joint.where} must have no spring, or be a <freejoint>, which takes no defaults"
     if joint.numbers("frictionloss", 1, "0")[0]:
@@ -187,14 +187,14 @@ def _why_not(settings: Settings, joint: XmlElement, kind: str, stiffness: float)
     (reference,) = joint.numbers("ref", 1, "0")
     if kind != "free" and settings.limited(joint):
         low, high = joint.numbers("range", 2, "0 0")
+        if kind == "ball":
+            # The largest angle; what is said as the least is not used.
+            low = -1.0
         if not low < reference < high:
             return f"{joint.where} must be at rest within its range, not at a stop or beyond"
-    if stiffness and joint.numbers("springref", 1, "0") != [reference]:
+    if stiffness and kind != "ball" and joint.numbers("springref", 1, "0") != [reference]:
         return f"{joint.where} must have springref equal to ref: the chain must be straight at rest"
     return ""
-
-
-_BALL = "two hinges bend about both axes, without twist"
 
 
 def with_includes(root: XmlElement, folder: Path) -> XmlElement:

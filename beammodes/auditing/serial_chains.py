@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -31,7 +31,7 @@ class HingePath:
     root : Group
         What the first hinge is on.
     groups : tuple of Group
-        After it, one for each hinge (or pair of hinges about two axes).
+        After it, one for each hinge (or pair of hinges about two axes, or ball).
     """
 
     root: Group
@@ -52,7 +52,22 @@ class HingePath:
         """
         for group in self.groups:
             _check_square(group)
-        return [axis for axis in _spring_axes(self.groups[0]) if all(_hinge(g, axis) for g in self.groups)]
+        # Balls bend about any axis: about those of the hinges among them, else about two across the line.
+        hinged = next((group for group in self.groups if not _is_ball(group)), None)
+        axes = self._across() if hinged is None else _spring_axes(hinged)
+        return [axis for axis in axes if all(_hinge(g, axis) for g in self.groups)]
+
+    def _across(self) -> list[Array]:
+        first, last = self.groups[0].joints[0].position, self.groups[-1].joints[0].position
+        far = last if len(self.groups) > 1 else self.groups[0].inertial.centre
+        size = float(np.linalg.norm(far - first))
+        if not size:
+            return []
+        along = (far - first) / size
+        least = np.eye(3)[int(np.argmin(np.abs(along).round(9)))]
+        one = least - (least @ along) * along
+        one = one / np.linalg.norm(one)
+        return [one, np.cross(along, one)]
 
     def hinges(self, axis: Array) -> list[ModelJoint]:
         """Return the hinges about an axis that `planes` gives."""
@@ -119,9 +134,16 @@ def _index(paths: Sequence[HingePath], name: str) -> int:
 
 
 def _is_sprung(group: Group) -> bool:
-    """Whether a group is on hinges only, at least one of them with a spring."""
+    """Whether a group is on hinges only, at least one of them with a spring, or on a ball with one."""
+    if _is_ball(group):
+        return True
     hinges = [joint.kind == "hinge" for joint in group.joints]
     return bool(hinges) and all(hinges) and any(joint.stiffness for joint in group.joints)
+
+
+def _is_ball(group: Group) -> bool:
+    """Whether a group is on a ball joint alone, whose spring resists bending about all axes alike."""
+    return len(group.joints) == 1 and group.joints[0].kind == "ball" and group.joints[0].stiffness > 0
 
 
 def _spring_axes(group: Group) -> list[Array]:
@@ -129,7 +151,9 @@ def _spring_axes(group: Group) -> list[Array]:
 
 
 def _hinge(group: Group, axis: Array) -> ModelJoint | None:
-    """Return the only hinge with a spring about an axis."""
+    """Return the only hinge with a spring about an axis, or what a ball is about it."""
+    if _is_ball(group):
+        return replace(group.joints[0], kind="hinge", axis=axis)
     found = [
         joint
         for joint in group.joints
@@ -146,6 +170,8 @@ def _check_square(group: Group) -> None:
 
 
 def _shares_axis(group: Group, other: Group) -> bool:
+    if _is_ball(group) or _is_ball(other):
+        return True
     return any(_hinge(other, axis) is not None for axis in _spring_axes(group))
 
 
