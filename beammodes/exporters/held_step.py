@@ -23,9 +23,9 @@ __all__ = ["MAX_HELD", "held_step"]
 Array = NDArray[np.float64]
 
 #: Trees of more joints are not solved: each of some forty trial steps takes the eigenvalues of 2 N rows.
-MAX_HELD = 100
+MAX_HELD = 40
 # Of the step that is stable as a chain, the least that is tried; and how many.
-_SHORTEST, _TRIALS = 1e-3, 40
+_SHORTEST, _TRIALS = 1e-3, 24
 
 
 def held_step(tree: Tree, letter: str, longest: float, pull: Sequence[float], *, tendons: bool) -> float:

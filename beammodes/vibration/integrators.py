@@ -8,6 +8,9 @@ wanted does not enter the former. Two families cover all integrators here:
 - Runge-Kutta methods, given by Butcher's A and b:  R(z) = 1 + z bᵀ (1 - z A)⁻¹ 1.
 - A kick of the speed, then a drift:  v' = v - h (ω² p + 2 ζ ω v*),  p' = p + h v'.  It takes the spring
   explicitly, and the damper explicitly (v* = v) or implicitly (v* = v').
+
+A new integrator is one record below: limits, studies and the command line take it from there, and `simulate`
+too where it is an explicit Runge-Kutta method with the run "runge_kutta_run".
 """
 
 from __future__ import annotations

@@ -37,6 +37,7 @@ from beammodes.vibration.integrators import (
 )
 from beammodes.vibration.linear import linearize
 from beammodes.vibration.modes import MAX_DENSE, solve_modes
+from beammodes.vibration.spectrum import is_turned
 
 __all__ = [
     "GRAVITY",
@@ -141,7 +142,7 @@ def stable_time_step(
     ----------
     chain : Chain
         Its own highest frequency decides, not the modes that one wants to see. Of more than 500 hinges the
-        answer is a bound just below.
+        answer is a lower bound: within a few percent without damping or without a load, else less close.
     integrator : str
         A name in `INTEGRATORS` of fixed step, or an engine's, such as "MuJoCo implicitfast".
     load : Load, optional
@@ -228,19 +229,22 @@ def _bounded_step(record: Integrator, chain: Chain, load: Load, damping: Damping
     rates = damping.joint_damping(chain) / chain.joint_stiffness
     if not highest:
         return 2.0 / damping.mass if damping.mass and record.damping == "explicit" else math.inf
-    # Implicit dampers only help, and the least of them for sure where no load adds to the springs.
-    if record.damping == "implicit" and not record.tendon_damping:
-        ratio = float(rates.min()) * highest / 2 if load == Load() else 0.0
-        supports = chain.support_stiffness
-        if np.any(np.isfinite(supports) & (supports > 0)):
-            ratio = min(ratio, damping.stiffness * highest / 2)
-        return stability_limit(record.name, ratio) / highest
+    if not record.stages:
+        stiffness, rate = _joint_matrices(chain, load, damping)
+        # As for the modes of a whole chain, joint by joint.
+        signs = np.full(len(rate), 1.0 if record.damping == "explicit" else -1.0)
+        last = 0 if is_turned(chain) else -1
+        if record.tendon_damping and (chain.held_angles[last] or np.any(chain.support_stiffness[last] > 0)):
+            signs[last] = 1.0
+        values, vectors = np.linalg.eigh(stiffness)
+        root = (vectors * np.sqrt(np.maximum(values, 0.0))[:, None, :]) @ np.swapaxes(vectors, 1, 2)
+        zero = np.zeros_like(root)
+        both = np.block([[signs[:, None, None] * rate, root], [root, zero]])
+        return 2.0 / float(np.linalg.eigvalsh(both)[:, -1].max())
     ratio = (damping.mass / highest + max(damping.stiffness, float(rates.max())) * highest) / 2
-    if record.stages:
-        # Every eigenvalue lies within this radius, and the least limit of all rays holds.
-        least = min(stability_limit(record.name, z) for z in np.linspace(0.0, 1.0, 101).tolist())
-        return least / (highest * (ratio + math.hypot(1.0, ratio)))
-    return 2.0 / (highest * (ratio + math.hypot(1.0, ratio)))
+    # Every eigenvalue lies within this radius, and the least limit of all rays holds.
+    least = min(stability_limit(record.name, z) for z in np.linspace(0.0, 1.0, 101).tolist())
+    return least / (highest * (ratio + math.hypot(1.0, ratio)))
 
 
 def taut_load(chain: Chain, load: Load) -> Load:
@@ -298,7 +302,13 @@ def highest_angular_frequency(chain: Chain, *, load: Load | None = None) -> floa
 
 
 def _joint_bound(chain: Chain, load: Load) -> float:
-    """Return the largest joint frequency, each joint's two pieces taken as free at their far tips.
+    """Return the largest joint frequency, each joint's two pieces taken as free at their far tips."""
+    stiffness, _ = _joint_matrices(chain, load, Damping())
+    return float(np.sqrt(np.linalg.eigvalsh(stiffness)[:, -1].max()))
+
+
+def _joint_matrices(chain: Chain, load: Load, damping: Damping) -> tuple[Array, Array]:
+    """Return stiffness and damping of each joint in coordinates of unit inertia, shape (hinges, 3, 3).
 
     In (deflection of the hinge, angle of the left piece, angle of the right piece) a piece with its centre of
     mass a beyond the hinge has mass m, first moment m a and inertia J + m a². A held piece keeps its angle.
@@ -308,9 +318,10 @@ def _joint_bound(chain: Chain, load: Load) -> float:
     joints = np.full(chain.pieces, 2.0)
     joints[[0, -1]] = 1.0
     held = np.array(chain.held_angles)
-    inertia, stiffness = np.zeros((2, chain.pieces - 1, 3, 3))
+    inertia, stiffness, rate = np.zeros((3, chain.pieces - 1, 3, 3))
     unit = chain.units.stiffness
     pull = np.where(held, 0.0, np.maximum(0.0, np.array(axial_pull(chain, load), dtype=np.float64)) * unit)
+    dampers = damping.joint_damping(chain)
     for side, pieces, arm in ((1, slice(None, -1), centre - length), (2, slice(1, None), centre)):
         share, free = 1 / joints[pieces], ~held[pieces]
         moment = (mass * arm)[pieces] * free
@@ -319,21 +330,25 @@ def _joint_bound(chain: Chain, load: Load) -> float:
         inertia[:, 0, side] = inertia[:, side, 0] = moment * share
         inertia[:, side, side] = np.where(free, turning * share, 1.0)
         stiffness[:, side, side] = (chain.joint_stiffness + pull[pieces] * share) * free
-    both = -chain.joint_stiffness * ~held[:-1] * ~held[1:]
-    stiffness[:, 1, 2] = stiffness[:, 2, 1] = both
+        rate[:, side, side] = dampers * free
+    free = ~held[:-1] * ~held[1:]
+    stiffness[:, 1, 2] = stiffness[:, 2, 1] = -chain.joint_stiffness * free
+    rate[:, 1, 2] = rate[:, 2, 1] = -dampers * free
     for joint, side, reach, (translation, rotation) in (
         (0, 1, -length[0], chain.support_stiffness[0]),
         (-1, 2, length[-1], chain.support_stiffness[1]),
     ):
-        tip = np.array([1.0, 0.0, 0.0])
+        tip, turn = np.array([1.0, 0.0, 0.0]), np.zeros(3)
         tip[side] = 0.0 if held[[0, -1][side - 1]] else reach
-        if np.isfinite(translation):
-            stiffness[joint] += translation * np.outer(tip, tip)
-        if np.isfinite(rotation):
-            stiffness[joint, side, side] += rotation
+        turn[side] = 1.0
+        for spring, row in ((translation, tip), (rotation, turn)):
+            if np.isfinite(spring):
+                stiffness[joint] += spring * np.outer(row, row)
+                rate[joint] += damping.stiffness * spring * np.outer(row, row)
+    rate += damping.mass * inertia
     lower = np.linalg.inv(np.linalg.cholesky(inertia))
-    local = lower @ stiffness @ np.swapaxes(lower, 1, 2)
-    return float(np.sqrt(np.linalg.eigvalsh(local)[:, -1].max()))
+    local, lost = (lower @ each @ np.swapaxes(lower, 1, 2) for each in (stiffness, rate))
+    return local, lost
 
 
 def step_constants(
