@@ -66,6 +66,7 @@ _HOME = {
     "Damping": "vibration.damping",
     "DivergedWarning": "dynamics.simulation",
     "UnsavedMotion": "dynamics.simulation",
+    "UnstableStepWarning": "dynamics.simulation",
     "ENDS": "problem.supports",
     "End": "problem.supports",
     "Equilibrium": "equilibrium.equilibria",
@@ -194,6 +195,7 @@ if TYPE_CHECKING:
     from beammodes.dynamics.initial_state import mode_start as mode_start
     from beammodes.dynamics.simulation import DivergedWarning as DivergedWarning
     from beammodes.dynamics.simulation import UnsavedMotion as UnsavedMotion
+    from beammodes.dynamics.simulation import UnstableStepWarning as UnstableStepWarning
     from beammodes.dynamics.simulation import simulate as simulate
     from beammodes.dynamics.superposition import modal_response as modal_response
     from beammodes.equations.numeric import compile_equations as compile_equations

@@ -5,9 +5,30 @@ from __future__ import annotations
 import difflib
 import math
 import numbers
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping, Set, Sized
+from itertools import islice
+from typing import Any
 
-__all__ = ["choice", "positive_real", "real", "row_shown", "shown", "small_fraction", "whole_number"]
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = [
+    "MAX_ITEMS",
+    "bounded",
+    "choice",
+    "flag",
+    "plain_array",
+    "positive_real",
+    "real",
+    "real_numbers",
+    "row_shown",
+    "shown",
+    "small_fraction",
+    "whole_number",
+]
+
+#: Numbers that a list or range may have: each is an object of Python's. Arrays may have more.
+MAX_ITEMS = 10**7
 
 _SHOWN_CHARACTERS = 60
 _SHOWN_NUMBERS = 6
@@ -104,6 +125,124 @@ def whole_number(name: str, value: object, *, least: int = 1, most: int | None =
     if number < least or (most is not None and number > most):
         raise ValueError(f"{name} must be {allowed}, got {shown(number)}")
     return number
+
+
+def flag(name: str, value: object) -> bool:
+    """Return `value` if it is True or False; raises TypeError for "no", 0, None and all else.
+
+    Examples
+    --------
+    >>> flag("force", True)
+    True
+    """
+    if not isinstance(value, bool | np.bool_):
+        raise TypeError(f"{name} must be True or False, got {shown(value)}")
+    return bool(value)
+
+
+def bounded(name: str, values: Iterable[Any], *, most: int = MAX_ITEMS) -> list[Any]:
+    """Return what an iterable yields, as a list; one that never ends is found out by its length.
+
+    Raises
+    ------
+    TypeError
+        If it is no iterable.
+    ValueError
+        If it has more than `most` values.
+
+    Examples
+    --------
+    >>> bounded("rules", ("naive", "gregory"), most=100)
+    ['naive', 'gregory']
+    """
+    _check_unmasked(name, values)
+    if isinstance(values, np.ndarray) and values.ndim == 0:
+        return [values.item()]
+    # Bytes are whole numbers to Python; a mapping stands for its names, not for numbers.
+    named = not isinstance(values, Mapping) or all(isinstance(key, str) for key in values)
+    if not isinstance(values, Iterable) or isinstance(values, str | bytes | bytearray) or not named:
+        raise TypeError(f"{name} must be a sequence of values, got {shown(values)}")
+    # A range of 10**9 knows its length; a generator must be asked.
+    if isinstance(values, Sized) and _length(values) > most:
+        raise ValueError(f"{name} must have at most {most} values, got {shown(values)}")
+    items = list(islice(values, most + 1))
+    if len(items) > most:
+        raise ValueError(f"{name} must have at most {most} values, got more from {shown(values)}")
+    return items
+
+
+def _check_unmasked(name: str, value: object) -> None:
+    if isinstance(value, np.ma.MaskedArray) and np.ma.is_masked(value):
+        raise ValueError(f"{name} must have no masked values, got {shown(value)}")
+
+
+def _length(values: Sized) -> float:
+    try:
+        return len(values)
+    except OverflowError:
+        return math.inf
+    except TypeError:
+        # An array without dimensions has no length; it is one value.
+        return 1
+
+
+def plain_array(name: str, value: Any) -> NDArray[Any]:
+    """Return integers, floats and complex numbers of an array as they are, all else as an array of objects.
+
+    Raises
+    ------
+    TypeError
+        If it is no regular array, but an iterator or a ragged list.
+    ValueError
+        If values of it are masked, or a list has more than `MAX_ITEMS` items.
+    """
+    _check_unmasked(name, value)
+    if not hasattr(value, "__array__"):
+        endless = isinstance(value, Iterable) and not isinstance(value, Sized | str | bytes)
+        if endless or isinstance(value, Mapping | Set):
+            raise TypeError(f"{name} must be an array or a list, got {shown(value)}")
+        if isinstance(value, Sized) and not isinstance(value, str | bytes) and _length(value) > MAX_ITEMS:
+            raise ValueError(f"{name} must have at most {MAX_ITEMS} values, got {shown(value)}")
+        if isinstance(value, list | tuple | range):
+            kinds = {int} if isinstance(value, range) else set(map(type, value))
+            array = np.asarray(value) if kinds in ({int}, {float}) else None
+            # Integers above 2**63 would become floats among smaller ones.
+            if array is not None and (array.dtype.kind in "iu" or kinds == {float}):
+                return array
+        try:
+            # As objects, items keep their types: NumPy takes b"3" for a number, and 2**63 for a float.
+            return np.asarray(value, dtype=object)
+        except ValueError:
+            raise TypeError(f"{name} must be one regular array, got {shown(value)}") from None
+    array = np.asarray(value)
+    return array if array.dtype.kind in "iufc" else array.astype(object)
+
+
+def real_numbers(name: str, value: Any) -> NDArray[np.float64]:
+    """Return finite real numbers as an array of floats, of the shape that they have.
+
+    Raises
+    ------
+    TypeError
+        If they are not real numbers in one regular array (text, bytes and bools are not).
+    ValueError
+        If one is not finite or masked.
+
+    Examples
+    --------
+    >>> real_numbers("time", [[0, 0.5]])
+    array([[0. , 0.5]])
+    """
+    array = plain_array(name, value)
+    if array.dtype.kind == "c":
+        raise TypeError(f"{name} must be real numbers, got {shown(value)}")
+    if array.dtype.kind == "O":
+        return np.array([real(name, item) for item in array.ravel()], dtype=np.float64).reshape(array.shape)
+    with np.errstate(over="ignore"):
+        found = array.astype(np.float64)
+    if not np.isfinite(found).all():
+        raise ValueError(f"{name} must be finite, got {shown(value)}")
+    return found
 
 
 def choice(name: str, value: object, allowed: Iterable[str]) -> str:

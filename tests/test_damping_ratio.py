@@ -15,7 +15,7 @@ from beammodes.chains.chain import Chain
 from beammodes.checks import shown
 from beammodes.dynamics.damping_ratio import damped_modes, joint_dampers
 from beammodes.dynamics.initial_state import mode_start
-from beammodes.dynamics.simulation import DivergedWarning, simulate
+from beammodes.dynamics.simulation import DivergedWarning, UnstableStepWarning, simulate
 from beammodes.problem.beam import Beam
 from beammodes.problem.loading import Load
 from beammodes.vibration.damping import Damping
@@ -275,6 +275,7 @@ def test_the_limit_decides_in_a_simulation(ratio: float) -> None:
     assert abs(steady.tip_deflection.values).max() < 2e-6 and steady.attrs["complete"] == 1
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", DivergedWarning)
+        warnings.simplefilter("ignore", UnstableStepWarning)
         wild = simulate(chain, duration=1500 * limit, step=1.02 * limit, **top)
     grown = abs(wild.tip_deflection.values[np.isfinite(wild.tip_deflection.values)]).max()
     assert wild.attrs["complete"] == 0 or grown > 1e3 * abs(steady.tip_deflection.values).max()

@@ -324,3 +324,31 @@ def test_remarks_on_a_body(on_segment: bool) -> None:
     assert remark.endswith(f": {error:+.4g} %")
     # Half a stub has one layout for both.
     assert bm.error_remarks(own, segments=12, mode=1, rule="half_stub") == ()
+
+
+def test_many_modes_are_sought_in_bounded_memory(monkeypatch: pytest.MonkeyPatch) -> None:
+    # Every N up to 40 times the highest mode is looked at, in all modes: 144,000 errors here.
+    import tracemalloc
+
+    from beammodes.accuracy import errors
+
+    whole = errors.segments_needed("clamped-free", 0.01, 60)
+    monkeypatch.setattr(errors, "_BLOCK", 6000)
+    tracemalloc.start()
+    needed = errors.segments_needed("clamped-free", 0.01, 60)
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    # Some twenty arrays of a block's errors; of all at once one alone would be 1.2 MB.
+    assert needed == whole and peak < 2e6
+    # The definition, one N at a time.
+    modes = np.arange(1, 61)
+    worst = [
+        np.abs(errors.frequency_error("clamped-free", segments=n, mode=modes)).max()
+        for n in range(needed - 1, 400)
+    ]
+    assert worst[0] > 0.01 or np.isnan(worst[0])
+    assert max(worst[1:]) <= 0.01
+    with pytest.raises(
+        ValueError, match="modes must be a whole number of at least 1 and at most 1000, got 1001"
+    ):
+        errors.segments_needed("clamped-free", 0.01, 1001)

@@ -7,6 +7,7 @@ import math
 import signal
 import subprocess
 import sys
+import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -27,7 +28,13 @@ from beammodes.dynamics.chain_state import base_vector
 from beammodes.dynamics.initial_state import mode_start
 from beammodes.dynamics.midpoint import implicit_midpoint, momentum_map
 from beammodes.dynamics.runge_kutta import runge_kutta
-from beammodes.dynamics.simulation import METHODS, DivergedWarning, simulate
+from beammodes.dynamics.simulation import (
+    METHODS,
+    DivergedWarning,
+    UnstableStepWarning,
+    _check_memory,
+    simulate,
+)
 from beammodes.equations.coordinates import coordinate_names
 from beammodes.problem.beam import Beam
 from beammodes.problem.loading import Load
@@ -808,7 +815,11 @@ def test_a_rate_without_numbers_stops_at_once_and_quietly(
 
 @pytest.mark.parametrize("method", METHODS)
 def test_a_motion_lasts_as_long_as_asked(method: str) -> None:
-    motion = simulate(CANTILEVER, duration=1.0, step=0.3, output_step=0.3, method=method)
+    with warnings.catch_warnings():
+        warnings.simplefilter(
+            "ignore", UnstableStepWarning
+        )  # at rest even a step that is too long stays there
+        motion = simulate(CANTILEVER, duration=1.0, step=0.3, output_step=0.3, method=method)
     # A fixed step ends the motion with the first step that reaches its duration.
     np.testing.assert_allclose(motion.time, [0.0, 0.3, 0.6, 0.9, 1.2 if method in FIXED else 1.0])
     with pytest.raises(ValueError, match=r"^step must not be longer than duration, 1\.0, got 1\.5"):
@@ -840,13 +851,73 @@ def test_an_interrupt_from_elsewhere_is_not_swallowed() -> None:
 def test_a_diverging_run_warns_and_keeps_what_came_before(factor: float) -> None:
     step = factor * stable_time_step(CANTILEVER)
     start = mode_start(CANTILEVER, 3, 0.01)
-    with pytest.warns(DivergedWarning, match="non-finite state after step"):
+    with (
+        pytest.warns(UnstableStepWarning, match="step must be at most"),
+        pytest.warns(DivergedWarning, match="non-finite state after step"),
+    ):
         motion = simulate(CANTILEVER, duration=400 * step, step=step, output_step=step, initial=start)
     assert motion.complete == 0 and motion.stopped.startswith("non-finite state after step")
     number = int(motion.stopped.split("step ")[1].split(",")[0])
     assert motion.time.size == number and 1 < number < 400
     assert np.isfinite(motion.q).all() and np.isfinite(motion.u).all()
     np.testing.assert_array_equal(motion.q[0], start[0])
+
+
+@pytest.mark.parametrize("method", FIXED)
+@pytest.mark.parametrize("ends", ["clamped-free", "pinned-free", "clamped-free(mass=0.5)", "clamped-pinned"])
+@pytest.mark.parametrize("load", [Load(), Load(axial_force=40.0)], ids=["plain", "pulled"])
+@pytest.mark.parametrize("damping", [None, Damping(joint=0.05)], ids=["undamped", "damped"])
+def test_a_step_beyond_the_limit_is_warned_of_before_the_run(
+    method: str, ends: str, load: Load, damping: Damping | None
+) -> None:
+    chain = Chain(Beam.unit(), ends, segments=4)
+    limit = stable_time_step(chain, method, load=load, damping=damping)
+    given = {"load": load, "damping": damping, "method": method}
+    step = 0.99 * limit if math.isfinite(limit) else 1.0
+    simulate(chain, duration=20 * step, step=step, **given)  # warnings are errors here
+    if math.isinf(limit):
+        return
+
+    def stop(_done: int, _whole: int) -> None:
+        raise InterruptedError("the run has begun")
+
+    message = f"step must be at most {limit:.6g} s for {method} to be stable on this chain, got"
+    with pytest.warns(UnstableStepWarning, match=message), pytest.raises(InterruptedError):
+        simulate(chain, duration=20 * limit, step=1.2 * limit, progress=stop, **given)
+
+
+def test_what_is_warned_of_is_growing_energy() -> None:
+    # The highest mode is multiplied by |R(iz)|, |R|² = 1 - z⁶/72 + z⁸/576, in each step of z = h ω.
+    step, z = 1.2 * stable_time_step(CANTILEVER), 1.2 * math.sqrt(8)
+    start = mode_start(CANTILEVER, 3, 1e-9)
+    with pytest.warns(UnstableStepWarning):
+        motion = simulate(CANTILEVER, duration=7 * step, step=step, output_step=step, initial=start)
+    growth = (1 - z**6 / 72 + z**8 / 576) ** 7
+    assert growth > 24_000
+    np.testing.assert_allclose(motion.energy[-1] / motion.energy[0], growth, rtol=1e-3)
+
+
+def test_a_hanging_chain_is_not_warned_of() -> None:
+    # Its weight stiffens it; only a pull along the straight chain is counted, not one it might come to feel.
+    chain, load = Chain(Beam(1.0, 1e-2, 1.0), "pinned-free", 6), Load(gravity=(0.0, -9.81))
+    step = 0.9 * stable_time_step(chain)
+    simulate(chain, duration=2 * step, step=step, load=load)
+
+
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("segments", [1, 30])
+def test_a_motion_that_memory_cannot_hold_is_refused_at_once(method: str, segments: int) -> None:
+    chain = Chain(Beam.unit(), "clamped-free", segments)
+    with pytest.raises(
+        ValueError, match=r"output_step must be at least [\d.e-]+ s: 1e\+09 output times of .* GiB"
+    ):
+        simulate(chain, duration=1e3, step=1e-6, output_step=1e-6, method=method)
+    with pytest.raises(ValueError, match="output_step must be at least") as caught:
+        simulate(chain, duration=1e8, step=1.0, output_step=1.0, method=method)
+    # What it says is enough: twice that takes half of the 4 GiB.
+    allowed = float(str(caught.value).split("at least ")[1].split(" s")[0])
+    assert 1.0 < allowed < 1e4
+    _check_memory(chain, 1e8, 1.01 * allowed)
 
 
 def test_midpoint_without_a_solution_is_no_result() -> None:

@@ -10,12 +10,18 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from beammodes.accuracy.errors import ToleranceOutOfReach, frequency_error, segments_needed, solved_grid
+from beammodes.accuracy.errors import (
+    MAX_MODES_SOUGHT,
+    ToleranceOutOfReach,
+    frequency_error,
+    segments_needed,
+    solved_grid,
+)
 from beammodes.accuracy.remarks import error_remarks
 from beammodes.accuracy.statics import LOADS, beam_statics, chain_statics
 from beammodes.chains.chain import Chain
 from beammodes.chains.rules import RULES, AnyRule, Layout, layout_of
-from beammodes.checks import shown, small_fraction, whole_number
+from beammodes.checks import bounded, shown, small_fraction, whole_number
 from beammodes.exact.beam_theory import euler_bernoulli
 from beammodes.problem.beam import Beam
 from beammodes.problem.ends import Boundary, BoundaryLike
@@ -32,6 +38,9 @@ __all__ = ["Recommendation", "recommend"]
 _LIMITED = tuple(
     name for name, each in INTEGRATORS.items() if each.springs == "explicit" and not each.variable_step
 )
+#: More rules than this are a mistake, or an iterable without an end.
+MAX_RULES = 1000
+
 #: A rule that needs more segments than this is not recommended: nobody would simulate the chain.
 MOST_SEGMENTS = 10_000
 
@@ -130,11 +139,13 @@ def recommend(
     gregory2 11 -0.0014
     """
     pair, unit = Boundary.of(boundary), Beam.unit() if beam is None else beam
+    modes = whole_number("modes", modes, most=MAX_MODES_SOUGHT)
     integrator = find_integrator(integrator, _LIMITED).name
     judge = _Judge.of(unit, pair, tolerance, modes)
     ways: list[Recommendation] = []
     refusal = ValueError("rules must name at least one rule, got none")
-    for record in [layout_of(rule) for rule in (RULES if rules is None else rules)]:
+    given = bounded("rules", RULES if rules is None else rules, most=MAX_RULES)
+    for record in [layout_of(rule) for rule in given]:
         try:
             count = judge.segments(record)
         except ToleranceOutOfReach as error:

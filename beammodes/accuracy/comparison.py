@@ -8,6 +8,7 @@ from contextlib import suppress
 import numpy as np
 from numpy.typing import NDArray
 
+from beammodes.accuracy.errors import MAX_MODES
 from beammodes.chains.chain import Chain
 from beammodes.checks import shown, whole_number
 from beammodes.exact.beam_theory import euler_bernoulli
@@ -70,7 +71,7 @@ def chain_errors(chain: Chain, modes: int = 3, *, load: Load | None = None) -> A
         raise TypeError(f"chain must be a Chain, got {shown(chain)}")
     if chain.beam is None:
         raise ValueError("chain must have a beam to be compared with; one from pieces has none")
-    count = whole_number("modes", modes)
+    count = whole_number("modes", modes, most=MAX_MODES)
     found = solve_modes(linearize(chain, load=load), count).angular_frequency
     errors = np.full(count, np.nan)
     if len(found):

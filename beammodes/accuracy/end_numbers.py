@@ -6,6 +6,7 @@ import math
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
 from fractions import Fraction
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -44,10 +45,10 @@ _ALL_UNITS = {
 }
 
 #: What may be a dimension, and its unit in a table for L = EI = ρA = 1.
-NUMBERS: dict[str, str] = {name: own for name, (own, _) in _ALL_UNITS.items()}
+NUMBERS: Mapping[str, str] = MappingProxyType({name: own for name, (own, _) in _ALL_UNITS.items()})
 
 #: The same in a table for a beam in any consistent units, here named as SI.
-BEAM_NUMBERS: dict[str, str] = {name: units for name, (_, units) in _ALL_UNITS.items()}
+BEAM_NUMBERS: Mapping[str, str] = MappingProxyType({name: units for name, (_, units) in _ALL_UNITS.items()})
 
 
 class EndNumbers:

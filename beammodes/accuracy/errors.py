@@ -25,6 +25,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "MAX_MODES",
+    "MAX_MODES_SOUGHT",
     "ToleranceOutOfReach",
     "errors_in_multiples",
     "frequency_error",
@@ -39,6 +40,13 @@ MAX_MODES = 100_000
 _LONGEST, _LONGEST_SOLVED = 10**5, 1000
 
 Array = NDArray[np.float64]
+
+
+#: For more modes N is not sought: every N up to 40 times the highest is looked at, in all modes.
+MAX_MODES_SOUGHT = 1000
+
+# Errors that are held at a time while N is sought.
+_BLOCK = 200_000
 
 
 class ToleranceOutOfReach(ValueError):
@@ -225,7 +233,7 @@ def segments_needed(
     tolerance : float
         Largest |e| allowed, as a fraction less than 0.5: 0.01 is one percent.
     modes : int
-        How many modes, from the first.
+        How many modes, from the first; at most 1000.
     rule : str, Rule or any Layout
     load : Load, optional
         Loads along the beam or of a turning hub, in the units of `beam`, which must then be given.
@@ -246,11 +254,21 @@ def segments_needed(
     """
     limit = small_fraction("tolerance", tolerance)
     ends, pull = looked_up(Boundary.of(boundary), load, beam)
-    record, mode = layout_of(rule), np.arange(1, whole_number("modes", modes, most=MAX_MODES) + 1)
+    record, mode = layout_of(rule), np.arange(1, whole_number("modes", modes, most=MAX_MODES_SOUGHT) + 1)
 
     def fails(count: NDArray[np.int64]) -> NDArray[np.bool_]:
         error = errors_in_multiples(ends, count[:, None], mode, record, pull)
         return np.asarray(~(np.abs(error) <= limit).all(axis=1))
+
+    def last_on(grid: NDArray[np.int64]) -> int:
+        """Return the place of the largest N that fails, or -1; in blocks, from the largest N on."""
+        size = max(1, _BLOCK // len(mode))
+        for stop in range(len(grid), 0, -size):
+            start = max(0, stop - size)
+            failing = np.flatnonzero(fails(grid[start:stop]))
+            if len(failing):
+                return start + int(failing[-1])
+        return -1
 
     exact = getattr(record, "exact_modes", None)
     if exact is not None:
@@ -269,15 +287,15 @@ def segments_needed(
             if (closed or along) and pull.is_axial
             else solved_grid(len(mode))
         )
-    failing = np.flatnonzero(fails(grid))
-    if not len(failing):
+    failing = last_on(grid)
+    if failing < 0:
         return int(grid[0])
-    if failing[-1] == len(grid) - 1:
+    if failing == len(grid) - 1:
         raise ToleranceOutOfReach(
             f"tolerance must be larger: with rule {record.name}, {ends.name} and {len(mode)} modes no chain "
             f"of up to {grid[-1]} segments stays within {shown(tolerance)}"
         )
-    return last_failing(fails, int(grid[failing[-1]]), int(grid[failing[-1] + 1])) + 1
+    return last_failing(fails, int(grid[failing]), int(grid[failing + 1])) + 1
 
 
 def solved_grid(modes: int) -> NDArray[np.int64]:

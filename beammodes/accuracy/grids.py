@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from beammodes.chains.rules import Layout, layout_of
-from beammodes.checks import shown, whole_number
+from beammodes.checks import bounded, shown, whole_number
 from beammodes.closed_form.lookup import MAX_SEGMENTS
 from beammodes.problem.ends import Boundary, is_pair
 
@@ -17,7 +17,10 @@ if TYPE_CHECKING:
     from beammodes.chains.chain import Chain
     from beammodes.problem.beam import Beam
 
-__all__ = ["ChainGrid", "last_failing", "listed", "segment_grid", "stands_alone"]
+__all__ = ["MAX_VALUES", "ChainGrid", "last_failing", "listed", "segment_grid", "stands_alone"]
+
+#: Values of one axis of a table: each is looked at by itself.
+MAX_VALUES = 10**6
 
 
 def stands_alone(value: Any, single: tuple[type, ...]) -> bool:
@@ -43,14 +46,14 @@ def listed(name: str, value: Any, single: tuple[type, ...]) -> list[Any]:
     Raises
     ------
     ValueError
-        If it is empty.
+        If it is empty, or has more than `MAX_VALUES`.
 
     Examples
     --------
     >>> listed("rule", "naive", (str,)), listed("segments", range(3), (str,))
     (['naive'], [0, 1, 2])
     """
-    items = [value] if stands_alone(value, single) else list(value)
+    items = [value] if stands_alone(value, single) else bounded(name, value, most=MAX_VALUES)
     if not items:
         raise ValueError(f"{name} must name at least one value, got none")
     return items

@@ -43,7 +43,9 @@ from beammodes.chains.quadrature import CANCELLED, HIGHEST_ORDER
 from beammodes.chains.rules import RuleLike, RuleMaker, rule_named
 from beammodes.checks import positive_real, whole_number
 from beammodes.closed_form.discretization import relative_error
+from beammodes.closed_form.lookup import MAX_SEGMENTS
 from beammodes.exact.exact_beam import BeamModes, plain_modes
+from beammodes.exact.wavenumbers import whole_numbers
 from beammodes.problem.beam import Beam
 from beammodes.problem.ends import Boundary, BoundaryLike
 
@@ -73,7 +75,8 @@ class ErrorLaw:
         >>> print(error_law("clamped-free", 1, "mitiguy").at(100).round(9))
         -1.255e-05
         """
-        return self.coefficient / np.asarray(segments, dtype=float) ** self.order
+        counts = whole_numbers("segments", segments, most=MAX_SEGMENTS)
+        return np.asarray(self.coefficient / counts.astype(np.float64) ** self.order)
 
     def __repr__(self) -> str:
         return f"ErrorLaw(e ~ {self.coefficient:.6g} / N**{self.order})"

@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from fractions import Fraction
+from types import MappingProxyType
 from typing import NamedTuple
 
 from beammodes.chains.pieces import Number
@@ -21,7 +22,7 @@ __all__ = ["LENGTHS", "LOADS", "Loads", "Response", "Statics", "at_tip", "unit_l
 Loads = tuple[Fraction, Fraction, Fraction]
 
 # The power of a length in the rotation that a load causes; deflections have one more.
-LENGTHS = {"tip_force": 1, "tip_moment": 0, "uniform_load": 2}
+LENGTHS = MappingProxyType({"tip_force": 1, "tip_moment": 0, "uniform_load": 2})
 
 #: The loads: a force or a moment at the tip, or a load spread evenly over the whole length.
 LOADS: tuple[str, ...] = tuple(LENGTHS)

@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 from beammodes.accuracy.grids import ChainGrid
 from beammodes.chains.chain import MAX_PIECES, Chain
 from beammodes.chains.rules import AnyRule
-from beammodes.checks import shown, whole_number
+from beammodes.checks import real_numbers, shown, whole_number
 from beammodes.exact.beam_theory import euler_bernoulli
 from beammodes.problem.ends import BoundaryLike
 from beammodes.vibration.linear import linearize
@@ -173,20 +173,13 @@ def _deviations(chain: Chain, modes: int) -> Array:
 
 
 def _array(name: str, value: ArrayLike, *dimensions: int) -> Array:
-    try:
-        array = np.asarray(value)
-    except ValueError:
-        raise TypeError(f"{name} must be one regular array of real numbers, got {shown(value)}") from None
-    if array.dtype.kind not in "iuf":
-        raise TypeError(f"{name} must be an array of real numbers, got {shown(value)}")
+    array = real_numbers(name, value)
     if array.ndim not in dimensions or not array.size:
         allowed = " or ".join(map(str, dimensions))
         raise ValueError(
             f"{name} must have {allowed} dimensions and entries in them, got shape {array.shape}"
         )
-    if not np.isfinite(array).all():
-        raise ValueError(f"{name} must be finite, got {array[~np.isfinite(array)][0]}")
-    return array.astype(np.float64)
+    return array
 
 
 def _mass(mass: ArrayLike | None, nodes: int) -> Array:

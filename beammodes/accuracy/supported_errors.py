@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from beammodes.chains.axial_rule import AxiallyCorrected
 from beammodes.chains.rules import AnyRule, Layout, Rule, RuleMaker, layout_of
-from beammodes.checks import whole_number
+from beammodes.checks import bounded, whole_number
 from beammodes.closed_form.lookup import MAX_SEGMENTS
 from beammodes.exact.wavenumbers import whole_numbers
 from beammodes.problem.beam import Beam
@@ -43,8 +43,8 @@ def supported_errors(
     >>> round(supported_errors("clamped-free(mass=1)", 10, 1, "mitiguy", Load()), 6)
     -0.000213
     """
-    pairs, which = _objects(with_pairs_read(boundary), (str, Boundary), Boundary.of)
-    records, chosen = _objects(rule, (str, Layout), layout_of)
+    pairs, which = _objects("boundary", with_pairs_read(boundary), (str, Boundary), Boundary.of)
+    records, chosen = _objects("rule", rule, (str, Layout), layout_of)
     counts = whole_numbers("segments", segments, most=MAX_SEGMENTS)
     modes = whole_numbers("mode", mode, most=MAX_SUPPORTED_MODE)
     which, chosen, counts, modes = np.broadcast_arrays(which, chosen, counts, modes)
@@ -131,11 +131,13 @@ def beam_frequencies(boundary: Boundary, modes: int, load: Load) -> Floats:
     return euler_bernoulli(Beam.unit(), boundary, whole_number("modes", modes), load=load).angular_frequency
 
 
-def _objects(value: Any, single: tuple[type, ...], read: Any) -> tuple[list[Any], NDArray[np.intp]]:
+def _objects(
+    name: str, value: Any, single: tuple[type, ...], read: Any
+) -> tuple[list[Any], NDArray[np.intp]]:
     """Return what an array of names or records stands for, and indices into it of the array's shape."""
     if isinstance(value, single) or not isinstance(value, Iterable):
         return [read(value)], np.asarray(0)
-    items = np.asarray(value if isinstance(value, np.ndarray) else list(value), dtype=object)
+    items = np.asarray(value if isinstance(value, np.ndarray) else bounded(name, value), dtype=object)
     found: dict[Any, int] = {}
     index = [found.setdefault(read(item), len(found)) for item in items.ravel()]
     return list(found), np.array(index, dtype=np.intp).reshape(items.shape)

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from beammodes.accuracy.end_numbers import in_beam_units
 from beammodes.accuracy.tolerances import Tolerance, dimensions_of, given_tolerances
-from beammodes.checks import positive_real, real, shown, whole_number
+from beammodes.checks import bounded, positive_real, real, shown, whole_number
 from beammodes.exact.beam_theory import euler_bernoulli
 from beammodes.problem.beam import Beam
 from beammodes.problem.ends import Boundary, BoundaryLike
@@ -28,6 +28,7 @@ __all__ = ["MAX_MODES", "MAX_SAMPLES", "frequency_spread"]
 #: More samples than this would be a mistake: the third digit of a band takes a hundredth of them.
 MAX_SAMPLES = 1_000_000
 MAX_MODES = 100
+MAX_QUANTILES = 10_000
 #: Relative step of the differences that give the sensitivities.
 _STEP = 1e-4
 _BAND = (0.025, 0.975)
@@ -107,6 +108,8 @@ def frequency_spread(
     ends, count = Boundary.of(boundary), whole_number("samples", samples, least=100, most=MAX_SAMPLES)
     levels, wanted = _levels(quantiles), whole_number("modes", modes, most=MAX_MODES)
     generator = np.random.default_rng(whole_number("seed", seed, least=0))
+    if progress is not None and not callable(progress):
+        raise TypeError(f"progress must be a function or None, got {shown(progress)}")
     factors = {name: part.factors(generator, count) for name, part in given.items()}
 
     def frequencies(changed: dict[str, float]) -> Array:
@@ -140,7 +143,7 @@ def _beam(section: Section, values: Mapping[str, float]) -> Beam:
 def _levels(quantiles: Any) -> list[float]:
     if isinstance(quantiles, str) or not isinstance(quantiles, Iterable):
         raise TypeError(f"quantiles must be numbers between 0 and 1, got {shown(quantiles)}")
-    levels = [real("quantiles", level) for level in quantiles]
+    levels = [real("quantiles", level) for level in bounded("quantiles", quantiles, most=MAX_QUANTILES)]
     if not levels or not all(0.0 <= level <= 1.0 for level in levels):
         raise ValueError(f"quantiles must be numbers between 0 and 1, got {shown(levels)}")
     return levels

@@ -7,6 +7,7 @@ import math
 import types
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -17,12 +18,15 @@ from beammodes.accuracy.static_errors import STATIC_QUANTITIES, chain_static_err
 from beammodes.batch.cases import Case, Cases
 from beammodes.batch.running_code import running_code
 from beammodes.batch.study_axes import AXES
-from beammodes.checks import choice, shown
+from beammodes.checks import bounded, choice, shown
 from beammodes.vibration.stability import highest_angular_frequency, stable_time_step
 
 __all__ = ["DIMENSIONS", "QUANTITIES", "REASON", "Quantity", "quantities_of"]
 
 Floats = NDArray[np.float64]
+
+#: More quantities of one study are a mistake.
+MAX_QUANTITIES = 1000
 
 #: Dimensions of a study's dataset and of a chunk's file that are no axes.
 DIMENSIONS = ("point", "sample", "case")
@@ -126,62 +130,64 @@ _SPIN, _LOADS = ("spin_rate",), ("axial_force", "spin_rate")
 _RATE, _FORCE = ("rad / s", "sqrt(EI / (rhoA L^4))"), ("N", "EI / L^2")
 
 #: The quantities of this package, by name.
-QUANTITIES: dict[str, Quantity] = {
-    quantity.name: quantity
-    for quantity in (
-        Quantity(
-            "relative_error",
-            "relative frequency error of the chain",
-            *("1", "1"),
-            _relative_error,
-            per_mode=True,
-            closed_form=True,
-        ),
-        Quantity(
-            "angular_frequency",
-            "angular frequency of the chain",
-            *_RATE,
-            _angular_frequency,
-            per_mode=True,
-            closed_form=True,
-        ),
-        Quantity(
-            "exact_angular_frequency",
-            "angular frequency of the Euler-Bernoulli beam",
-            *_RATE,
-            _exact_angular_frequency,
-            per_mode=True,
-            closed_form=True,
-        ),
-        Quantity(
-            "highest_angular_frequency", "highest angular frequency of the chain", *_RATE, _Own(_highest)
-        ),
-        Quantity(
-            "stable_time_step",
-            "largest stable fixed step of the chain",
-            *("s", "sqrt(rhoA L^4 / EI)"),
-            _Own(_time_step),
-        ),
-        *(
-            Quantity(name, long_name, *units, _Own(function), uncounted=_SPIN)
-            for name, long_name, units, function in (
-                ("buckling_load", "buckling load of the chain", _FORCE, _chain_buckling),
-                ("exact_buckling_load", "buckling load of the beam", _FORCE, _beam_buckling),
-                ("buckling_error", "relative error of the buckling load", ("1", "1"), _buckling_error),
-            )
-        ),
-        *(
+QUANTITIES: Mapping[str, Quantity] = MappingProxyType(
+    {
+        quantity.name: quantity
+        for quantity in (
             Quantity(
-                f"{name}_error",
-                f"relative error of the chain's static {name.replace('_', ' ')}",
+                "relative_error",
+                "relative frequency error of the chain",
                 *("1", "1"),
-                _StaticError(place),
-                uncounted=_LOADS,
-            )
-            for place, name in enumerate(STATIC_QUANTITIES)
-        ),
-    )
-}
+                _relative_error,
+                per_mode=True,
+                closed_form=True,
+            ),
+            Quantity(
+                "angular_frequency",
+                "angular frequency of the chain",
+                *_RATE,
+                _angular_frequency,
+                per_mode=True,
+                closed_form=True,
+            ),
+            Quantity(
+                "exact_angular_frequency",
+                "angular frequency of the Euler-Bernoulli beam",
+                *_RATE,
+                _exact_angular_frequency,
+                per_mode=True,
+                closed_form=True,
+            ),
+            Quantity(
+                "highest_angular_frequency", "highest angular frequency of the chain", *_RATE, _Own(_highest)
+            ),
+            Quantity(
+                "stable_time_step",
+                "largest stable fixed step of the chain",
+                *("s", "sqrt(rhoA L^4 / EI)"),
+                _Own(_time_step),
+            ),
+            *(
+                Quantity(name, long_name, *units, _Own(function), uncounted=_SPIN)
+                for name, long_name, units, function in (
+                    ("buckling_load", "buckling load of the chain", _FORCE, _chain_buckling),
+                    ("exact_buckling_load", "buckling load of the beam", _FORCE, _beam_buckling),
+                    ("buckling_error", "relative error of the buckling load", ("1", "1"), _buckling_error),
+                )
+            ),
+            *(
+                Quantity(
+                    f"{name}_error",
+                    f"relative error of the chain's static {name.replace('_', ' ')}",
+                    *("1", "1"),
+                    _StaticError(place),
+                    uncounted=_LOADS,
+                )
+                for place, name in enumerate(STATIC_QUANTITIES)
+            ),
+        )
+    }
+)
 
 
 def quantities_of(compute: object) -> tuple[Quantity, ...]:
@@ -199,7 +205,7 @@ def quantities_of(compute: object) -> tuple[Quantity, ...]:
     """
     if isinstance(compute, str) or not isinstance(compute, Iterable):
         return quantities_of([compute])
-    found = [_quantity(item) for item in compute]
+    found = [_quantity(item) for item in bounded("compute", compute, most=MAX_QUANTITIES)]
     if not found:
         raise ValueError("compute must name at least one quantity, got none")
     names = [quantity.name for quantity in found]

@@ -172,7 +172,10 @@ class Study:
         >>> round(float(omega.std() / omega.mean()), 3), omega.units            # ω is proportional to height
         (0.01, 'rad / s')
         """
-        size, key = whole_number("count", count), whole_number("seed", seed, least=0, most=2**64 - 1)
+        size, key = (
+            whole_number("count", count, most=MAX_CASES),
+            whole_number("seed", seed, least=0, most=2**64 - 1),
+        )
         random = {name: value for name, value in axes.items() if isinstance(value, Normal | Uniform)}
         if not random:
             raise ValueError("sampled must have an axis with a distribution, Normal or Uniform, got none")
@@ -298,7 +301,9 @@ def _made(axes: tuple[Axis, ...], compute: Any, chunk: int | None) -> Study:
     axes = canonical(axes)
     named = {axis.name: axis for axis in axes}
     check_complete(named, quantities)
-    size = _default_chunk(named, quantities) if chunk is None else whole_number("chunk", chunk)
+    size = (
+        _default_chunk(named, quantities) if chunk is None else whole_number("chunk", chunk, most=MAX_CASES)
+    )
     study = Study(axes, quantities, size)
     if study.size > MAX_CASES:
         raise ValueError(f"axes must make at most {MAX_CASES:.0e} cases, got {study.size:.3g}")

@@ -9,7 +9,7 @@ import sys
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from functools import cached_property, partial
-from itertools import islice
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -30,16 +30,15 @@ from beammodes.vibration.integrators import INTEGRATORS
 __all__ = ["AXES", "SECTIONS", "Axis", "AxisKind", "axis_values", "dimensions_of"]
 
 #: The sections of given dimensions, by name.
-SECTIONS: dict[str, Callable[..., Any]] = {
-    "rectangle": Rectangle,
-    "circle": Circle,
-    "tube": Tube,
-    "box": Box,
-    "i_section": ISection,
-}
-
-#: Of one axis: they are all written into the study's definition. A sampled axis may have more.
-MAX_VALUES = 10**6
+SECTIONS: Mapping[str, Callable[..., Any]] = MappingProxyType(
+    {
+        "rectangle": Rectangle,
+        "circle": Circle,
+        "tube": Tube,
+        "box": Box,
+        "i_section": ISection,
+    }
+)
 
 _ANY_ENDS = Boundary.of("free-free")
 
@@ -113,29 +112,33 @@ _BEAM = {
 }
 
 #: Everything that may be an axis.
-AXES: dict[str, AxisKind] = {
-    "boundary": AxisKind(Boundary.of, "ends of the beam", single=(str, tuple, Boundary)),
-    "rule": AxisKind(layout_of, "discretization rule", single=(str, Layout)),
-    "segments": _whole("segments", "number of rigid segments", MAX_SEGMENTS),
-    "mode": _whole("mode", "elastic mode", MAX_MODE),
-    **{
-        name: AxisKind(
-            partial(_end_number, name),
-            name.replace("_", " "),
-            BEAM_NUMBERS[name],
-            units,
-        )
-        for name, units in NUMBERS.items()
-    },
-    "plane": _word("plane", PLANES),
-    "section": _word("section", SECTIONS),
-    **{
-        name: AxisKind(partial(positive_real, name), name.replace("_", " "), units, units)
-        for name, units in _BEAM.items()
-    },
-    "static_load": _word("static_load", LOADS),
-    "integrator": _word("integrator", [name for name, each in INTEGRATORS.items() if not each.variable_step]),
-}
+AXES: Mapping[str, AxisKind] = MappingProxyType(
+    {
+        "boundary": AxisKind(Boundary.of, "ends of the beam", single=(str, tuple, Boundary)),
+        "rule": AxisKind(layout_of, "discretization rule", single=(str, Layout)),
+        "segments": _whole("segments", "number of rigid segments", MAX_SEGMENTS),
+        "mode": _whole("mode", "elastic mode", MAX_MODE),
+        **{
+            name: AxisKind(
+                partial(_end_number, name),
+                name.replace("_", " "),
+                BEAM_NUMBERS[name],
+                units,
+            )
+            for name, units in NUMBERS.items()
+        },
+        "plane": _word("plane", PLANES),
+        "section": _word("section", SECTIONS),
+        **{
+            name: AxisKind(partial(positive_real, name), name.replace("_", " "), units, units)
+            for name, units in _BEAM.items()
+        },
+        "static_load": _word("static_load", LOADS),
+        "integrator": _word(
+            "integrator", [name for name, each in INTEGRATORS.items() if not each.variable_step]
+        ),
+    }
+)
 
 
 @dataclass(frozen=True)
@@ -238,10 +241,6 @@ def axis_values(name: str, value: Any) -> tuple[tuple[Any, ...], bool]:
 def _items(name: str, value: Any, kind: AxisKind) -> list[Any]:
     if isinstance(value, np.ndarray | np.generic):
         value = value.tolist()
-    if not stands_alone(value, kind.single):
-        value = list(islice(value, MAX_VALUES + 1))
-        if len(value) > MAX_VALUES:
-            raise ValueError(f"{name} must have at most {MAX_VALUES} values, got more")
     return listed(name, value, kind.single)
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import operator
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping, Set
 from dataclasses import dataclass, replace
 from fractions import Fraction
 
@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from beammodes.chains.repeated import each_once
-from beammodes.checks import real, shown, whole_number
+from beammodes.checks import bounded, real, shown, whole_number
 
 __all__ = ["MAX_PIECES", "Body", "Number", "Pieces", "check_pieces", "check_turning", "piece_numbers"]
 
@@ -109,13 +109,14 @@ class Pieces:
 
 def piece_numbers(name: str, values: Iterable[Number] | NDArray[np.float64]) -> tuple[Number, ...]:
     """Return numbers of pieces or hinges as given, fractions kept, arrays as floats."""
-    if isinstance(values, np.ndarray):
+    if isinstance(values, np.ndarray) and not isinstance(values, np.ma.MaskedArray):
         if values.dtype.kind not in "fiu" or values.ndim != 1 or not np.isfinite(values).all():
             raise ValueError(f"{name} must be a one-dimensional array of finite numbers, got {shown(values)}")
         return tuple(values.astype(float).tolist())
-    if isinstance(values, str | bytes) or not isinstance(values, Iterable):
+    if isinstance(values, str | bytes | Mapping | Set) or not isinstance(values, Iterable):
         raise TypeError(f"{name} must be a sequence of numbers, got {shown(values)}")
-    return tuple(_number(f"{name}[{i}]", value) for i, value in enumerate(values))
+    items = bounded(name, values, most=MAX_PIECES)
+    return tuple(_number(f"{name}[{i}]", value) for i, value in enumerate(items))
 
 
 def _number(name: str, value: Number) -> Number:

@@ -24,8 +24,9 @@ from typing import Any, Protocol, runtime_checkable
 import numpy as np
 from numpy.typing import NDArray
 
+from beammodes.chains.pieces import MAX_PIECES
 from beammodes.chains.quadrature import HIGHEST_ORDER, end_defects, end_order
-from beammodes.checks import shown
+from beammodes.checks import shown, whole_number
 from beammodes.problem.ends import Boundary, End
 from beammodes.problem.loading import Load, checked_load
 
@@ -228,26 +229,31 @@ class Rule:
         An end that can bend the beam acts on a piece of its own: of length zero where the hinge is at
         the wall. An end without moment (pinned, free, a point mass) acts on the outermost rod.
         """
-        one = Fraction(1)
+        one, pair, count = Fraction(1), Boundary.of(boundary), _segments(segments)
         if self.stub == _HALF:
-            return [_HALF, *[one] * (segments - 1), _HALF]
+            return [_HALF, *[one] * (count - 1), _HALF]
         at_wall = [] if self.stub else [Fraction(0)]
-        left = at_wall if boundary.left.statics in ("clamped", "guided") else []
-        right = at_wall if boundary.right.statics in ("clamped", "guided") else []
-        return [*left, *[one] * segments, *right]
+        left = at_wall if pair.left.statics in ("clamped", "guided") else []
+        right = at_wall if pair.right.statics in ("clamped", "guided") else []
+        return [*left, *[one] * count, *right]
 
     def hinge_weights(self, boundary: Boundary, segments: int, *, size: int | None = None) -> list[Fraction]:
         """Return the flexibility weights of the chain's hinges, left to right.
 
         With `size`, end weights that depend on N are those of a chain of so many segments.
         """
-        count = len(self.piece_lengths(boundary, segments)) - 1
+        pair, count = Boundary.of(boundary), len(self.piece_lengths(boundary, segments)) - 1
         weights = [Fraction(1)] * count
-        whole = Fraction(segments if size is None else size)
-        for end, indices in ((boundary.left, range(count)), (boundary.right, range(count - 1, -1, -1))):
+        # A NumPy integer in a fraction would overflow.
+        whole = Fraction(int(segments) if size is None else whole_number("size", size))
+        for end, indices in ((pair.left, range(count)), (pair.right, range(count - 1, -1, -1))):
             for j, weight in zip(indices, self.end_weights(end), strict=False):
                 weights[j] += weight.at(whole) - 1
         return weights
+
+
+def _segments(segments: object) -> int:
+    return whole_number("segments", segments, most=MAX_PIECES)
 
 
 def _exact(name: str, value: Exact) -> Fraction:

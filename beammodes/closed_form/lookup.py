@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from beammodes.chains.rules import Rule, RuleLike, rule_named
+from beammodes.checks import bounded
 from beammodes.closed_form.uniform import UniformChains, uniform_chains
 from beammodes.exact.wavenumbers import whole_numbers
 from beammodes.problem.ends import BOUNDARIES, Boundary, BoundaryLike, boundary_codes, with_pairs_read
@@ -76,7 +77,7 @@ def _rule_codes(rule: Rules) -> tuple[list[Rule], NDArray[np.intp]]:
     """Return rules, and indices into them of the shape of `rule`."""
     if isinstance(rule, str | Rule):
         return [rule_named(rule)], np.asarray(0)
-    items, which = _distinct(rule)
+    items, which = _distinct("rule", rule)
     return [rule_named(item) for item in items], which
 
 
@@ -85,16 +86,17 @@ def _boundary_codes(boundary: Boundaries) -> NDArray[np.intp]:
     boundary = with_pairs_read(boundary)
     if isinstance(boundary, str | Boundary):
         return boundary_codes(boundary)
-    items, which = _distinct(boundary)
+    items, which = _distinct("boundary", boundary)
     return np.array([int(boundary_codes(item)) for item in items], dtype=np.intp)[which]
 
 
-def _distinct(value: Any) -> tuple[list[Any], NDArray[np.intp]]:
+def _distinct(name: str, value: Any) -> tuple[list[Any], NDArray[np.intp]]:
     """Return the distinct objects of an array, told apart by identity, and indices into them."""
     if isinstance(value, np.ndarray) and value.dtype.kind == "U":
         names, which = np.unique(value, return_inverse=True)
         return [str(name) for name in names], which.reshape(value.shape)
-    items = np.asarray(value, dtype=object)
+    several = isinstance(value, Iterable) and not isinstance(value, np.ndarray)
+    items = np.asarray(bounded(name, value) if several else value, dtype=object)
     flat = items.ravel().tolist()
     identity = np.fromiter(map(id, flat), dtype=np.int64, count=len(flat))
     _, first, which = np.unique(identity, return_index=True, return_inverse=True)

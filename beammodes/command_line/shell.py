@@ -10,7 +10,7 @@ import sys
 import threading
 import traceback
 import warnings
-from types import FrameType
+from types import FrameType, MappingProxyType
 from typing import Any, TextIO
 
 __all__ = [
@@ -34,13 +34,15 @@ __all__ = [
 NOT_MET, NO_ANSWER, FAULT, INTERRUPTED = 1, 2, 3, 130
 
 #: The contract: what each exit code says, and nothing else says.
-EXIT_CODES = {
-    0: "done",
-    NOT_MET: "audit: the tolerance is not met",
-    NO_ANSWER: "no answer: bad input, or an answer that cannot be written, told in one line",
-    FAULT: "a fault of this program, not of the input",
-    INTERRUPTED: "interrupted by Ctrl-C",
-}
+EXIT_CODES = MappingProxyType(
+    {
+        0: "done",
+        NOT_MET: "audit: the tolerance is not met",
+        NO_ANSWER: "no answer: bad input, or an answer that cannot be written, told in one line",
+        FAULT: "a fault of this program, not of the input",
+        INTERRUPTED: "interrupted by Ctrl-C",
+    }
+)
 
 # How a character is written where the encoding lacks it; all others become escapes such as \u2603.
 _SPELLED = """

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from beammodes.checks import positive_real, real, shown
+from beammodes.checks import positive_real, real, real_numbers, shown
 
 __all__ = ["BaseMotion", "Course", "at_rest", "harmonic", "spin_up"]
 
@@ -82,7 +82,7 @@ class BaseMotion:
         ValueError
             If a course does not give three finite arrays of the shape of `time`.
         """
-        t = np.asarray(time, dtype=np.float64)
+        t = real_numbers("time", time)
         origin = [self._course(name, t) for name in ("x", "y", "angle")]
         phi, rate, acceleration = origin[2]
         out, side = np.array([np.cos(phi), np.sin(phi)]), np.array([-np.sin(phi), np.cos(phi)])

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from beammodes.chains.chain import Chain
-from beammodes.checks import real, shown, whole_number
+from beammodes.checks import bounded, real, real_numbers, shown, whole_number
 from beammodes.dynamics.base_motion import BaseMotion
 from beammodes.dynamics.chain_state import base_vector
 from beammodes.dynamics.runge_kutta import projection
@@ -68,9 +68,10 @@ def initial_state(chain: Chain, initial: Any, base: BaseMotion) -> State:
         q = np.asarray(initial.coordinates, dtype=np.float64)
     elif initial is not None:
         try:
-            q, u = (np.array(part, dtype=np.float64) for part in initial)
+            q, u = bounded("initial", initial, most=2)
         except (TypeError, ValueError):
             raise TypeError(f"initial must be coordinates and speeds, got {shown(initial)}") from None
+        q, u = real_numbers("coordinates in initial", q), real_numbers("speeds in initial", u)
     for part in (q, u):
         if part.shape != (len(names),) or not np.isfinite(part).all():
             raise ValueError(f"initial must be finite numbers for {', '.join(names)}, got {shown(part)}")

@@ -29,7 +29,7 @@ from beammodes.vibration.stability import stable_time_step
 if TYPE_CHECKING:
     import xarray
 
-__all__ = ["METHODS", "DivergedWarning", "UnsavedMotion", "simulate"]
+__all__ = ["METHODS", "DivergedWarning", "UnsavedMotion", "UnstableStepWarning", "simulate"]
 
 #: Classical fixed-step Runge-Kutta, the implicit midpoint rule, and variable-step Runge-Kutta pairs of order
 #: 5(4) and 8(5,3), for which the step is the largest one and the one of output: the report's recipe.
@@ -37,6 +37,13 @@ METHODS: tuple[str, ...] = tuple(name for name, record in INTEGRATORS.items() if
 
 #: How many output times a run has unless told otherwise.
 OUTPUTS = 1000
+
+#: A motion that takes more memory is refused [bytes].
+MAX_MEMORY = 4 * 2**30
+
+# Numbers of 8 bytes that are held for each output time: for each piece, and for all of them. A
+# motion of 60 segments was measured to take 19 for each segment while its dataset is made.
+_FOR_SEGMENT, _FOR_TIME = 20, 40
 
 
 class DivergedWarning(UserWarning):
@@ -53,6 +60,10 @@ class UnsavedMotion(OSError):
     """
 
     motion: xarray.Dataset
+
+
+class UnstableStepWarning(UserWarning):
+    """A fixed step is longer than the longest at which the chain's small motions stay bounded."""
 
 
 def simulate(
@@ -87,7 +98,8 @@ def simulate(
         with the damping and with the pull of loads and base; the largest one of a variable-step method, by
         default that of output.
     output_step : float [s], optional
-        Between output times, rounded to whole steps; a thousandth of the duration by default.
+        Between output times, rounded to whole steps; a thousandth of the duration by default. The motion is
+        held in memory, and refused if it takes more than 4 GiB.
     initial : pair of arrays, or Equilibrium, optional
         Coordinates and speeds (in the order of `coordinate_names`), or a shape to start from at rest;
         straight and at rest with the base by default. `mode_start` gives a mode.
@@ -119,6 +131,9 @@ def simulate(
     -----
     DivergedWarning
         If the state is no longer finite.
+    UnstableStepWarning
+        Before a run whose fixed `step` is longer than `stable_time_step` of the chain with its damping and
+        axial pull: its energy grows, also where no number overflows.
 
     Raises
     ------
@@ -163,6 +178,15 @@ def simulate(
             f"duration must be shorter, or step longer: {span / longest:.2g} steps of {longest:.3g} s"
         )
     every = max(1, round(min(shown_step, span) / longest))
+    _check_memory(chain, span, longest * every)
+    if step is not None and not INTEGRATORS[kind].variable_step:
+        taut = Load(axial_force=max(0.0, float(given.axial_force)))
+        limit = stable_time_step(chain, kind, load=taut, damping=damping)
+        if step > limit * (1 + 1e-9):
+            message = (
+                f"step must be at most {limit:.6g} s for {kind} to be stable on this chain, got {step:.6g} s"
+            )
+            warnings.warn(f"{message}: the energy will grow", UnstableStepWarning, stacklevel=2)
     start = initial_state(chain, initial, ground)
     steps = math.ceil(span / longest - 1e-9)
     run = Run(chain, given, ground, damping or Damping(), span, longest, every, steps, float(tolerance), kind)
@@ -175,6 +199,17 @@ def simulate(
     if why.startswith("non-finite"):
         warnings.warn(f"{why}: the step is too long or the motion unstable", DivergedWarning, stacklevel=2)
     return result
+
+
+def _check_memory(chain: Chain, span: float, output: float) -> None:
+    """Raise ValueError if a motion with so many output times does not fit."""
+    size, count = 8 * (_FOR_SEGMENT * chain.pieces + _FOR_TIME), span / output
+    if count * size > MAX_MEMORY:
+        raise ValueError(
+            f"output_step must be at least {span * size / MAX_MEMORY:.3g} s: {count:.3g} output times of "
+            f"{chain.pieces} pieces would take {count * size / 2**30:.3g} GiB of memory; a longer motion can "
+            "be simulated in parts, each with the end of the last one as its initial"
+        )
 
 
 def _safe_step(chain: Chain, span: float, pull: Load, damping: Damping | None) -> float:

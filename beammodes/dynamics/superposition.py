@@ -24,7 +24,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from beammodes.checks import positive_real, shown, whole_number
+from beammodes.checks import flag, positive_real, real_numbers, shown, whole_number
 from beammodes.dynamics.base_motion import BaseMotion
 from beammodes.exact.exact_beam import BeamModes, plain_modes
 from beammodes.problem.beam import Beam
@@ -102,8 +102,7 @@ def modal_response(
         raise TypeError(f"beam must be a Beam, got {shown(beam)}")
     if base is not None and not isinstance(base, BaseMotion):
         raise TypeError(f"base must be a BaseMotion or None, got {shown(base)}")
-    if not isinstance(stiffening, bool):
-        raise TypeError(f"stiffening must be True or False, got {shown(stiffening)}")
+    flag("stiffening", stiffening)
     pair, count = Boundary.of(boundary), whole_number("modes", modes, most=MAX_MODES)
     without_rigid_motion(pair)
     if not pair.left.is_grounded:
@@ -118,20 +117,19 @@ def modal_response(
 
 
 def _ascending(time: ArrayLike) -> Array:
-    times = np.asarray(time)
-    if times.dtype.kind not in "iuf" or times.ndim != 1 or not times.size:
+    times = real_numbers("time", time)
+    if times.ndim != 1 or not times.size:
         raise TypeError(f"time must be real numbers in a row, got {shown(time)}")
-    times = times.astype(np.float64)
-    if not np.isfinite(times).all() or times[0] < 0.0 or (np.diff(times) <= 0.0).any():
+    if times[0] < 0.0 or (np.diff(times) <= 0.0).any():
         raise ValueError(f"time must ascend, be finite and not negative, got {shown(time)}")
     return times
 
 
 def _start(initial: ArrayLike | None, count: int) -> Array:
-    start = np.zeros(count) if initial is None else np.asarray(initial)
-    if start.dtype.kind not in "iuf" or start.shape != (count,) or not np.isfinite(start).all():
+    start = np.zeros(count) if initial is None else real_numbers("initial", initial)
+    if start.shape != (count,):
         raise ValueError(f"initial must be {count} finite numbers, one a mode, got {shown(initial)}")
-    return start.astype(np.float64)
+    return start
 
 
 def _integrated(

@@ -10,7 +10,7 @@ import mpmath
 import sympy
 
 from beammodes.chains.chain import Chain, Number
-from beammodes.checks import shown
+from beammodes.checks import flag, shown
 from beammodes.equations.coordinates import coordinate_names, null_space
 from beammodes.equations.mechanics import Algebra, Energies, energies, motion_terms
 from beammodes.problem.loading import Load, checked_load
@@ -212,6 +212,8 @@ def _coordinate_symbols(names: list[str], dots: int) -> tuple[sympy.Symbol, ...]
 
 
 def _algebra(chain: Chain, symbols: bool | None) -> Algebra:
+    if symbols is not None:
+        flag("symbols", symbols)
     if symbols and chain.beam is None:
         raise ValueError("symbols must be False for a chain given piece by piece, got True")
     if symbols or (symbols is None and chain.beam is not None):

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from beammodes.chains.chain import Chain
-from beammodes.checks import real, shown
+from beammodes.checks import real, real_numbers, shown
 from beammodes.equations.axial_pull import hub_load
 from beammodes.equations.coordinates import coordinate_names, tip_names, unpack
 from beammodes.equations.mechanics import Algebra, energies
@@ -91,6 +91,10 @@ class Equilibrium:
         return f"Equilibrium({stable}, {at}; {self.chain!r} under {self.load})"
 
 
+#: A looser tolerance would let shapes pass that are no equilibria.
+MAX_TOLERANCE = 1e-3
+
+
 def find_equilibrium(
     chain: Chain,
     load: Load | None,
@@ -118,7 +122,7 @@ def find_equilibrium(
         Coordinates to start from under the whole load: what is found then need not be stable. Zeros keep
         a straight chain straight; another equilibrium with as many coordinates saves time.
     tolerance : float [rad]
-        Largest last step of Newton's method (of deflections: relative to the chain's length), 1e-13 or more.
+        Largest last step of Newton's method (of deflections: relative to the chain's length), 1e-13 to 1e-3.
 
     Raises
     ------
@@ -143,8 +147,8 @@ def find_equilibrium(
     given = hub_load(chain, checked_load(load))
     if chain.pieces > MAX_BENT_PIECES:
         raise ValueError(f"chain must have at most {MAX_BENT_PIECES} pieces, got {chain.pieces}")
-    if real("tolerance", tolerance) < 1e-13:
-        raise ValueError(f"tolerance must be at least 1e-13, got {shown(tolerance)}")
+    if not 1e-13 <= real("tolerance", tolerance) <= MAX_TOLERANCE:
+        raise ValueError(f"tolerance must be 1e-13 to {MAX_TOLERANCE}, got {shown(tolerance)}")
     statics = compile_statics(chain, given)
     if guess is not None:
         start = _started(chain, guess), np.zeros(statics.closures.size1_out(0))
@@ -159,11 +163,8 @@ def find_equilibrium(
 def _started(chain: Chain, guess: Equilibrium | ArrayLike) -> Array:
     """Return the coordinates to start from, in the chain's own units."""
     size = len(coordinate_names(chain))
-    try:
-        values = guess.coordinates if isinstance(guess, Equilibrium) else np.asarray(guess, dtype=np.float64)
-    except (TypeError, ValueError):
-        raise TypeError(f"guess must hold {size} finite coordinates, got {shown(guess)}") from None
-    if values.shape != (size,) or not np.isfinite(values).all():
+    values = guess.coordinates if isinstance(guess, Equilibrium) else real_numbers("guess", guess)
+    if values.shape != (size,):
         raise ValueError(f"guess must hold {size} finite coordinates, got {shown(guess)}")
     return np.asarray(values / _unit(chain))
 

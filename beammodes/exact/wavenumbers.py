@@ -19,7 +19,7 @@ from typing import Any, NamedTuple, overload
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from beammodes.checks import shown, whole_number
+from beammodes.checks import plain_array, shown, whole_number
 from beammodes.problem.ends import BOUNDARIES, Boundary, BoundaryLike, End, boundary_codes
 
 __all__ = [
@@ -124,15 +124,11 @@ def whole_numbers(name: str, value: ArrayLike, *, least: int = 1, most: int) -> 
     """
     if isinstance(value, int | np.integer):
         return np.asarray(whole_number(name, value, least=least, most=most))
-    try:
-        array = np.asarray(value)
-    except ValueError:  # A ragged list.
-        raise TypeError(f"{name} must be whole numbers in one regular array, got {shown(value)}") from None
+    array = plain_array(name, value)
     if array.ndim == 0:
         return np.asarray(whole_number(name, array.item(), least=least, most=most))
     if array.dtype.kind not in "iu":
-        # NumPy turns a list with an integer above 2⁶³ into floats; as objects, items keep their types.
-        items = np.asarray(value, dtype=object).ravel()
+        items = array.ravel().tolist()
         if not all(isinstance(item, Integral) and not isinstance(item, bool) for item in items):
             allowed = f"whole numbers of at least {least} and at most {most}"
             raise TypeError(f"{name} must be {allowed}, got {shown(value)}")

@@ -7,10 +7,11 @@ import re
 from collections.abc import Iterable
 from functools import partial
 from pathlib import Path
+from types import MappingProxyType
 from typing import BinaryIO
 
 from beammodes.chains.chain import Chain
-from beammodes.checks import choice, shown
+from beammodes.checks import choice, flag, shown
 from beammodes.exporters.chain_csv import csv_lines
 from beammodes.exporters.export_facts import engine_step, facts_about, one_line
 from beammodes.exporters.mjcf import MAX_BODIES, mjcf_text
@@ -25,7 +26,7 @@ from beammodes.vibration.integrators import INTEGRATORS
 __all__ = ["FORMATS", "MAX_LINKS", "export_chain"]
 
 #: Formats by the suffix of their files.
-FORMATS = {".xml": "mjcf", ".sdf": "sdf", ".urdf": "urdf", ".csv": "csv"}
+FORMATS = MappingProxyType({".xml": "mjcf", ".sdf": "sdf", ".urdf": "urdf", ".csv": "csv"})
 #: A longer row of bodies is refused as a mistake; CSV files have no such limit.
 MAX_LINKS = 5000
 
@@ -111,6 +112,7 @@ def export_chain(
     if not isinstance(chain, Chain):
         raise TypeError(f"chain must be a Chain, got {shown(chain)}")
     place, kind = _place_and_format(path, format)
+    flag("fragment", fragment), flag("force", force)
     only: dict[str, object] = {"fragment": fragment or None, "second": second, "damping": damping}
     only |= {"timestep": timestep, "load": load}
     _check_given(kind, only | {"integrator": None if integrator == "RK4" else integrator})

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from numpy.typing import NDArray
 
-from beammodes.checks import positive_real, shown
+from beammodes.checks import flag, positive_real, shown
 from beammodes.problem.beam_properties import PropertyLike, each_place_once, kept_breaks, kept_property
 from beammodes.problem.profiles import Profile, mean_over, profile_breaks
 from beammodes.problem.section_shape import poisson_ratio_of
@@ -183,8 +183,7 @@ class Beam:
         for name in ("area", "second_moment"):
             if not hasattr(section, name):
                 raise TypeError(f"section must have its {name}, got {shown(section)}")
-        if not isinstance(rotary_inertia, bool):
-            raise TypeError(f"rotary_inertia must be True or False, got {shown(rotary_inertia)}")
+        flag("rotary_inertia", rotary_inertia)
         rho, modulus = positive_real("density", density), positive_real("elastic_modulus", elastic_modulus)
         area = positive_real("area of section", section.area)
         moment = positive_real("second_moment of section", section.second_moment)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from beammodes.checks import shown
+from beammodes.checks import real_numbers
 from beammodes.problem.beam import Beam
 
 __all__ = ["positions_on"]
@@ -24,13 +24,7 @@ def positions_on(beam: Beam, x: ArrayLike) -> NDArray[np.float64]:
     >>> positions_on(Beam.unit(), [0, 1])
     array([0., 1.])
     """
-    try:
-        array = np.asarray(x)
-    except ValueError:
-        raise TypeError(f"x must be real numbers in one regular array, got {shown(x)}") from None
-    if array.dtype.kind not in "iuf":
-        raise TypeError(f"x must be real numbers, got {shown(x)}")
-    position = array.astype(np.float64)
+    position = real_numbers("x", x)
     outside = ~((position >= 0.0) & (position <= beam.length))
     if outside.any():
         raise ValueError(f"x must be finite and inside [0, {beam.length}], got {position[outside][0]}")

@@ -12,7 +12,7 @@ from typing import Any, NoReturn
 import numpy as np
 from numpy.typing import NDArray
 
-from beammodes.checks import choice, shown
+from beammodes.checks import bounded, choice, shown
 from beammodes.problem.supports import ENDS, End, end_from_text
 
 __all__ = [
@@ -153,7 +153,11 @@ def boundary_codes(value: BoundaryLike | Iterable[BoundaryLike] | NDArray[Any]) 
     if isinstance(value, np.ndarray) and value.dtype.kind == "U":
         names, inverse = np.unique(value, return_inverse=True)
         return np.array([_code(str(name)) for name in names], dtype=np.intp)[inverse].reshape(value.shape)
-    listed = list(value) if isinstance(value, Iterable) and not isinstance(value, np.ndarray) else value
+    listed = (
+        bounded("boundary", value)
+        if isinstance(value, Iterable) and not isinstance(value, np.ndarray)
+        else value
+    )
     items = np.asarray(listed, dtype=object)
     return np.array([_code(item) for item in items.ravel()], dtype=np.intp).reshape(items.shape)
 

@@ -23,8 +23,10 @@ says no more than 2.5 to 3.5. The table has no densities.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from fractions import Fraction
+from types import MappingProxyType
 
 from beammodes.checks import choice, real, shown
 
@@ -78,18 +80,20 @@ class Modulus:
 
 
 #: The table, by material, in its own order.
-MODULI: dict[str, Modulus] = {
-    line.material: line
-    for line in (
-        Modulus("wood", 1, 2, "Wood 1-2 million Ibffin2"),
-        Modulus("concrete", 3, 3, "Concrete 3 million Ibf/in2"),
-        Modulus("marble", 8, 8, "Marble 8 million Ibffin2"),
-        Modulus("aluminum", 10, 10, "Aluminum 10 million Tbf/in2"),
-        Modulus("brass", 15, 15, "Brass 15 million Ibf/in?"),
-        Modulus("cast iron", 10, 20, "Cast Tron 10-20 million Ibf/in2"),
-        Modulus("steel", 30, 30, "Steel 30 million 1bf/in2"),
-    )
-}
+MODULI: Mapping[str, Modulus] = MappingProxyType(
+    {
+        line.material: line
+        for line in (
+            Modulus("wood", 1, 2, "Wood 1-2 million Ibffin2"),
+            Modulus("concrete", 3, 3, "Concrete 3 million Ibf/in2"),
+            Modulus("marble", 8, 8, "Marble 8 million Ibffin2"),
+            Modulus("aluminum", 10, 10, "Aluminum 10 million Tbf/in2"),
+            Modulus("brass", 15, 15, "Brass 15 million Ibf/in?"),
+            Modulus("cast iron", 10, 20, "Cast Tron 10-20 million Ibf/in2"),
+            Modulus("steel", 30, 30, "Steel 30 million 1bf/in2"),
+        )
+    }
+)
 
 _ALIASES = {"aluminium": "aluminum"}
 

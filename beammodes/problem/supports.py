@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import math
 import re
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from fractions import Fraction
+from types import MappingProxyType
 from typing import Any
 
 from beammodes.checks import choice, real, shown
@@ -181,10 +183,12 @@ class End:
 _WORDS = {(True, True): "clamped", (True, False): "pinned", (False, True): "guided", (False, False): "free"}
 
 #: The four ends, the firmer first: this order makes the canonical names of pairs.
-ENDS: dict[str, End] = {
-    word: End(math.inf if deflection else 0.0, math.inf if rotation else 0.0)
-    for (deflection, rotation), word in _WORDS.items()
-}
+ENDS: Mapping[str, End] = MappingProxyType(
+    {
+        word: End(math.inf if deflection else 0.0, math.inf if rotation else 0.0)
+        for (deflection, rotation), word in _WORDS.items()
+    }
+)
 _ALIASES = {"cantilever": "clamped", "fixed": "clamped", "hinged": "pinned", "sliding": "guided"}
 
 

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from beammodes.checks import real, shown
+from beammodes.checks import bounded, real_numbers, shown
 
 __all__ = [
     "SAME_PLACE",
@@ -171,9 +171,9 @@ def _line_at(table: Table, position: Floats) -> tuple[Floats, Floats]:
 
 
 def _row(name: str, value: object) -> tuple[float, ...]:
-    if isinstance(value, str | bytes) or not isinstance(value, Sequence | np.ndarray) or np.ndim(value) == 0:
+    if not isinstance(value, Sequence | np.ndarray) or (isinstance(value, np.ndarray) and value.ndim != 1):
         raise TypeError(f"{name} must be a sequence of real numbers, got {shown(value)}")
-    row = tuple(real(name, item) + 0.0 for item in value)
+    row = tuple((real_numbers(name, bounded(name, value)) + 0.0).tolist())
     if len(row) < 2:
         raise ValueError(f"{name} must be at least two numbers, got {shown(value)}")
     return row

@@ -15,7 +15,7 @@ from typing import ClassVar
 import numpy as np
 
 from beammodes.chains.rules import RULES
-from beammodes.checks import positive_real, shown, whole_number
+from beammodes.checks import flag, positive_real, whole_number
 from beammodes.problem.beam import Beam
 from beammodes.problem.ends import Boundary, BoundaryLike
 from beammodes.springs.matched_springs import MatchedSprings, NoPositiveSprings
@@ -82,9 +82,7 @@ def match_springs(
     True
     """
     task = SpringTask.of(boundary, segments, modes, criterion, symmetric, beam)
-    if not isinstance(hold_tip_stiffness, bool):
-        raise TypeError(f"hold_tip_stiffness must be True or False, got {shown(hold_tip_stiffness)}")
-    conditions = task.conditions(hold_tip_stiffness)
+    conditions = task.conditions(flag("hold_tip_stiffness", hold_tip_stiffness))
     solution = task.search(conditions)
     if highest_frequency is not None:
         solution = task.below(positive_real("highest_frequency", highest_frequency), conditions, solution)

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from beammodes.chains.chain import Chain
 from beammodes.chains.rules import RULES
-from beammodes.checks import choice, shown, whole_number
+from beammodes.checks import choice, flag, shown, whole_number
 from beammodes.exact.exact_beam import plain_modes, wavenumber
 from beammodes.problem.beam import Beam
 from beammodes.problem.ends import Boundary, BoundaryLike
@@ -187,8 +187,8 @@ def _matchable(segments: int) -> int:
 
 def _mirrored(pair: Boundary, modes: int, hinges: int, symmetric: bool | None) -> bool:
     """Return whether the springs shall mirror each other."""
-    if symmetric is not None and not isinstance(symmetric, bool):
-        raise TypeError(f"symmetric must be True, False or None, got {shown(symmetric)}")
+    if symmetric is not None:
+        flag("symmetric", symmetric)
     if pair.left != pair.right:
         if symmetric:
             raise ValueError(f"symmetric must not be True where the ends differ, got {pair.name}")

@@ -12,12 +12,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from beammodes.chains.chain import Chain
-from beammodes.checks import real, shown
+from beammodes.chains.pieces import MAX_PIECES
+from beammodes.checks import bounded, real, shown
 from beammodes.problem.loading import Load
 from beammodes.vibration.linear import linearize
 from beammodes.vibration.modes import MAX_DENSE, solve_modes
@@ -64,10 +66,13 @@ class Damping:
     def __post_init__(self) -> None:
         for name in ("mass", "stiffness"):
             object.__setattr__(self, name, _not_negative(name, getattr(self, name)))
-        given = self.joint.tolist() if isinstance(self.joint, np.ndarray) else self.joint
-        if isinstance(given, Sequence) and not isinstance(given, str):
+        given: Any = self.joint
+        if isinstance(given, np.ndarray) and given.ndim == 0:
+            (given,) = bounded("joint", given)
+        if isinstance(given, Sequence | np.ndarray) and not isinstance(given, str):
             kept: float | tuple[float, ...] = tuple(
-                _not_negative(f"joint[{i}]", d) for i, d in enumerate(given)
+                _not_negative(f"joint[{i}]", d)
+                for i, d in enumerate(bounded("joint", given, most=MAX_PIECES))
             )
         else:
             kept = _not_negative("joint", given)

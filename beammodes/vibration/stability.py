@@ -93,7 +93,7 @@ def exact_constants(modes: int, *, limit: float = 8.0) -> Array:
     >>> exact_constants(2).round(4)
     array([0.3576, 0.1297])
     """
-    count = whole_number("modes", modes)
+    count = whole_number("modes", modes, most=100_000)
     return np.asarray(limit / wavenumber("clamped-clamped", np.arange(1, count + 1)) ** 2)
 
 

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
@@ -50,20 +51,22 @@ _LOOKS: dict[str, tuple[str, str | tuple[int, tuple[int, ...]]]] = {
 }
 
 #: Settings for `matplotlib.rc_context` under which the project's figures are drawn.
-STYLE: dict[str, object] = {
-    "font.size": 11,
-    "font.family": "DejaVu Sans",
-    "axes.spines.top": False,
-    "axes.spines.right": False,
-    "axes.grid": True,
-    "grid.color": "#DDDDDD",
-    "grid.linewidth": 0.6,
-    "axes.axisbelow": True,
-    "lines.linewidth": 1.6,
-    "lines.markersize": 4.5,
-    "svg.hashsalt": "beammodes",
-    "svg.fonttype": "path",
-}
+STYLE: Mapping[str, object] = MappingProxyType(
+    {
+        "font.size": 11,
+        "font.family": "DejaVu Sans",
+        "axes.spines.top": False,
+        "axes.spines.right": False,
+        "axes.grid": True,
+        "grid.color": "#DDDDDD",
+        "grid.linewidth": 0.6,
+        "axes.axisbelow": True,
+        "lines.linewidth": 1.6,
+        "lines.markersize": 4.5,
+        "svg.hashsalt": "beammodes",
+        "svg.fonttype": "path",
+    }
+)
 
 
 def plot_errors(table: xarray.Dataset, ax: Axes, *, magnitude: bool = False) -> None:

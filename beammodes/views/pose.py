@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from beammodes.chains.chain import Chain
-from beammodes.checks import positive_real, shown, whole_number
+from beammodes.checks import positive_real, real_numbers, shown, whole_number
 from beammodes.equilibrium.equilibria import Equilibrium
 from beammodes.vibration.modes import Modes
 
@@ -111,11 +111,8 @@ def _moment(motion: xarray.Dataset, name: str) -> Array:
 
 
 def _numbers(name: str, values: ArrayLike, size: int) -> Array:
-    try:
-        array = np.asarray(values, dtype=np.float64)
-    except (TypeError, ValueError):
-        raise TypeError(f"{name} of shape must hold {size} numbers, got {shown(values)}") from None
-    if array.shape != (size,) or not np.isfinite(array).all():
+    array = real_numbers(f"{name} of shape", values)
+    if array.shape != (size,):
         raise ValueError(
             f"{name} of shape must hold {size} finite numbers for this chain, got {shown(values)}"
         )
