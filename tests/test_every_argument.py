@@ -106,6 +106,8 @@ GOOD: dict[str, dict[str, Any]] = {
         "rule": ["mitiguy"],
         "over": {"right_mass": [0.0, 0.5]},
     },
+    "error_remarks": {"boundary": "clamped-free", "segments": 3, "mode": 1, "rule": "mitiguy"},
+    "law_holds_from": {"boundary": "clamped-free", "mode": 1, "rule": "mitiguy"},
     "error_law": {"boundary": "clamped-free", "mode": 1, "rule": "mitiguy"},
     "euler_bernoulli": {"beam": BEAM, "boundary": "clamped-free", "modes": 2},
     "find_equilibrium": {

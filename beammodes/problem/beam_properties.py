@@ -8,7 +8,7 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from beammodes.checks import positive_real, real, shown
+from beammodes.checks import bounded, positive_real, real, shown
 from beammodes.problem.profiles import Profile, value_at
 from beammodes.problem.smooth_parts import SAMPLES, BrokenFunction
 from beammodes.problem.tabulated import SAME_PLACE, Table, table_with_breaks
@@ -66,9 +66,9 @@ def kept_breaks(given: object, length: float) -> tuple[float, ...]:
     >>> kept_breaks([0.7, 0.2], 1.0)
     (0.2, 0.7)
     """
-    if isinstance(given, str | bytes) or not isinstance(given, Sequence | np.ndarray) or np.ndim(given) == 0:
+    if not isinstance(given, Sequence | np.ndarray) or (isinstance(given, np.ndarray) and given.ndim != 1):
         raise TypeError(f"breaks must be a sequence of positions, got {shown(given)}")
-    places = sorted(real("breaks", place) for place in given)
+    places = sorted(real("breaks", place) for place in bounded("breaks", given))
     for place in places:
         if not SAME_PLACE * length < place < (1.0 - SAME_PLACE) * length:
             raise ValueError(
