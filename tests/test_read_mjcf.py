@@ -275,6 +275,45 @@ def test_balls_with_springs_bend_in_every_plane_alike(turn: str, mixed: bool, tm
     assert found.layout == "naive" and (found.damping_ratio > 0).all()
 
 
+ACROSS = HINGE.replace("0 1 0", "0 0 1").replace("200", "330")
+CROSS = '<inertial pos="0 0 0" mass=".01" diaginertia="2e-6 2e-6 2e-6"/>'
+
+
+def by_turns(count: int) -> str:
+    text = ""
+    for i in reversed(range(count)):
+        text = f'<body pos="{0.1 * (i > 0)} 0 0">{ROD}{ACROSS if i % 2 else HINGE}{text}</body>'
+    return text
+
+
+def crossed(count: int) -> str:
+    """A small body with mass between the two hinges of every node."""
+    text = ""
+    for i in reversed(range(count)):
+        text = f'<body pos="{0.1 * (i > 0)} 0 0">{HINGE}{CROSS}<body>{ACROSS}{ROD}{text}</body></body>'
+    return text
+
+
+@pytest.mark.parametrize("made", [by_turns, crossed])
+@pytest.mark.parametrize("turn", ["", 'euler="10 20 30" pos="1 2 3"'])
+def test_hinges_about_two_axes_apart_from_each_other_are_judged_one_axis_at_a_time(
+    made: Callable[[int], str], turn: str, tmp_path: Path
+) -> None:
+    """Both planes together have MuJoCo's frequencies of the whole, in which nothing is at rest."""
+    text = world(f"<body {turn}>{made(6)}</body>")
+    path = write(tmp_path, text)
+    planes = [audit_file(path, BEAM, modes=12, plane=plane) for plane in ("z", "y")]
+    found = np.concatenate([each.angular_frequency for each in planes])
+    np.testing.assert_allclose(np.sort(found[np.isfinite(found)]), mujoco_frequencies(text), rtol=1e-9)
+    assert all(any("taken as at rest" in line for line in each.assumed) for each in planes)
+    chosen = audit_file(path, BEAM, modes=12)
+    assert any(np.allclose(chosen.errors, each.errors, equal_nan=True) for each in planes)
+    skew = text.replace('diaginertia="2e-6 2e-6 2e-6"', 'fullinertia="2e-6 2e-6 2e-6 0 0 1e-6"')
+    if skew != text:
+        with pytest.raises(ValueError, match="body"):
+            audit_file(write(tmp_path, skew), BEAM)
+
+
 TURN = '<joint axis="0 0 1"/><geom size=".1"/>'
 ARM = f'<body name="arm">{TURN}{nested(3, ROD + HINGE, ROD + HINGE)}</body>'
 TWO = world(

@@ -24,7 +24,7 @@ from beammodes.auditing.read_mjcf import read_mjcf, with_includes
 from beammodes.auditing.read_sdf import read_sdf
 from beammodes.auditing.read_urdf import read_urdf
 from beammodes.auditing.rigid_pieces import Piece, PlanarChain, Spring, with_wall_hinges
-from beammodes.auditing.serial_chains import HingePath, chosen_path, hinge_paths
+from beammodes.auditing.serial_chains import HingePath, about_one_axis, chosen_path, hinge_paths, shown_axes
 from beammodes.auditing.urdf_springs import read_springs
 from beammodes.chains.chain import Chain
 from beammodes.checks import choice, shown, small_fraction
@@ -52,6 +52,7 @@ class _Read:
     left_out: tuple[str, ...] = ()
     step: FileStep | None = None
     gravity: tuple[float, float] = (0.0, 0.0)
+    plane: tuple[str, float] = ("", 0.0)
 
 
 def audit_file(
@@ -123,32 +124,45 @@ def audit_file(
     place = Path(path)
     try:
         read = _read(place, beam, given, chain, plane, None if springs is None else Path(springs))
+        if given is None:
+            return _as_the_file_says(beam, read, modes, tolerance)
         audits = [_audited(beam, read, each, modes, tolerance) for each in _readings(read, given)]
     except BadModel as error:
         raise BadModel(f"{place}: {error}") from None
     except _OUT_OF_RANGE as error:
         raise BadModel(f"{place}: numbers are too large, too small or too far apart: {error}") from None
-    if given is None:
-        others = zip(audits[1:], read.chains[1:], strict=True)
-        return replace(audits[0][0], other_readings=tuple(_other(each, chain) for (each, _), chain in others))
     # What was taken out of the wrong end leaves a spring of no rule there, or a piece of another mass.
     return min(audits, key=lambda pair: (pair[0].layout == UNKNOWN, pair[1]))[0]
 
 
-def _readings(read: _Read, given: Boundary | None) -> list[JudgedChain]:
-    """Return the chain's readings with its ends, those that `given` fits."""
-    found: list[JudgedChain] = []
+def _as_the_file_says(beam: Beam, read: _Read, modes: int, tolerance: float) -> Audit:
+    """Return the audit of the likeliest reading, with what others come to."""
+    found, others = None, []
+    for chain in read.chains:
+        (judged,) = judged_chains(chain, None)
+        try:
+            audit, _ = _audited(beam, read, judged, modes, tolerance)
+        except BadModel:
+            if found is None:
+                raise
+            continue
+        if found is None:
+            found = audit
+        else:
+            others.append(_other(audit, chain))
+    assert found is not None
+    return replace(found, other_readings=tuple(others))
+
+
+def _readings(read: _Read, given: Boundary) -> list[JudgedChain]:
+    """Return the chain's first reading that `given` fits, with these ends."""
     refusals = []
     for chain in read.chains:
         try:
-            found += judged_chains(chain, given)
+            return judged_chains(chain, given)
         except ValueError as error:
             refusals.append(error)
-        if given is not None and found:
-            return found
-    if not found:
-        raise refusals[0]
-    return found
+    raise refusals[0]
 
 
 def _audited(
@@ -224,6 +238,41 @@ def _read(
     if place.suffix.lower() == ".csv":
         return _from_csv(place, beam.length)
     model = _model(place, springs)
+    try:
+        return _of_model(model, beam, given, name, plane)
+    except ValueError as error:
+        apart = _axis_by_axis(model, beam, given, name, plane)
+        if apart is None:
+            raise error from None
+        return apart
+
+
+def _axis_by_axis(
+    model: Model, beam: Beam, given: Boundary | None, name: str | None, plane: str | None
+) -> _Read | None:
+    """Return the chain about one axis alone, hinges at right angles to it at rest; None if there is none.
+
+    Bending about one axis does not move what hinges about others turn, if all matter is on the line and lies
+    along the axes: so it is with hinges by turns about two axes, and with cross-pieces of universal joints.
+    """
+    found: dict[str, tuple[float, _Read]] = {}
+    for axis, reduced in about_one_axis(model):
+        try:
+            read = _of_model(reduced, beam, given, name, None)
+        except ValueError:
+            continue
+        label, distance = read.plane
+        if label in found:
+            return None
+        names = ", ".join(shown_axes(model, axis))
+        why = f"hinges about other axes ({names}) are taken as at rest, as bending about one leaves them"
+        found[label] = (distance, replace(read, left_out=(why, *read.left_out)))
+    if plane is not None:
+        return found[plane][1] if plane in found else None
+    return min(found.values(), key=lambda each: each[0])[1] if found else None
+
+
+def _of_model(model: Model, beam: Beam, given: Boundary | None, name: str | None, plane: str | None) -> _Read:
     paths = hinge_paths(model)
     path = chosen_path(paths, name)
     try:
@@ -274,6 +323,7 @@ def _of_path(
         (*model.notes, *_undamped(model, frame), *held),
         model.step,
         (along, across if across > 1e-9 * abs(along) else 0.0),
+        (next(label for label, each in planes.items() if each is frame), _distance(frame, beam)),
     )
 
 

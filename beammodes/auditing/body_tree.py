@@ -115,6 +115,8 @@ class Model:
     gravity : ndarray, shape (3,) [m/s²]
     hint : str
         Where springs may be missing, for a model without any.
+    in_space : bool
+        Whether some of its hinges have been put at rest.
     """
 
     bodies: tuple[ModelBody, ...]
@@ -124,6 +126,7 @@ class Model:
     step: FileStep | None = None
     gravity: Array = field(default_factory=lambda: np.zeros(3))
     hint: str = ""
+    in_space: bool = False
 
 
 @dataclass(eq=False)

@@ -134,7 +134,7 @@ def _check(path: HingePath, frame: Frame, support: RootSupport | None) -> None:
                     "it; what is beyond is not judged as held, whatever boundary says"
                 )
     root = [path.root] if support else []
-    both = len(path.planes()) > 1 or (support is not None and support.in_space)
+    both = len(path.planes()) > 1 or path.in_space or (support is not None and support.in_space)
     for group in (*root, *path.groups):
         _check_matter(group, frame, both)
 

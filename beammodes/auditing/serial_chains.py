@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -20,6 +20,7 @@ Array = NDArray[np.float64]
 #: Sine of the angle up to which two axes are parallel.
 PARALLEL = 1e-6
 _LISTED = 8
+_MOST_AXES = 6
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,10 +33,13 @@ class HingePath:
         What the first hinge is on.
     groups : tuple of Group
         After it, one for each hinge (or pair of hinges about two axes, or ball).
+    in_space : bool
+        Whether hinges about other axes were put at rest, which needs matter that lies along the axes.
     """
 
     root: Group
     groups: tuple[Group, ...]
+    in_space: bool = False
 
     @property
     def name(self) -> str:
@@ -90,7 +94,7 @@ def hinge_paths(model: Model) -> list[HingePath]:
     found = []
     for group in rigid_groups(model.bodies):
         if _is_sprung(group) and not _continues(group):
-            found.append(_path_from(group))
+            found.append(replace(_path_from(group), in_space=model.in_space))
     if not found:
         raise BadModel(_without_chain(model))
     return sorted(found, key=lambda path: -len(path.groups))
@@ -114,6 +118,31 @@ def _without_chain(model: Model) -> str:
     if sprung:
         found = f"{count} bodies, {len(sprung)} of them with springs, but none on hinges alone"
     return "; ".join([f"must have a hinge with a spring, got {found}", *why])
+
+
+def about_one_axis(model: Model) -> Iterator[tuple[Array, Model]]:
+    """Yield each axis of hinges with springs, and the model with those at right angles to it at rest."""
+    axes: list[Array] = []
+    for joint in (joint for body in model.bodies for joint in body.joints):
+        new = all(np.linalg.norm(np.cross(joint.axis, axis)) >= PARALLEL for axis in axes)
+        if joint.kind == "hinge" and joint.stiffness and new and len(axes) < _MOST_AXES:
+            axes.append(joint.axis)
+    for axis in axes if len(axes) > 1 else ():
+        bodies = tuple(
+            replace(body, joints=tuple(j for j in body.joints if not _rests(j, axis)))
+            for body in model.bodies
+        )
+        yield axis, replace(model, bodies=bodies, in_space=True)
+
+
+def shown_axes(model: Model, axis: Array) -> list[str]:
+    """Return the names of some hinges that `about_one_axis` puts at rest."""
+    names = [joint.name for body in model.bodies for joint in body.joints if _rests(joint, axis)]
+    return [*names[:_LISTED], *(["..."] if len(names) > _LISTED else [])]
+
+
+def _rests(joint: ModelJoint, axis: Array) -> bool:
+    return bool(joint.kind == "hinge" and joint.stiffness and abs(joint.axis @ axis) < PARALLEL)
 
 
 def chosen_path(paths: Sequence[HingePath], name: str | None) -> HingePath:
