@@ -121,7 +121,11 @@ def _without_chain(model: Model) -> str:
 
 
 def about_one_axis(model: Model) -> Iterator[tuple[Array, Model]]:
-    """Yield each axis of hinges with springs, and the model with those at right angles to it at rest."""
+    """Yield each axis of hinges with springs, and the model with those at right angles to it at rest.
+
+    Only where about as many are at rest as are not: a single hinge about another axis, such as one that a
+    whole chain turns on, is no part of the chain, and what it lets swing is not judged.
+    """
     axes: list[Array] = []
     for joint in (joint for body in model.bodies for joint in body.joints):
         new = all(np.linalg.norm(np.cross(joint.axis, axis)) >= PARALLEL for axis in axes)
@@ -132,7 +136,12 @@ def about_one_axis(model: Model) -> Iterator[tuple[Array, Model]]:
             replace(body, joints=tuple(j for j in body.joints if not _rests(j, axis)))
             for body in model.bodies
         )
-        yield axis, replace(model, bodies=bodies, in_space=True)
+        counts = [
+            sum(bool(j.stiffness) for body in each for j in body.joints) for each in (bodies, model.bodies)
+        ]
+        stay, rest = counts[0], counts[1] - counts[0]
+        if 2 * min(stay, rest) >= max(stay, rest) - 1:
+            yield axis, replace(model, bodies=bodies, in_space=True)
 
 
 def shown_axes(model: Model, axis: Array) -> list[str]:
