@@ -13,7 +13,15 @@ from numpy.typing import NDArray
 
 import beammodes as bm
 from beammodes.chains.rules import AnyRule
-from beammodes.views.plots import GREY, STYLE, label_along, mark_exact, mark_point, method_style
+from beammodes.views.plots import (
+    GREY,
+    STYLE,
+    label_along,
+    mark_exact,
+    mark_point,
+    method_style,
+    places_along,
+)
 from beammodes.views.tables import csv_table, tidy_rows
 from studies import Progress
 from studies.largest_errors import MATCHED, largest_error
@@ -109,7 +117,7 @@ def draw(table: xarray.Dataset) -> Figure:
         mark_exact(ax, exact, 10, note)
         legend = "yellow: of the other springs,\nnone is cheaper and\nmore accurate"
         ax.text(1.15 * exact, 1.2e-2, legend, va="bottom", fontsize=10, color=GREY)
-        label_along(ax, [(lines[rule], rule, at, side) for rule, (at, side) in LABELS.items()])
+        label_along(ax, places_along(ax, lines, LABELS))
     return figure
 
 

@@ -12,7 +12,15 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 import beammodes as bm
-from beammodes.views.plots import GREY, STYLE, label_along, mark_exact, mark_point, method_style
+from beammodes.views.plots import (
+    GREY,
+    STYLE,
+    label_along,
+    mark_exact,
+    mark_point,
+    method_style,
+    places_along,
+)
 from beammodes.views.tables import csv_table, tidy_rows
 from studies import Progress
 from studies.largest_errors import MATCHED, MODES, element_errors, largest_error
@@ -102,7 +110,7 @@ def draw(table: xarray.Dataset) -> Figure:
         panels[0].set_ylabel("largest |frequency error| of modes 1 to 3")
         for ax, boundary, places in zip(panels, BOUNDARIES, (LABELS, CLAMPED_LABELS), strict=True):
             lines = _lines(ax, table.sel(boundary=boundary))
-            label_along(ax, [(lines[method], method, at, side) for method, (at, side) in places.items()])
+            label_along(ax, places_along(ax, lines, places))
     return figure
 
 

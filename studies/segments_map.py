@@ -17,8 +17,8 @@ from studies.largest_errors import MATCHED, MODES
 __all__ = ["data", "draw", "tables"]
 
 TOLERANCE = 0.01
-#: Rules that lay out the same chain on some boundary stand side by side.
-ORDER = (
+# Rules that lay out the same chain on some boundary stand side by side.
+_BESIDE = (
     "hencky",
     "naive",
     "double_wall",
@@ -30,6 +30,8 @@ ORDER = (
     "half_stub",
     "half_stub_corrected",
 )
+#: Every rule, those without a place of their own last.
+ORDER = (*_BESIDE, *(rule for rule in bm.RULES if rule not in _BESIDE))
 COLUMNS = ("boundary", "rule", "segments_needed", "same_chain_as")
 LIMITS = (3, 200)
 

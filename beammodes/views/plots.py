@@ -23,6 +23,7 @@ __all__ = [
     "mark_exact",
     "mark_point",
     "method_style",
+    "places_along",
     "plot_errors",
     "plot_number_map",
     "plot_step_constants",
@@ -120,6 +121,31 @@ def method_style(name: str) -> dict[str, Any]:
     """
     colour, dashes = _LOOKS.get(name.split("(")[0], (COLOURS[6], (0, (2, 1))))
     return {"color": colour, "linestyle": dashes, "linewidth": 1.1 if colour == GREY else 2.0}
+
+
+def places_along(
+    ax: Axes, lines: Mapping[str, Line2D], places: Mapping[str, tuple[float, Literal["above", "below"]]]
+) -> list[tuple[Line2D, str, float, Literal["above", "below"]]]:
+    """Return what `label_along` takes; a line without a place of its own is named halfway along what shows.
+
+    Examples
+    --------
+    >>> from matplotlib.figure import Figure
+    >>> ax = Figure().subplots()
+    >>> (line,) = ax.loglog([1, 10, 100], [1.0, 0.1, 0.01])
+    >>> [place[1:] for place in places_along(ax, {"own": line}, {})]
+    [('own', 10.0, 'above')]
+    """
+    low, high = ax.get_xlim()
+    found: list[tuple[Line2D, str, float, Literal["above", "below"]]] = [
+        (lines[name], name, at, side) for name, (at, side) in places.items()
+    ]
+    for name, line in lines.items():
+        x = np.asarray(line.get_xdata(), dtype=float)
+        shown = np.sort(x[(x >= low) & (x <= high)])
+        if name not in places and len(shown):
+            found.append((line, name, float(shown[len(shown) // 2]), "above"))
+    return found
 
 
 def label_along(
