@@ -30,8 +30,19 @@ _BESIDE = (
     "half_stub",
     "half_stub_corrected",
 )
-#: Every rule, those without a place of their own last.
-ORDER = (*_BESIDE, *(rule for rule in bm.RULES if rule not in _BESIDE))
+
+
+def _place(name: str) -> float:
+    """Return where a rule stands: one without a place of its own behind the last with the same pieces."""
+    if name in _BESIDE:
+        return _BESIDE.index(name)
+    pieces = (bm.RULES[name].stub, bm.RULES[name].rotary_inertia)
+    alike = [i for i, n in enumerate(_BESIDE) if (bm.RULES[n].stub, bm.RULES[n].rotary_inertia) == pieces]
+    return max(alike, default=len(_BESIDE)) + 0.5
+
+
+#: Every rule.
+ORDER = tuple(sorted(bm.RULES, key=_place))
 COLUMNS = ("boundary", "rule", "segments_needed", "same_chain_as")
 LIMITS = (3, 200)
 

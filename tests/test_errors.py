@@ -278,7 +278,12 @@ def test_a_rule_that_turns_worse_than_simpler_ones_says_so(rule: str) -> None:
         best = min((abs(e) for e in lower.values() if not math.isnan(e)), default=math.inf)
         assert any(r.startswith("coarse:") for r in remarks) == (abs(own) > 0.1)
         found = _named(remarks)
-        assert (found is not None) == (best < abs(own) / 1.02)
+        if n > 4 * mode + 4:
+            # None is looked up here: none of the rules that this was measured for is better.
+            frozen = [abs(e) for name, e in lower.items() if name in RULES_DRAWN and not math.isnan(e)]
+            assert found is None and (rule not in RULES_DRAWN or min(frozen, default=1.0) >= abs(own) / 1.02)
+        else:
+            assert (found is not None) == (best < abs(own) / 1.02)
         if found:
             turned += 1
             assert found[1] == pytest.approx(lower[found[0]], rel=1e-3)
@@ -286,7 +291,7 @@ def test_a_rule_that_turns_worse_than_simpler_ones_says_so(rule: str) -> None:
         corrected = [len(RULES[rule].end_weights(end)) for end in (pair.left, pair.right)]
         hinges = len(RULES[rule].piece_lengths(pair, n)) - 1
         assert any("cut short" in r or "overlap" in r for r in remarks) == (sum(corrected) > hinges)
-    assert turned or not rule.endswith(("corrected", "gregory"))
+    assert turned or rule not in ("gregory", "gregory2", "half_stub_corrected", "rigid_stub_corrected")
 
 
 def test_remarks_under_load() -> None:

@@ -206,7 +206,9 @@ def test_pinned_pinned_statics_is_of_order_two_where_frequencies_are_of_order_fo
 
 @EVERY_RULE
 def test_tip_under_uniform_load_has_the_order_of_the_clamped_end(rule: str) -> None:
-    errors = [abs(float(error("clamped-free", n, rule, "uniform_load"))) for n in (100, 200)]
+    # Longer chains where lower orders may be mixed: exact fractions lose no digits.
+    counts = (100, 200) if RULES[rule].order["clamped"] > 2 else (1000, 2000)
+    errors = [abs(float(error("clamped-free", n, rule, "uniform_load"))) for n in counts]
     assert math.log2(errors[0] / errors[1]) == pytest.approx(RULES[rule].order["clamped"], abs=0.02)
 
 
