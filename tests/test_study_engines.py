@@ -55,7 +55,9 @@ def same(folder: Path, found: xarray.Dataset, serial: tuple[Path, xarray.Dataset
     for name, array in serial[1].variables.items():
         assert array.values.tobytes() == found[name].values.tobytes(), name
     kept = [{path.name: path.read_bytes() for path in where.glob("*.*")} for where in (folder, serial[0])]
-    assert kept[0] == kept[1] and len(kept[0]) == 2 + study().chunks
+    for files in kept:
+        files.pop("study.lock", None)
+    assert kept[0] == kept[1] and len(kept[0]) == 1 + study().chunks
 
 
 def test_threads_give_the_same_bits(tmp_path: Path, serial: tuple[Path, xarray.Dataset]) -> None:
@@ -161,18 +163,96 @@ def test_a_worker_that_dies_loses_no_finished_chunk(tmp_path: Path) -> None:
     fatal = bm.Study.grid(boundary="free-free", segments=[5, 6, 7, 8, 9, 3], compute=crash, chunk=1)
     with pytest.raises(BrokenProcessPool) as caught:
         fatal.run(store=tmp_path, engine="processes", workers=1)
+    assert "SIGKILL" in str(caught.value)  # the cause
     assert any("a worker ended" in note for note in caught.value.__notes__)
     assert any("chunks are stored in" in note for note in caught.value.__notes__)
     assert bm.open_study(tmp_path).finished_cases >= 1
 
 
+NOTEBOOK = """
+import beammodes as bm
+
+SCALE = 2.5
+
+class Law:
+    def value(self, case):
+        return SCALE * case.segments
+
+def helper(case, law=Law()):
+    return law.value(case)
+
+def own(case):
+    return helper(case) / (case.segments - 4)
+
+def make(power):
+    def closed(case):
+        return case.segments**power
+    return closed
+
+study = bm.Study.grid(boundary="free-free", segments=range(2, 9), compute=[own, make(2)], chunk=2)
+many = study.run(engine="processes", workers=2)
+assert many.identical(study.run())
+print(many.own.values.tolist(), many.closed.values.tolist(), many.reasons)
+"""
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("typed", [True, False], ids=["notebook", "script"])
+def test_functions_of_a_notebook_or_script_reach_the_workers(tmp_path: Path, typed: bool) -> None:
+    # Typed: a program that no file holds. In neither case is there a guard of the main module.
+    (tmp_path / "script.py").write_text(NOTEBOOK)
+    command = [sys.executable, *(["-"] if typed else [str(tmp_path / "script.py")])]
+    run = subprocess.run(
+        command, input=NOTEBOOK if typed else "", capture_output=True, text=True, check=False
+    )
+    assert run.returncode == 0, run.stderr
+    segments = np.arange(2.0, 9.0)
+    with np.errstate(divide="ignore"):
+        expected = np.where(segments == 4, np.nan, 2.5 * segments / (segments - 4))
+    assert run.stdout.startswith(f"{expected.tolist()} {(segments**2).tolist()}"), run.stdout
+    assert run.stdout.rstrip().endswith("ZeroDivisionError: float division by zero")
+
+
+LIMIT = 1.0
+
+
+def limited(case: bm.Case) -> float:
+    return LIMIT * case.segments
+
+
+@pytest.mark.slow
+def test_a_worker_does_not_run_other_code_than_the_study_was_made_of(monkeypatch: pytest.MonkeyPatch) -> None:
+    # A worker would load the module from its file, in which LIMIT is 1.
+    grid = {"boundary": "free-free", "segments": [2, 3], "compute": limited}
+    assert bm.Study.grid(**grid).run(engine="processes", workers=1).limited.values.tolist() == [2.0, 3.0]
+    monkeypatch.setattr(sys.modules[__name__], "LIMIT", 2.0)
+    study = bm.Study.grid(**grid)
+    assert study.run().limited.values.tolist() == [4.0, 6.0]
+    with pytest.raises(ValueError, match=r"workers must have .*LIMIT as it was when the study was made"):
+        study.run(engine="processes", workers=1)
+
+
+@pytest.mark.slow
+def test_what_cannot_be_sent_is_told(tmp_path: Path) -> None:
+    with (tmp_path / "open.txt").open("w") as file:
+
+        def writes(case: bm.Case) -> float:
+            return float(file.write(str(case.segments)))
+
+        writes.__module__ = "__main__"
+        study = bm.Study.grid(boundary="free-free", segments=[2, 3], compute=writes)
+        with pytest.raises(Exception, match="task to send it to the workers") as caught:
+            study.run(engine="processes", workers=1)
+        assert any('engine="serial" takes any' in note for note in caught.value.__notes__)
+        assert study.run().writes.values.tolist() == [1.0, 1.0]
+
+
 PROGRAM = """
 import sys, beammodes as bm
-if __name__ == "__main__":
-    bm.Study.grid(
-        boundary="clamped-free(mass=0.1)", segments=range(2, 2000), mode=[1, 2, 3],
-        compute="relative_error", chunk=20,
-    ).run(store=sys.argv[1], engine="processes", workers=2)
+bm.Study.grid(
+    boundary="clamped-free(mass=0.1)", segments=range(2, 2000), mode=[1, 2, 3],
+    compute="relative_error", chunk=20,
+).run(store=sys.argv[1], engine="processes", workers=2)
 """
 
 

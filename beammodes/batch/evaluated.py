@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import secrets
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 
@@ -13,9 +14,12 @@ from beammodes.batch.cases import Cases
 from beammodes.batch.quantities import REASON, Quantity
 from beammodes.blas import one_thread
 
-__all__ = ["Evaluated", "evaluate", "evaluate_elsewhere"]
+__all__ = ["THIS_PROCESS", "Evaluated", "evaluate", "evaluate_elsewhere"]
 
 Floats = NDArray[np.float64]
+
+#: Tells this process, and forks of it, from others, also on other machines.
+THIS_PROCESS = secrets.token_hex(16)
 
 
 @dataclass(frozen=True, eq=False)
@@ -94,18 +98,32 @@ def evaluate(cases: Cases, quantities: Iterable[Quantity]) -> Evaluated:
         return _evaluated(cases, quantities)
 
 
-def evaluate_elsewhere(cases: Cases, quantities: Iterable[Quantity], version: str) -> Evaluated:
+def evaluate_elsewhere(
+    cases: Cases, quantities: Iterable[Quantity], version: str, process: str = ""
+) -> Evaluated:
     """Return the quantities of a chunk in a worker's process, whose BLAS keeps to one thread from now on.
+
+    Parameters
+    ----------
+    cases, quantities
+    version : str
+        Of this package, where the study was made.
+    process : str
+        `THIS_PROCESS` of the one that sends.
 
     Raises
     ------
     ValueError
-        If the worker has another version of this package.
+        If the worker has another version of this package, or would run other code than the study's own
+        functions had where it was made, such as a file that was edited since.
     """
     from beammodes import __version__
 
     if version != __version__:
         raise ValueError(f"workers must have beammodes {version}, got {__version__}")
+    if process != THIS_PROCESS:
+        for quantity in quantities:
+            quantity.check_code()
     # Kept: a worker may run several chunks in threads, and one must not release the others.
     one_thread()
     return _evaluated(cases, quantities)

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Generator, Iterable, Iterator
+from collections.abc import Callable, Generator, Iterable, Iterator
 from concurrent.futures import FIRST_COMPLETED, Executor, Future, wait
 from contextlib import contextmanager
+from dataclasses import dataclass
 from typing import Any
 
 from beammodes.batch.cases import Cases
-from beammodes.batch.evaluated import Evaluated, evaluate, evaluate_elsewhere
+from beammodes.batch.evaluated import THIS_PROCESS, Evaluated, evaluate, evaluate_elsewhere
 from beammodes.batch.quantities import Quantity
 from beammodes.checks import choice, shown, whole_number
 
@@ -19,10 +20,26 @@ __all__ = ["ENGINES", "computed", "executor_of"]
 #: The engines known by name; a Dask client or an executor is one itself.
 ENGINES = ("serial", "processes")
 
+# More workers are surely a mistake.
+_MOST_WORKERS = 1024
+
+# How often a worker looks whether its parent is alive [s].
+_LOOK = 0.5
+
 # Chunks handed out at a time: enough for hundreds of workers, few enough to hold in memory.
 _WINDOW = 512
 
 Task = tuple[int, Cases]
+
+
+@dataclass
+class _Workers(Executor):
+    """Processes of our own."""
+
+    pool: Executor
+
+    def submit(self, function: Callable[..., Any], /, *given: Any, **named: Any) -> Future[Any]:
+        return self.pool.submit(function, *given, **named)
 
 
 @contextmanager
@@ -48,8 +65,7 @@ def executor_of(engine: Any, workers: int | None = None) -> Iterator[Executor | 
     elif _named(engine) == "serial":
         yield None
     else:
-        count = (os.cpu_count() or 1) if workers is None else workers
-        yield from _processes(whole_number("workers", count, most=1024))
+        yield from _processes(workers)
 
 
 def _named(engine: Any) -> str:
@@ -60,38 +76,59 @@ def _named(engine: Any) -> str:
         raise type(error)(f"{error}; besides these names, {others} is an engine") from None
 
 
-def _processes(workers: int) -> Iterator[Executor]:
-    import multiprocessing
-    from concurrent.futures import ProcessPoolExecutor
-    from concurrent.futures.process import BrokenProcessPool
+def _processes(workers: int | None) -> Iterator[Executor]:
+    import warnings
 
-    # Fresh processes: forks of one that has threads may hang.
-    context = multiprocessing.get_context("spawn")
-    pool = ProcessPoolExecutor(workers, mp_context=context, initializer=_start_worker)
+    from loky import cpu_count
+    from loky.process_executor import ProcessPoolExecutor
+
+    count = cpu_count() if workers is None else whole_number("workers", workers, most=_MOST_WORKERS)
+    pool = ProcessPoolExecutor(count, initializer=_start_worker, initargs=(os.getpid(),))
     try:
-        yield pool
-    except BrokenProcessPool as error:
-        error.add_note(
-            "a worker ended: killed, or out of memory, or the script that started it calls run() without its "
-            'if __name__ == "__main__":'
-        )
+        with _interrupts_held():
+            # The first call starts all workers, which keep what is held at that moment.
+            pool.submit(os.getpid)
+        yield _Workers(pool)
+    except BaseException:
+        with warnings.catch_warnings():
+            # Of tools that would find the workers' own processes; ours have none.
+            warnings.simplefilter("ignore")
+            pool.shutdown(kill_workers=True)
         raise
+    pool.shutdown()
+
+
+@contextmanager
+def _interrupts_held() -> Iterator[None]:
+    """Let Ctrl-C wait, here until the end of the context, and in processes started meanwhile for good."""
+    import signal
+
+    if sys.platform == "win32":
+        yield
+        return
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGINT])
+    try:
+        yield
     finally:
-        pool.shutdown(cancel_futures=True)
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
-def _start_worker() -> None:
+def _start_worker(parent: int) -> None:
     """Leave Ctrl-C to the parent, and end with it even if it is killed."""
     import multiprocessing
     import signal
     import threading
+    import time
 
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    parent = multiprocessing.parent_process()
-    assert parent is not None
 
     def follow() -> None:
-        parent.join()
+        if sys.platform == "win32":
+            process = multiprocessing.parent_process()
+            assert process is not None
+            process.join()
+        while os.getppid() == parent and sys.platform != "win32":
+            time.sleep(_LOOK)
         os._exit(1)
 
     threading.Thread(target=follow, daemon=True).start()
@@ -105,19 +142,37 @@ def computed(
         for number, cases in tasks:
             yield number, evaluate(cases, quantities)
         return
+    from concurrent.futures.process import BrokenProcessPool
+
     from beammodes import __version__
 
     pending: dict[Future[Evaluated], int] = {}
     try:
         for number, cases in tasks:
-            pending[executor.submit(evaluate_elsewhere, cases, quantities, __version__)] = number
+            future = executor.submit(evaluate_elsewhere, cases, quantities, __version__, THIS_PROCESS)
+            pending[future] = number
             if len(pending) >= _WINDOW:
                 yield from _finished(pending)
         while pending:
             yield from _finished(pending)
+    except BrokenProcessPool as error:
+        error.add_note(
+            "a worker ended: killed, out of memory or crashed, or it could not load what it was sent; "
+            'engine="processes" takes functions that are defined anywhere, other pools only those of a module'
+        )
+        raise
+    except Exception as error:
+        if type(error).__name__ == "PicklingError":
+            error.add_note(
+                "a function in compute holds what cannot be sent to other processes; "
+                'engine="serial" takes any'
+            )
+        raise
     finally:
-        for future in pending:
-            future.cancel()
+        # Our own workers are killed, and loky cannot do it to futures that are cancelled.
+        if not isinstance(executor, _Workers):
+            for future in pending:
+                future.cancel()
 
 
 def _finished(pending: dict[Future[Evaluated], int]) -> Iterator[tuple[int, Evaluated]]:

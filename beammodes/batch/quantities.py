@@ -28,6 +28,9 @@ Floats = NDArray[np.float64]
 #: More quantities of one study are a mistake.
 MAX_QUANTITIES = 1000
 
+# Sources of the users' functions that were found to be the same in this process.
+_CHECKED: set[tuple[tuple[str, str], ...]] = set()
+
 #: Dimensions of a study's dataset and of a chunk's file that are no axes.
 DIMENSIONS = ("point", "sample", "case")
 
@@ -67,6 +70,28 @@ class Quantity:
     source: Mapping[str, str] = field(default_factory=dict, hash=False)
     uncounted: tuple[str, ...] = ()
 
+    def check_code(self) -> None:
+        """Raise ValueError if a user's function is not, in this process, the code that the study was made of.
+
+        What a worker loads from a module may be another text by now, or lack a value set since. Looked at
+        once in a process: while it works, a function may change what it remembers.
+        """
+        if not self.source or not isinstance(self.compute, _Own):
+            return
+        known = tuple(self.source.items())
+        if known in _CHECKED:
+            return
+        here = running_code(self.compute.function)
+        for name in {**self.source, **here}:
+            if _is_sent_along(name):
+                continue
+            if self.source.get(name) != here.get(name):
+                raise ValueError(
+                    f"workers must have {name} as it was when the study was made, got another: "
+                    f"{self.source.get(name)} there, {here.get(name)} here"
+                )
+        _CHECKED.add(known)
+
     def definition(self) -> dict[str, Any]:
         """Return what defines the quantity, in plain values for a file."""
         return {"per_mode": self.per_mode, **({"source": dict(self.source)} if self.source else {})}
@@ -76,7 +101,7 @@ class Quantity:
 class _Own:
     """A user's function of one point, as a function of many."""
 
-    function: Callable[[Case], float]
+    function: Any
 
     def __call__(self, cases: Cases) -> Floats:
         return cases.each(self.function)
@@ -91,6 +116,11 @@ class _StaticError:
 
     def _one(self, case: Case) -> float:
         return chain_static_errors(case.chain, str(case.values.get("static_load", "tip_force")))[self.place]
+
+
+def _is_sent_along(name: str) -> bool:
+    """Whether a part of a function's code reaches workers with it: what stands in no module's file."""
+    return name.startswith("__main__.")
 
 
 def _angular_frequency(cases: Cases) -> Floats:

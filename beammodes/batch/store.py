@@ -14,13 +14,12 @@ import errno
 import hashlib
 import json
 import re
-import sys
 import warnings
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import IO, Any
+from typing import Any
 
 from beammodes.batch.evaluated import Evaluated
 from beammodes.checks import shown
@@ -220,30 +219,28 @@ def definition_digest(definition: Mapping[str, Any]) -> str:
 
 @contextmanager
 def locked(folder: Path) -> Iterator[bool]:
-    """Keep other runs from the folder meanwhile; False where the system has no locks to do it.
+    """Keep other runs from the folder meanwhile; False where the file system has no locks to do it.
 
     Raises
     ------
     BlockingIOError
         If another run is at work on it.
     """
-    with (folder / _LOCK).open("a+") as file:
-        yield _locked(file, folder)
+    from filelock import FileLock, Timeout
 
-
-def _locked(file: IO[str], folder: Path) -> bool:
-    if sys.platform == "win32":
-        return False
-    import fcntl
-
+    lock = FileLock(folder / _LOCK, timeout=0)
     try:
-        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except BlockingIOError:
+        lock.acquire()
+    except Timeout:
         raise BlockingIOError(errno.EAGAIN, "another run is computing this study", str(folder)) from None
-    except OSError:
+    except (OSError, NotImplementedError):
         # File systems shared over a network need not have locks.
-        return False
-    return True
+        yield False
+        return
+    try:
+        yield True
+    finally:
+        lock.release()
 
 
 def _digest(data: bytes) -> str:

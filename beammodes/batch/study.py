@@ -253,8 +253,8 @@ class Study:
             computed again.
             Without a store the results are kept in memory alone.
         engine : "serial", "processes", a dask.distributed Client, or a concurrent.futures Executor
-            All give the same bits, on processors and libraries of one kind. For "processes" a script needs
-            its `if __name__ == "__main__":`.
+            All give the same bits, on processors and libraries of one kind. "processes" takes functions of a
+            notebook or script as well as a module's; a module's must stand in its file as they run here.
         workers : int, optional
             Of "processes", by default one for each processor.
         progress : callable or bool, optional
