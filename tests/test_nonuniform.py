@@ -21,7 +21,7 @@ from beammodes.chains.units import ExactUnits
 from beammodes.exact.beam_theory import euler_bernoulli
 from beammodes.exact.timoshenko_beam import SHEAR_RATIO
 from beammodes.problem.loading import Load
-from beammodes.problem.profiles import Table
+from beammodes.problem.profiles import Table, value_at
 from studies import axial_force, nonuniform
 
 TAPERS = {
@@ -139,6 +139,39 @@ def test_a_hundred_thousand_positions(kind: str) -> None:
     np.testing.assert_allclose(found[0], found[1], rtol=2e-9)
     chains = [bm.chain_errors(bm.Chain(b, pair, 20, "gregory"), 2) for b in (table, smooth)]
     np.testing.assert_allclose(chains[0], chains[1], atol=1e-8)
+
+
+def bent(beam: bm.Beam) -> float:
+    """∫ (L - x)²/EI dx of a beam that is smooth between a hundred thousand equal parts: the tip's deflection."""
+    node, weight = np.polynomial.legendre.leggauss(6)
+    edges = np.linspace(0, beam.length, 100_001)
+    half = 0.5 * np.diff(edges)[:, None]
+    x = edges[:-1, None] + half * (1 + node)
+    return float(((beam.length - x) ** 2 / value_at(beam.bending_stiffness, x) * half * weight).sum())
+
+
+@pytest.mark.parametrize("points", [0, 5, 51, 1001])
+def test_statics_and_buckling_know_the_same_beam(points: int) -> None:
+    # The hundred thousand parts end on the tables' positions. The finest table's chords err by 1e-6.
+    shape = lambda x: (1 - x / 2) ** 3  # noqa: E731
+    x = np.linspace(0, 1, max(points, 2))
+    beam = bm.Beam(1.0, Table(x, shape(x)) if points else shape, 1.0)
+    found = bm.beam_statics(beam, "clamped-free", "tip_force").deflection
+    assert found == pytest.approx(bent(beam), rel=1e-11)
+    if points > 100 or not points:
+        function = bm.buckling_load(bm.Beam(1.0, shape, 1.0), "clamped-free")
+        assert bm.buckling_load(beam, "clamped-free") == pytest.approx(function, rel=3e-6)
+
+
+@pytest.mark.parametrize(("width", "centre"), [(0.002, 0.1), (0.0005, 0.37), (0.001, 0.7654321)])
+def test_statics_and_buckling_see_a_notch(width: float, centre: float) -> None:
+    notch = bm.Beam(1.0, lambda x: 1 - 0.9 * np.exp(-(((x - centre) / width) ** 2)), 1.0)
+    found = bm.beam_statics(notch, "clamped-free", "tip_force").deflection
+    assert found == pytest.approx(bent(notch), rel=1e-9)
+    # First order in the width: a hinge of the notch's flexibility c, P = π²/4 (1 - 2 c cos²(πx/2)).
+    added = width * math.sqrt(math.pi) * sum(0.9**k / k**0.5 for k in range(1, 400))
+    first = math.pi**2 / 4 * (1 - 2 * added * math.cos(math.pi * centre / 2) ** 2)
+    assert bm.buckling_load(notch, "clamped-free") == pytest.approx(first, rel=5 * added**2 + 2 * width)
 
 
 @pytest.mark.parametrize("segments", [10, 40])

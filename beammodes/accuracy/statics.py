@@ -29,7 +29,7 @@ from beammodes.chains.chain import Chain, Number, Units
 from beammodes.checks import choice, shown
 from beammodes.problem.beam import Beam
 from beammodes.problem.ends import Boundary, BoundaryLike
-from beammodes.problem.profiles import value_at
+from beammodes.problem.profiles import profile_parts, value_at
 
 Array = NDArray[np.float64]
 
@@ -138,8 +138,12 @@ def _integrated_response(beam: Beam, pair: Boundary, load: str) -> Response:
     Gauss's rule for ∫ (x - s) M/EI ds is a chain of hinges: at its points, of flexibility weight/EI.
     """
     previous, mirrored = Response(math.inf, math.inf, math.inf), pair != pair.canonical
-    for points in (12, 24, 48, 96, 192):
-        position, weight = _gauss_points(beam, points)
+    parts = profile_parts(beam.bending_stiffness, beam.length)
+    edges = np.unique([0.0, *(x / beam.length for x in parts), 0.5, 1.0])
+    # Thousands of parts, between the kinks of a fine table, need few points each.
+    fewest = max(2, min(12, 1000 // len(edges)))
+    for doubled in range(5):
+        position, weight = _gauss_points(edges, fewest * 2**doubled)
         flexibility = weight / value_at(beam.bending_stiffness, position * beam.length)
         flexibility *= beam.mean_bending_stiffness
         if mirrored:
@@ -151,13 +155,13 @@ def _integrated_response(beam: Beam, pair: Boundary, load: str) -> Response:
             return Response(*found)
         previous = found
     raise ArithmeticError(
-        "integrals of 1/EI do not agree to 1e-12: is bending_stiffness not smooth between the beam's breaks?"
+        "integrals of 1/EI do not agree to 1e-12: has bending_stiffness steps, kinks or narrow features "
+        "between the beam's breaks, and too many of them?"
     )
 
 
-def _gauss_points(beam: Beam, points: int) -> tuple[Array, Array]:
-    """Return positions and weights on 0 to 1, so many on each part between breaks, the middle being one."""
-    edges = np.unique([0.0, *(x / beam.length for x in beam.breaks), 0.5, 1.0])
+def _gauss_points(edges: Array, points: int) -> tuple[Array, Array]:
+    """Return positions and weights on 0 to 1, so many between any two edges."""
     node, plain = np.polynomial.legendre.leggauss(points)
     half = 0.5 * np.diff(edges)
     return (edges[:-1, None] + half[:, None] * (1 + node)).ravel(), (half[:, None] * plain).ravel()

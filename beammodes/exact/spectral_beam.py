@@ -159,8 +159,8 @@ def disagreement(reached: float) -> ArithmeticError:
     """Return the error for polynomials of growing degree that came no closer than this."""
     return ArithmeticError(
         f"results agree to {reached:.1g} between polynomials of growing degree, not to {AGREEMENT:.0g}: "
-        "is a property not smooth between the beam's breaks (a Table has steps and kinks), or a load so "
-        "large that the beam bends next to its ends only?"
+        "does a property vary too much between the beam's breaks, or is a load so large that the beam bends "
+        "next to its ends only?"
     )
 
 

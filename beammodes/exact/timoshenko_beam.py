@@ -19,7 +19,7 @@ from beammodes.problem.beam_positions import positions_on
 from beammodes.problem.beam_properties import PropertyLike, kept_property
 from beammodes.problem.ends import Boundary, BoundaryLike
 from beammodes.problem.loading import Load, checked_load
-from beammodes.problem.profiles import Profile, scaled, value_at
+from beammodes.problem.profiles import Profile, profile_parts, scaled, value_at
 
 __all__ = ["SHEAR_RATIO", "TimoshenkoModes", "theory_error_of", "theory_facts", "timoshenko"]
 
@@ -339,7 +339,9 @@ def _completed(beam: Beam, shear: PropertyLike | None, rotary: PropertyLike | No
 def _cutoff(beam: Beam) -> float:
     """Return the least √(κGA/ρI) along the beam, infinite without shear or without rotary inertia."""
     assert beam.shear_stiffness is not None
-    x = np.unique([*np.linspace(0.0, beam.length, 257), *beam.breaks])
+    profiles = (beam.rotary_inertia_per_length, beam.shear_stiffness)
+    parts = (x for profile in profiles for x in profile_parts(profile, beam.length))
+    x = np.unique([*np.linspace(0.0, beam.length, 257), *parts])
     least = math.inf
     for side in (-1, 1):
         rotary = value_at(beam.rotary_inertia_per_length, x, side)
