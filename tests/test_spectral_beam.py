@@ -481,11 +481,11 @@ def test_close_steps_of_a_hundred_to_one(seed: int, sloped: bool) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("sloped", [False, True])
-@pytest.mark.parametrize("block", range(10))
-def test_five_hundred_drawn_tables(block: int, sloped: bool) -> None:
+@pytest.mark.parametrize("block", range(20))
+def test_five_hundred_drawn_tables(block: int) -> None:
     for seed in range(100 + 25 * block, 125 + 25 * block):
-        check_drawn_beam(seed, sloped=sloped)
+        # The series of a steep part is many.
+        check_drawn_beam(seed, sloped=seed % 5 == 0)
 
 
 # --- Shapes ----------------------------------------------------------------------------------------------
