@@ -162,7 +162,7 @@ def test_given_breaks_are_kept_with_what_varies() -> None:
     ("given", "told"),
     [
         (0.5, r"must be a sequence of positions, got 0\.5"),
-        ("0.5", r"must be a sequence of positions, got '0\.5'"),
+        ("0.5", r"must be a sequence of values, got '0\.5'"),
         (None, r"must be a sequence of positions, got None"),
         ([0.5, "0.7"], r"must be a real number, got '0\.7'"),
         ([0.5, math.nan], r"must be finite, got nan"),
