@@ -169,7 +169,7 @@ def test_given_breaks_are_kept_with_what_varies() -> None:
         ([0.0], r"must be positions inside the beam, between 0 and its length 1\.1, got 0\.0"),
         ([0.2, 1.1], r"must be positions inside the beam, between 0 and its length 1\.1, got 1\.1"),
         ([-0.2], r"must be positions inside the beam, .* got -0\.2"),
-        (np.ones((2, 2)), r"must be a real number, got array"),
+        (np.ones((2, 2)), r"must be a sequence of positions, got array"),
     ],
 )  # fmt: skip
 def test_wrong_breaks(given: Any, told: str) -> None:
@@ -189,7 +189,7 @@ def test_a_table_that_ends_a_rounding_off_the_beam_is_moved_to_its_end() -> None
         ([1.0, -2.0, 3.0], r"got -2\.0 on part 2 of 3"),
         ([1.0, math.nan], r"must be finite, got nan"),
         ([1.0, "2"], r"must be a real number, got '2'"),
-        (np.ones((2, 2)), r"must be a real number, got array"),
+        (np.ones((2, 2)), r"must be a sequence of positions, got array"),
         (Table((0.0, 1.0), (1.0, 2.0)), r"tabulated from 0 to the beam's length 2\.0, got .* 1\.0"),
         (Table((0.0, 2.0), (1.0, -1.0)), r"got -1\.0 at x = 2\.0"),
         (lambda x: 1.0 - x, r"got -0\.[0-9]+ at x = 1\.[0-9]+$"),

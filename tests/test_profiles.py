@@ -144,9 +144,11 @@ def test_a_table_is_a_value() -> None:
         ((0.0, 0.0, 1.0), (1.0, 2.0, 3.0), "x must have each position once, or twice inside for a step"),
         ((0.0, 1.0, 1.0), (1.0, 2.0, 3.0), "x must have each position once, or twice inside for a step"),
         ((0.0, 0.5, 0.5, 0.5, 1.0), (1.0,) * 5, "x must have each position once, or twice inside for a step"),
-        ("ab", (1.0, 2.0), "x must be a sequence of real numbers, got 'ab'"),
+        ("ab", (1.0, 2.0), "x must be a sequence of values, got 'ab'"),
         ((0.0, 1.0), 3.0, "value must be a sequence of real numbers, got 3.0"),
-        ((0.0, 1.0), (1.0, math.nan), "value must be finite, got nan"),
+        ((0.0, 1.0), (1.0, math.nan), "value must be finite, got [1.0, nan]"),
+        ((0.0, 1.0), (1.0, math.inf), "value must be finite, got [1.0, inf]"),
+        ((0.0,), (1.0,), "x must be at least two numbers"),
     ],
 )  # fmt: skip
 def test_wrong_tables(x: Any, value: Any, told: str) -> None:
