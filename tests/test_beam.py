@@ -189,7 +189,7 @@ def test_a_table_that_ends_a_rounding_off_the_beam_is_moved_to_its_end() -> None
         ([1.0, -2.0, 3.0], r"got -2\.0 on part 2 of 3"),
         ([1.0, math.nan], r"must be finite, got nan"),
         ([1.0, "2"], r"must be a real number, got '2'"),
-        (np.ones((2, 2)), r"must be a sequence of positions, got array"),
+        (np.ones((2, 2)), r"must be a real number, got array"),
         (Table((0.0, 1.0), (1.0, 2.0)), r"tabulated from 0 to the beam's length 2\.0, got .* 1\.0"),
         (Table((0.0, 2.0), (1.0, -1.0)), r"got -1\.0 at x = 2\.0"),
         (lambda x: 1.0 - x, r"got -0\.[0-9]+ at x = 1\.[0-9]+$"),
