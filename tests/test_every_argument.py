@@ -374,6 +374,38 @@ def test_an_equilibrium_is_not_found_to_a_tolerance_that_is_none(tolerance: floa
         call("find_equilibrium", {"tolerance": tolerance})
 
 
+@pytest.mark.parametrize("value", [1.1e30, 1e100, 1e300])
+@pytest.mark.parametrize(
+    "number", ["translational_stiffness", "rotational_stiffness", "mass", "rotary_inertia", "offset"]
+)
+def test_numbers_of_ends_beyond_all_digits_are_refused_by_name(number: str, value: float) -> None:
+    given = {number: value} | ({"mass": 1.0} if number == "offset" else {})
+    ends = bm.Boundary.of(("pinned", bm.End(**given)))
+    unit = bm.Beam.unit()
+    asked: list[Callable[[], Any]] = [
+        lambda: bm.euler_bernoulli(unit, ends, 2),
+        lambda: bm.frequency_error(ends, segments=5, mode=1),
+        lambda: bm.segments_needed(ends, 0.01),
+        lambda: bm.recommend(ends, 0.01),
+    ]
+    for ask in asked:
+        with pytest.raises(ValueError, match=f"{number} must be"):
+            ask()
+
+
+@pytest.mark.parametrize("value", [1.1e30, 1e100, 1e300])
+def test_an_axial_force_beyond_all_digits_is_refused_by_name(value: float) -> None:
+    load, unit = bm.Load(axial_force=value), bm.Beam.unit()
+    asked: list[Callable[[], Any]] = [
+        lambda: bm.euler_bernoulli(unit, "clamped-free", 2, load=load),
+        lambda: bm.frequency_error("clamped-free", segments=5, mode=1, load=load, beam=unit),
+        lambda: bm.segments_needed("clamped-free", 0.01, load=load, beam=unit),
+    ]
+    for ask in asked:
+        with pytest.raises(ValueError, match="axial_force must be"):
+            ask()
+
+
 def test_every_public_function_is_in_the_table() -> None:
     # Those that are left out read a file or draw; their own tests try their arguments.
     elsewhere = {

@@ -43,10 +43,14 @@ def supported_errors(
     >>> round(supported_errors("clamped-free(mass=1)", 10, 1, "mitiguy", Load()), 6)
     -0.000213
     """
+    from beammodes.exact.beam_theory import check_range
+
     pairs, which = _objects("boundary", with_pairs_read(boundary), (str, Boundary), Boundary.of)
     records, chosen = _objects("rule", rule, (str, Layout), layout_of)
     counts = whole_numbers("segments", segments, most=MAX_SEGMENTS)
     modes = whole_numbers("mode", mode, most=MAX_SUPPORTED_MODE)
+    for pair in pairs:
+        check_range(Beam.unit(), pair, load)
     which, chosen, counts, modes = np.broadcast_arrays(which, chosen, counts, modes)
     error = np.full(which.shape, np.nan)
     for p, r, n in {*zip(which.flat, chosen.flat, counts.flat, strict=True)}:

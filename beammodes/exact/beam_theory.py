@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING
@@ -22,7 +23,11 @@ if TYPE_CHECKING:
 
 Floats = NDArray[np.float64]
 
-__all__ = ["assumed_in_shear", "euler_bernoulli"]
+__all__ = ["assumed_in_shear", "check_range", "euler_bernoulli"]
+
+#: Largest number of an end or axial force beside the beam's own unit, such as ρA L or EI/L²: well within the
+#: 10¹⁰⁰ at which long decimals overflow.
+LARGEST_RATIO = 1e30
 
 
 def euler_bernoulli(
@@ -69,9 +74,39 @@ def euler_bernoulli(
         raise TypeError(f"beam must be a Beam, got {shown(beam)}")
     pair, pull = Boundary.of(boundary), checked_load(load)
     count = whole_number("modes", modes, most=10**6)
+    check_range(beam, pair, pull)
     found = _solved(beam, pair, count, pull)
     theory = partial(_theory_error, beam, pair, pull, found.angular_frequency)
     return replace(found, theory=(theory, assumed_in_shear(beam)))
+
+
+def check_range(beam: Beam, pair: Boundary, load: Load) -> None:
+    """Raise ValueError if a number of an end or a load is so large beside the beam that no digits remain.
+
+    Examples
+    --------
+    >>> check_range(Beam.unit(), Boundary.of("clamped-free(mass=1e30)"), Load())
+    """
+    length, mass = beam.length, beam.mean_mass_per_length * beam.length
+    stiffness = beam.mean_bending_stiffness / length
+    units = {
+        "translational_stiffness": stiffness / length**2,
+        "rotational_stiffness": stiffness,
+        "mass": mass,
+        "rotary_inertia": mass * length**2,
+        "offset": length,
+    }
+    given = [
+        (name, float(getattr(end, name)), unit)
+        for end in (pair.left, pair.right)
+        for name, unit in units.items()
+    ]
+    given.append(("axial_force", abs(float(load.axial_force)), stiffness / length))
+    for name, value, unit in given:
+        if math.isfinite(value) and abs(value) > LARGEST_RATIO * unit:
+            raise ValueError(
+                f"{name} must be at most {LARGEST_RATIO:g} of the beam's own, {unit:.6g}, got {value:.6g}"
+            )
 
 
 def _solved(
