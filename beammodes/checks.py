@@ -197,6 +197,8 @@ def plain_array(name: str, value: Any) -> NDArray[Any]:
         If values of it are masked, or a list has more than `MAX_ITEMS` items.
     """
     _check_unmasked(name, value)
+    if type(value) in (int, float):
+        return np.asarray(value)
     if not hasattr(value, "__array__"):
         endless = isinstance(value, Iterable) and not isinstance(value, Sized | str | bytes)
         if endless or isinstance(value, Mapping | Set):
@@ -218,8 +220,8 @@ def plain_array(name: str, value: Any) -> NDArray[Any]:
     return array if array.dtype.kind in "iufc" else array.astype(object)
 
 
-def real_numbers(name: str, value: Any) -> NDArray[np.float64]:
-    """Return finite real numbers as an array of floats, of the shape that they have.
+def real_numbers(name: str, value: Any, *, finite: bool = True) -> NDArray[np.float64]:
+    """Return real numbers, finite unless said otherwise, as an array of floats, of the shape that they have.
 
     Raises
     ------
@@ -240,7 +242,7 @@ def real_numbers(name: str, value: Any) -> NDArray[np.float64]:
         return np.array([real(name, item) for item in array.ravel()], dtype=np.float64).reshape(array.shape)
     with np.errstate(over="ignore"):
         found = array.astype(np.float64)
-    if not np.isfinite(found).all():
+    if finite and not np.isfinite(found).all():
         raise ValueError(f"{name} must be finite, got {shown(value)}")
     return found
 

@@ -24,7 +24,7 @@ def positions_on(beam: Beam, x: ArrayLike) -> NDArray[np.float64]:
     >>> positions_on(Beam.unit(), [0, 1])
     array([0., 1.])
     """
-    position = real_numbers("x", x)
+    position = real_numbers("x", x, finite=False)
     outside = ~((position >= 0.0) & (position <= beam.length))
     if outside.any():
         raise ValueError(f"x must be finite and inside [0, {beam.length}], got {position[outside][0]}")
