@@ -197,7 +197,9 @@ def test_frequencies_are_those_of_mujoco(case: str, tmp_path: Path) -> None:
     known = mujoco_frequencies(MODELS[case])
     found = audit_file(write(tmp_path, MODELS[case]), BEAM, modes=20).angular_frequency
     found = found[np.isfinite(found)]
-    np.testing.assert_allclose(found, known[: len(found)], rtol=1e-9)
+    # MuJoCo 3 turns a full inertia to its principal axes with some 1e-7 of error, MuJoCo 4 to rounding.
+    rough = case == "full inertia" and pytest.importorskip("mujoco").__version__.startswith("3.")
+    np.testing.assert_allclose(found, known[: len(found)], rtol=1e-6 if rough else 1e-9)
     assert len(found) == len(known)
 
 
