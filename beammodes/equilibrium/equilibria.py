@@ -139,8 +139,8 @@ def find_equilibrium(
     >>> bool(np.abs(rolled.nodes[-1]).max() < 1e-12)
     True
     >>> buckled = find_equilibrium(chain, Load(axial_force=-10 * np.pi**2 / 4))
-    >>> np.degrees(buckled.angle[-1]).round(2), buckled.nodes[-1].round(4), buckled.is_stable
-    (np.float64(176.8), array([-0.5967,  0.4026]), True)
+    >>> round(float(np.degrees(buckled.angle[-1])), 2), buckled.nodes[-1].round(4), buckled.is_stable
+    (176.8, array([-0.5967,  0.4026]), True)
     """
     if not isinstance(chain, Chain):
         raise TypeError(f"chain must be a Chain, got {shown(chain)}")
