@@ -44,6 +44,9 @@ def shown(value: object) -> str:
     except ValueError:
         # Python refuses to print integers of more than 4300 digits, also inside other values.
         text = f"a {type(value).__name__} of very many digits"
+    except Exception:
+        # A message about a bad argument must not fail because that cannot even be printed.
+        text = f"a {type(value).__name__} that cannot be printed"
     return text if len(text) <= _SHOWN_CHARACTERS else text[: _SHOWN_CHARACTERS - 3] + "..."
 
 

@@ -139,6 +139,10 @@ def ordinary_bytes(path: str | os.PathLike[str], most: int) -> bytes:
     ...     ordinary_bytes(file.name, 10)
     b''
     """
+    if not isinstance(path, str | os.PathLike) or isinstance(os.fspath(path), bytes):
+        raise TypeError(f"path must be a str or a Path, got {shown(path)}")
+    if "\0" in os.fspath(path):
+        raise ValueError(f"path must be without a null character, got {shown(path)}")
     place = Path(path)
     mode = place.stat().st_mode
     if stat.S_ISDIR(mode):

@@ -139,7 +139,9 @@ def test_what_is_no_boundary(value: Any) -> None:
 
 @pytest.mark.parametrize("part", [None, 3, b"free", ["free"]])
 def test_what_is_no_end(part: Any) -> None:
-    with pytest.raises(TypeError, match=r"^end must be one of clamped, pinned, guided, free, got "):
+    with pytest.raises(
+        TypeError, match=r"^each end of boundary must be one of clamped, pinned, guided, free, got "
+    ):
         Boundary.of(("clamped", part))
 
 

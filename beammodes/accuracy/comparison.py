@@ -23,6 +23,9 @@ __all__ = ["SlendernessWarning", "chain_errors", "theory_errors"]
 
 Array = NDArray[np.float64]
 
+#: More modes than any chain has whose frequencies are all solved for.
+MOST_ERRORS = 100_000
+
 
 class SlendernessWarning(UserWarning):
     """The beam is so stout that Euler-Bernoulli theory errs more on it than the chain errs on the theory."""

@@ -93,8 +93,8 @@ def segments_within_spread(
             f"spread must be a Dataset from frequency_spread(), got {shown(type(spread).__name__)}"
         )
     part = positive_real("fraction", fraction)
-    if part > 1.0:
-        raise ValueError(f"fraction must be at most 1, got {shown(fraction)}")
+    if not 1e-12 <= part <= 1.0:
+        raise ValueError(f"fraction must be at least 1e-12 and at most 1, got {shown(fraction)}")
     width, modes = float(spread.half_width.min()), spread.sizes["mode"]
     boundary: str = spread.attrs["boundary"]
     count = segments_needed(boundary, part * width, modes, rule)

@@ -115,7 +115,7 @@ def error_law(boundary: BoundaryLike, mode: int, rule: RuleLike | RuleMaker = "m
     """
     pair = Boundary.of(boundary)
     record = rule.rule_for(pair) if isinstance(rule, RuleMaker) else rule_named(rule)
-    index = whole_number("mode", mode)
+    index = whole_number("mode", mode, most=10**6)
     beam = plain_modes(Beam.unit(), pair, index)
     terms: list[tuple[int, float]] = []
     for end, left in ((pair.left, True), (pair.right, False)):

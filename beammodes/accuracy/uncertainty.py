@@ -106,6 +106,8 @@ def frequency_spread(
     values = {name: positive_real(name, value) for name, value in nominal} | dimensions_of(section)
     given = given_tolerances(tolerances, values)
     ends, count = Boundary.of(boundary), whole_number("samples", samples, least=100, most=MAX_SAMPLES)
+    if progress is not None and not callable(progress):
+        raise TypeError(f"progress must be a function of two numbers or None, got {shown(progress)}")
     levels, wanted = _levels(quantiles), whole_number("modes", modes, most=MAX_MODES)
     generator = np.random.default_rng(whole_number("seed", seed, least=0))
     if progress is not None and not callable(progress):

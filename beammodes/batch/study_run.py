@@ -34,7 +34,7 @@ def run_study(
         found: dict[int, Evaluated] = {}
         _compute(study, found, engine, workers, report, found.__setitem__)
         return _closed(study_dataset(study.definition, sorted(found.items())), report)
-    folder = _folder(store)
+    folder = _folder("store", store)
     made_ready(folder)
     with locked(folder) as alone:
         kept = Store.of(folder, study.definition)
@@ -95,15 +95,15 @@ def open_study(path: str | Path) -> xarray.Dataset:
     >>> found.relative_error.values.round(6), found.finished_cases, found.cases
     (array([-0.005085, -0.001259]), 2, 2)
     """
-    store = Store.read(_folder(path))
+    store = Store.read(_folder("path", path))
     return study_dataset(store.definition, _sound(store))
 
 
-def _folder(path: object) -> Path:
+def _folder(name: str, path: object) -> Path:
     if not isinstance(path, str | Path):
-        raise TypeError(f"store must be a folder's name or Path, got {shown(path)}")
+        raise TypeError(f"{name} must be a folder's name or Path, got {shown(path)}")
     if path == "" or "\0" in str(path):
-        raise ValueError(f"store must be a folder's name or Path, got {shown(path)}")
+        raise ValueError(f"{name} must be a folder's name or Path, got {shown(path)}")
     return Path(path).expanduser()
 
 

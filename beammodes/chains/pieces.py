@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from beammodes.chains.repeated import each_once
-from beammodes.checks import bounded, real, shown, whole_number
+from beammodes.checks import bounded, real, shown
 
 __all__ = ["MAX_PIECES", "Body", "Number", "Pieces", "check_pieces", "check_turning", "piece_numbers"]
 
@@ -129,7 +129,9 @@ def _number(name: str, value: Number) -> Number:
 def check_pieces(columns: dict[str, tuple[Number, ...]]) -> None:
     """Raise ValueError naming the first number that makes no chain; zero-length ends may be massless."""
     length, mass, springs = columns["length"], columns["mass"], columns["joint_stiffness"]
-    count = whole_number("number of pieces", len(length), most=MAX_PIECES)
+    count = len(length)
+    if not count:
+        raise ValueError("length must be of one or more pieces, got none")
     for name, values in columns.items():
         expected = count - 1 if name == "joint_stiffness" else count
         if len(values) != expected:

@@ -105,6 +105,15 @@ def modal_response(
     flag("stiffening", stiffening)
     pair, count = Boundary.of(boundary), whole_number("modes", modes, most=MAX_MODES)
     without_rigid_motion(pair)
+    if not beam.is_uniform:
+        raise ValueError(
+            f"beam must be uniform for a sum of its modes, got {shown(beam)}: simulate() takes a Chain of it"
+        )
+    if not pair.is_plain:
+        raise ValueError(
+            f"boundary must be without springs or bodies for a sum of modes, got {shown(pair.name)}: "
+            "simulate() takes a Chain with such ends"
+        )
     if not pair.left.is_grounded:
         raise ValueError(f"boundary must tie down the left end, got {pair.name}: name that end first")
     times, shapes = _ascending(time), plain_modes(beam, pair, count)
@@ -112,8 +121,15 @@ def modal_response(
     if base is None:
         q = start * np.cos(np.outer(times, shapes.angular_frequency))
     else:
-        q = _integrated(shapes, base, start, times, stiffening, positive_real("tolerance", tolerance))
+        q = _integrated(shapes, base, start, times, stiffening, _tolerance(tolerance))
     return _dataset(shapes, times, q)
+
+
+def _tolerance(tolerance: float) -> float:
+    number = positive_real("tolerance", tolerance)
+    if not 1e-13 <= number <= 0.1:
+        raise ValueError(f"tolerance must be from 1e-13 to 0.1, got {shown(tolerance)}")
+    return number
 
 
 def _ascending(time: ArrayLike) -> Array:

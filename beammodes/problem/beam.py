@@ -188,12 +188,24 @@ class Beam:
         area = positive_real("area of section", section.area)
         moment = positive_real("second_moment of section", section.second_moment)
         ratio, coefficient, assumed = _in_shear(section, poisson_ratio, shear_coefficient)
+        shear = coefficient * modulus / (2.0 * (1.0 + ratio)) * area
+        for name, value in (
+            ("density", rho * area),
+            ("density", rho * moment),
+            ("elastic_modulus", modulus * moment),
+            ("shear_coefficient", shear),
+        ):
+            if not 0.0 < value < math.inf:
+                raise ValueError(
+                    f"{name} must be of another order: with elastic_modulus {modulus}, density {rho} and "
+                    f"{shown(section)} the beam's numbers leave the range of floats"
+                )
         return cls(
             length,
             modulus * moment,
             rho * area,
             rho * moment if rotary_inertia else 0.0,
-            shear_stiffness=coefficient * modulus / (2.0 * (1.0 + ratio)) * area,
+            shear_stiffness=shear,
             radius_of_gyration=math.sqrt(moment / area),
             assumed=assumed,
         )

@@ -18,7 +18,7 @@ __all__ = ["PropertyLike", "each_place_once", "kept_breaks", "kept_property"]
 #: What a user may give for a property along the beam.
 PropertyLike: TypeAlias = Profile | Sequence[float] | NDArray[Any]
 
-_GRID, _MAY_VANISH = 65, "rotary_inertia_per_length"
+_GRID, _MAY_VANISH, _MOST_PARTS = 65, "rotary_inertia_per_length", 100_000
 
 
 def kept_property(name: str, given: object, length: float, breaks: tuple[float, ...] = ()) -> Profile:
@@ -94,6 +94,8 @@ def _is_row(given: object) -> bool:
 
 
 def _steps(name: str, given: Any, length: float) -> Profile:
+    if len(given) > _MOST_PARTS:
+        raise ValueError(f"{name} must have at most {_MOST_PARTS} parts, got {len(given)}")
     for part, item in enumerate(given, start=1):
         try:
             _allowed(name, real(name, item), f" on part {part} of {len(given)}")
@@ -124,7 +126,14 @@ def _try(name: str, function: Callable[[Any], Any], length: float) -> None:
     grid[-1] = length
     one_by_one = []
     for x in grid.tolist():
-        value = function(x)
+        try:
+            value = function(x)
+        except (TypeError, ValueError, ArithmeticError, LookupError, AttributeError) as error:
+            told = f"{type(error).__name__}: {error}"
+            raise TypeError(
+                f"{name} must be a function of one position, got {shown(function)}, "
+                f"which fails at x = {x}: {told}"
+            ) from error
         number = value.item() if isinstance(value, np.ndarray | np.generic) and value.size == 1 else value
         one_by_one.append(_allowed(name, real(f"{name} at x = {x}", number), f" at x = {x}"))
     together = value_at(function, grid)

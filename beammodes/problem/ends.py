@@ -58,12 +58,12 @@ class Boundary:
                 raise TypeError(f"{name} must be an End, got {shown(end)}; Boundary.of() reads names")
 
     @classmethod
-    def of(cls, value: BoundaryLike) -> Boundary:
+    def of(cls, boundary: BoundaryLike) -> Boundary:
         """Return the boundary that a name, a pair of names or ends, or a `Boundary` stands for.
 
         Parameters
         ----------
-        value : str, pair of str or End, or Boundary
+        boundary : str, pair of str or End, or Boundary
             Such as "clamped-free", "cantilever/free" or ("clamped", "free"); either order. Numbers of an
             `End` may follow its word: "clamped-free(mass=0.5, rotary_inertia=0.01)".
 
@@ -77,10 +77,10 @@ class Boundary:
         >>> Boundary.of(("pinned", "free")).name
         'pinned-free'
         """
-        if isinstance(value, Boundary):
-            return value
-        parts: tuple[object, ...] = _split(value) if isinstance(value, str) else _pair(value)
-        return cls(*(_end(part, value) for part in parts))
+        if isinstance(boundary, Boundary):
+            return boundary
+        parts: tuple[object, ...] = _split(boundary) if isinstance(boundary, str) else _pair(boundary)
+        return cls(*(_end(part, boundary) for part in parts))
 
     @property
     def name(self) -> str:
@@ -185,9 +185,21 @@ def with_pairs_read(value: Any) -> Any:
     """
     if is_pair(value):
         return Boundary.of(value)
-    if isinstance(value, tuple | list):
-        return [with_pairs_read(item) for item in value]
-    return value
+    if isinstance(value, str | Boundary | End):
+        return value
+    if hasattr(value, "dtype") or not isinstance(value, Iterable):
+        return value
+    return [_read_within(item) for item in bounded("boundary", value)]
+
+
+def _read_within(item: Any) -> Any:
+    """Return an item of several boundaries: more of them, or one, or raise what names the boundary."""
+    several = isinstance(item, tuple | list) and not is_pair(item)
+    return (
+        with_pairs_read(item)
+        if several or hasattr(item, "dtype") or isinstance(item, str)
+        else Boundary.of(item)
+    )
 
 
 def _code(value: BoundaryLike) -> int:
@@ -233,7 +245,7 @@ def _end(part: object, whole: object) -> End:
     if isinstance(part, End):
         return part
     if not isinstance(part, str):
-        return ENDS[choice("end", part, ENDS)]
+        return ENDS[choice("each end of boundary", part, ENDS)]
     end = end_from_text(part)
     return end if end is not None else _refuse(whole)
 

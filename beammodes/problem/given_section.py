@@ -76,6 +76,10 @@ def from_sectionproperties(section: Any, *, length_unit: float = 1.0) -> GivenSe
     0.001443376
     """
     unit = positive_real("length_unit", length_unit)
+    if not 1e-12 <= unit <= 1e12:
+        raise ValueError(
+            f"length_unit must be what one stands for in m, 1e-12 to 1e12, got {shown(length_unit)}"
+        )
     for name in ("get_area", "get_ic"):
         if not callable(getattr(section, name, None)):
             raise TypeError(

@@ -24,6 +24,7 @@ __all__ = [
     "table_with_breaks",
 ]
 
+_MOST_NUMBERS = 1_000_000
 Floats = NDArray[np.float64]
 
 #: Two positions nearer than this fraction of the length are one: j L/N and i L/n round differently.

@@ -83,9 +83,11 @@ class Damping:
 
         Raises
         ------
-        ValueError
-            If `joint` has another number of entries than the chain has hinges.
+        TypeError, ValueError
+            If `chain` is no Chain, or `joint` has another number of entries than the chain has hinges.
         """
+        if not isinstance(chain, Chain):
+            raise TypeError(f"chain must be a Chain, got {shown(chain)}")
         hinges = len(chain.joint_stiffness)
         own = np.asarray(self.joint)
         if own.ndim and len(own) != hinges:

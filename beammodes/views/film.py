@@ -75,6 +75,8 @@ def film_of(
         update(moment)
         return []
 
+    if not 1000 / rate < 2**31:
+        raise ValueError(f"fps must be larger: one frame would stand {1000 / rate:.3g} ms, got {shown(fps)}")
     moments = np.linspace(time[0], time[-1], frames).tolist()
     return FuncAnimation(figure, draw, frames=moments, interval=1000 / rate, cache_frame_data=False)
 

@@ -23,6 +23,7 @@ Array = NDArray[np.float64]
 Shape = Modes | Equilibrium | tuple[ArrayLike, ArrayLike] | Any
 
 #: Slope of a mode's steepest piece: a zigzag steeper than this is hard to read.
+_FLATTEST = 1e-9
 _STEEPEST = 1.7
 
 
@@ -85,7 +86,13 @@ def pose_of(chain: Chain, shape: Shape | None, *, mode: int = 1, amplitude: floa
 
 def _scaled(chain: Chain, modes: Modes, mode: int, amplitude: float) -> tuple[Array, Array]:
     row = whole_number("mode", mode, most=len(modes.angular_frequency)) - 1
-    largest = positive_real("amplitude", amplitude) * chain.node_position[-1]
+    share = positive_real("amplitude", amplitude)
+    if not _FLATTEST <= share <= 1 / _FLATTEST:
+        raise ValueError(
+            f"amplitude must be from {_FLATTEST} to {1 / _FLATTEST:g} of the chain's length, "
+            f"got {shown(amplitude)}"
+        )
+    largest = share * chain.node_position[-1]
     deflection, rotation = modes.deflection[row], modes.rotation[row]
     scale = max(np.abs(deflection).max() / largest, np.abs(rotation).max() / _STEEPEST)
     return deflection / scale, rotation / scale

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from beammodes.chains.chain import Chain
-from beammodes.checks import choice, positive_real, shown
+from beammodes.checks import choice, flag, positive_real, shown
 from beammodes.problem.ends import End
 from beammodes.views.end_symbols import EndPlace, body_of, draw_body, draw_support, height_of_support
 from beammodes.views.pose import Pose, Shape, pose_of
@@ -84,11 +84,15 @@ def draw_chain(
         raise TypeError(f"chain must be a Chain, got {shown(chain)}")
     if chain.pieces > MAX_DRAWN:
         raise ValueError(f"chain must have at most {MAX_DRAWN} pieces to be drawn, got {chain.pieces}")
+    from matplotlib.axes import Axes
+
+    if not isinstance(ax, Axes):
+        raise TypeError(f"ax must be the Axes of a Matplotlib figure, got {shown(ax)}")
     unit, points = None if labels is None else choice("labels", labels, LABELS), positive_real("size", size)
     pose = pose_of(chain, shape, mode=mode, amplitude=amplitude)
     radius = _spring_radius(chain)
     _draw_rods(ax, chain, pose, radius)
-    places = _places(chain, pose, radius) if ends else ()
+    places = _places(chain, pose, radius) if flag("ends", ends) else ()
     # Labels stand in one row, above whatever is at the ends.
     lift = max([1.1 * radius, *_draw_ends(ax, chain, places)])
     for x, y in zip(pose.x[1:-1], pose.y[1:-1], strict=True):

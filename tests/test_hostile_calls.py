@@ -1,0 +1,697 @@
+"""Hostile arguments to every public name: an answer, or an error that names the argument, and nothing else.
+
+A frozen table holds valid arguments of every public name. One or two of them at a time are replaced by values
+that no caller means. What may follow: an answer; a TypeError that names an argument that was replaced; a
+ValueError that names an argument of the call; an exception that the docstring promises. What may not: any
+other exception, a warning of another library, a call that does not end.
+
+The calls run in a process of their own, which tells each call before it makes it: one that does not come back
+is known by its name, and stopped.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import functools
+import inspect
+import itertools
+import json
+import math
+import os
+import queue
+import random
+import re
+import resource
+import signal
+import subprocess
+import sys
+import tempfile
+import threading
+import warnings
+from collections.abc import Callable, Iterator
+from decimal import Decimal
+from fractions import Fraction
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+import beammodes as bm
+
+# --- Valid arguments of every public name -----------------------------------------------------------------
+
+Arguments = Callable[[], dict[str, Any]]
+SHAFT = {"density": 7800.0, "elastic_modulus": 2.1e11, "length": 1.0}
+
+
+@functools.cache
+def beam() -> bm.Beam:
+    return bm.Beam(1.2, 85.0, 0.62)
+
+
+@functools.cache
+def chain() -> bm.Chain:
+    return bm.Chain(beam(), "clamped-free", 4)
+
+
+@functools.cache
+def equations() -> Any:
+    return bm.linearize(chain())
+
+
+@functools.cache
+def motion() -> Any:
+    return bm.simulate(chain(), duration=0.01, step=1e-3, initial=bm.mode_start(chain(), 1, 0.01))
+
+
+@functools.cache
+def spread() -> Any:
+    return bm.frequency_spread(
+        bm.Rectangle(0.06, 0.02), "clamped-free", {"height": 0.02}, modes=1, samples=100, **SHAFT
+    )
+
+
+@functools.cache
+def csv() -> str:
+    path = Path(tempfile.mkdtemp()) / "chain.csv"
+    bm.export_chain(chain(), path)
+    return str(path)
+
+
+@functools.cache
+def study() -> str:
+    folder = tempfile.mkdtemp()
+    bm.Study.grid(boundary="clamped-free", segments=4, mode=1, compute="relative_error").run(store=folder)
+    return folder
+
+
+def axes() -> Any:
+    import matplotlib
+
+    matplotlib.use("Agg")
+    import matplotlib.pyplot as plt
+
+    plt.close("all")
+    return plt.figure().add_subplot()
+
+
+def out(name: str) -> str:
+    return os.path.join(tempfile.mkdtemp(), name)
+
+
+def of(**given: Any) -> Arguments:
+    return lambda: dict(given)
+
+
+PIECES: dict[str, Any] = {
+    "length": [0.0, 0.5, 0.5],
+    "mass": [0.0, 0.5, 0.5],
+    "rotary_inertia": [0.0, 0.01, 0.01],
+    "joint_stiffness": [3.0, 2.0],
+}
+
+#: What is called, with what: every public name that is a function or makes what a caller makes.
+CALLS: dict[str, Arguments] = {
+    "BaseMotion": lambda: {"x": bm.harmonic(0.1, 2.0), "y": bm.spin_up(1.0, 2.0), "hub_radius": 0.1},
+    "Beam": of(
+        length=1.2,
+        bending_stiffness=85.0,
+        mass_per_length=0.62,
+        rotary_inertia_per_length=0.01,
+        shear_stiffness=1e4,
+        radius_of_gyration=0.1,
+    ),
+    "Beam.from_section": lambda: {
+        "section": bm.Rectangle(0.1, 0.2),
+        **SHAFT,
+        "rotary_inertia": True,
+        "poisson_ratio": 0.3,
+        "shear_coefficient": 0.8,
+    },
+    "Boundary": lambda: {"left": bm.End(mass=1.0), "right": bm.ENDS["free"]},
+    "Boundary.of": of(boundary="clamped-free"),
+    "Box": of(width=0.04, height=0.06, wall=0.003),
+    "Chain": lambda: {"beam": beam(), "boundary": "clamped-free", "segments": 4, "rule": "gregory"},
+    "Chain.from_pieces": lambda: {**PIECES, "boundary": "clamped-free"},
+    "Circle": of(diameter=0.1),
+    "Damping.joint_damping": lambda: {"self": bm.Damping(joint=0.1), "chain": chain()},
+    "Damping": of(mass=0.1, stiffness=0.01, joint=0.1),
+    "End": of(
+        translational_stiffness=1.0,
+        rotational_stiffness=2.0,
+        mass=0.5,
+        rotary_inertia=0.1,
+        offset=0.1,
+        on_segment=False,
+    ),
+    "GivenSection": of(area=1.0, second_moment=2.0, weak_second_moment=1.0),
+    "ISection": of(width=0.1, height=0.2, flange=0.0085, web=0.0056),
+    "Load": of(
+        axial_force=1.0,
+        spin_rate=0.0,
+        hub_radius=0.0,
+        plane="flap",
+        gravity=(0.0, 0.0),
+        tip_force=(1.0, 0.0),
+        tip_moment=0.0,
+    ),
+    "Normal": of(mean=1.0, standard_deviation=0.1, within=4.0),
+    "Rectangle": of(width=0.1, height=0.2),
+    "Rule": lambda: {
+        "name": "mine",
+        "clamped": (bm.Weight(Fraction(1, 2)),),
+        "guided": (bm.Weight(Fraction(1, 2)),),
+        "carried": (),
+        "stub": Fraction(0),
+        "rotary_inertia": Fraction(1, 12),
+        "summary": "words",
+    },
+    "Study.grid": of(boundary="clamped-free", segments=[2, 3], mode=1, compute="relative_error"),
+    "Table": of(x=[0.0, 0.5, 1.0], value=[1.0, 2.0, 3.0]),
+    "Tolerance": of(size=0.1, distribution="uniform"),
+    "Tube": of(outer=0.5, inner=0.25),
+    "Uniform": of(low=1.0, high=2.0),
+    "Weight": of(constant=Fraction(1, 2), per_segment=Fraction(1, 3)),
+    "animate": lambda: {"result": motion(), "path": None, "fps": 25, "duration": 0.1, "trace": 0.1},
+    "audit_chain": lambda: {
+        "beam": beam(),
+        "boundary": "clamped-free",
+        **PIECES,
+        "modes": 1,
+        "tolerance": 0.01,
+    },
+    "audit_file": lambda: {"path": csv(), "beam": beam(), "boundary": "clamped-free", "modes": 1},
+    "axially_corrected": lambda: {"rule": "gregory", "load": bm.Load(axial_force=0.5), "beam": beam()},
+    "beam_statics": lambda: {"beam": beam(), "boundary": "clamped-free", "load": "tip_force"},
+    "buckling_dataset": lambda: {
+        "boundary": "clamped-free",
+        "segments": [2, 3],
+        "rule": "gregory",
+        "beam": beam(),
+    },
+    "buckling_load": lambda: {"structure": beam(), "boundary": "clamped-free"},
+    "chain_errors": lambda: {"chain": chain(), "modes": 2, "load": bm.Load(axial_force=1.0)},
+    "chain_frequency": of(boundary="clamped-free", segments=5, mode=1, rule="gregory"),
+    "chain_statics": lambda: {"chain": chain(), "load": "tip_force"},
+    "compile_equations": lambda: {"chain": chain(), "load": bm.Load(axial_force=1.0)},
+    "damped_modes": lambda: {"chain": chain(), "damping": bm.Damping(joint=0.1)},
+    "draw_chain": lambda: {
+        "chain": chain(),
+        "ax": axes(),
+        "shape": bm.solve_modes(equations(), 1),
+        "mode": 1,
+        "amplitude": 0.1,
+        "labels": "EI/ell",
+        "ends": True,
+        "size": 10.0,
+    },
+    "elastic_modulus": of(material="wood", unit="Pa", at=0.5),
+    "equations_of_motion": lambda: {"chain": small(), "load": bm.Load(), "symbols": None},
+    "error_dataset": lambda: {
+        "boundary": "clamped-free",
+        "segments": [3],
+        "modes": 1,
+        "rule": "gregory",
+        "load": bm.Load(axial_force=0.1),
+        "over": {"right_mass": [0.1]},
+        "beam": bm.Beam.unit(),
+    },
+    "error_remarks": lambda: {
+        "boundary": "clamped-free(mass=0.1)",
+        "segments": 4,
+        "mode": 1,
+        "rule": "gregory",
+        "load": bm.Load(axial_force=0.1),
+        "beam": beam(),
+    },
+    "error_law": of(boundary="clamped-free", mode=1, rule="gregory"),
+    "BeamModes.shape": lambda: {
+        "self": bm.euler_bernoulli(beam(), "clamped-free", 2),
+        "x": [0.0, 1.0],
+        "derivative": 1,
+    },
+    "TimoshenkoModes.rotation": lambda: {
+        "self": bm.timoshenko(bm.Beam(1, 1, 1, 0.01, shear_stiffness=30), "clamped-free", 2),
+        "x": [0.0, 1.0],
+        "derivative": 1,
+    },
+    "euler_bernoulli": lambda: {
+        "beam": beam(),
+        "boundary": "clamped-free",
+        "modes": 2,
+        "load": bm.Load(axial_force=1.0),
+    },
+    "export_chain": lambda: {
+        "chain": chain(),
+        "path": out("chain.xml"),
+        "format": "mjcf",
+        "name": "rope",
+        "fragment": False,
+        "damping": bm.Damping(joint=0.1),
+        "timestep": 1e-4,
+        "integrator": "RK4",
+        "load": bm.Load(),
+        "force": False,
+    },
+    "find_equilibrium": lambda: {
+        "chain": chain(),
+        "load": bm.Load(tip_force=(0.0, 1.0)),
+        "guess": None,
+        "tolerance": 1e-10,
+    },
+    "frequency_error": lambda: {
+        "boundary": "clamped-free(mass=0.1)",
+        "segments": 4,
+        "mode": 1,
+        "rule": "gregory",
+        "load": bm.Load(axial_force=0.1),
+        "beam": beam(),
+    },
+    "frequency_spread": lambda: {
+        "section": bm.Rectangle(0.06, 0.02),
+        "boundary": "clamped-free",
+        "tolerances": {"height": 0.02},
+        "modes": 1,
+        **SHAFT,
+        "samples": 100,
+        "seed": 1,
+        "quantiles": (0.1, 0.9),
+        "progress": None,
+    },
+    "from_sectionproperties": lambda: {
+        "section": SimpleNamespace(get_area=lambda: 75.0, get_ic=lambda: (156.25, 1406.25, 0.0)),
+        "length_unit": 1e-3,
+    },
+    "harmonic": of(amplitude=0.1, angular_frequency=2.0),
+    "joint_dampers": lambda: {"chain": chain(), "ratio": 0.05, "mode": 1},
+    "law_holds_from": of(boundary="clamped-free", mode=1, rule="gregory", within=0.3),
+    "linearize": lambda: {"chain": chain(), "load": bm.Load(axial_force=0.1), "at": None},
+    "match_springs": lambda: {
+        "boundary": "clamped-free",
+        "segments": 2,
+        "modes": 1,
+        "criterion": "gregory",
+        "hold_tip_stiffness": False,
+        "highest_frequency": None,
+        "symmetric": None,
+        "beam": beam(),
+    },
+    "matched": of(modes=2),
+    "modal_assurance": lambda: {"a": np.eye(3), "b": np.eye(3), "mass": np.ones(3)},
+    # Slow to swing, so that hundreds of seconds, which an array of small integers asks for, are few periods.
+    "modal_response": lambda: {
+        "beam": bm.Beam(1.0, 1e-4, 1.0),
+        "boundary": "clamped-free",
+        "modes": 2,
+        "time": [0.0, 0.01],
+        "base": bm.BaseMotion(y=bm.harmonic(0.01, 2.0)),
+        "initial": [0.1, 0.0],
+        "stiffening": True,
+        "tolerance": 1e-8,
+    },
+    "mode_start": lambda: {"chain": chain(), "mode": 1, "amplitude": 0.1, "load": bm.Load(axial_force=0.1)},
+    "mode_tuned": of(mode=1),
+    "open_study": lambda: {"path": study()},
+    "published_time_step": lambda: {"beam": beam(), "modes": 3},
+    "read_chain_csv": lambda: {"path": csv()},
+    "recommend": lambda: {
+        "boundary": "clamped-free",
+        "tolerance": 0.05,
+        "modes": 1,
+        "beam": beam(),
+        "rules": ["gregory"],
+        "integrator": "rk4",
+    },
+    "segments_needed": lambda: {
+        "boundary": "clamped-free",
+        "tolerance": 0.05,
+        "modes": 1,
+        "rule": "gregory",
+        "load": None,
+        "beam": None,
+    },
+    "segments_within_spread": lambda: {"spread": spread(), "rule": "gregory", "fraction": 0.3},
+    "shape_dataset": lambda: {
+        "boundary": "clamped-free",
+        "segments": [3],
+        "modes": 1,
+        "rule": "gregory",
+        "beam": beam(),
+    },
+    "simulate": lambda: {
+        "chain": chain(),
+        "duration": 0.004,
+        "method": "rk4",
+        "step": 1e-3,
+        "output_step": 1e-3,
+        "initial": bm.mode_start(chain(), 1, 0.01),
+        "load": bm.Load(),
+        "base": None,
+        "damping": bm.Damping(joint=0.01),
+        "tolerance": 1e-6,
+        "progress": False,
+        "path": None,
+    },
+    "solve_modes": lambda: {"model": equations(), "modes": 2},
+    "spin_up": of(rate=2.0, duration=1.0),
+    "stable_time_step": lambda: {
+        "chain": chain(),
+        "integrator": "rk4",
+        "load": bm.Load(),
+        "damping": bm.Damping(joint=0.01),
+    },
+    "static_dataset": of(boundary="clamped-free", segments=[3], rule="gregory"),
+    "stiffness_from_deflection": of(deflection=0.01, boundary="clamped-free", length=1.0, tip_force=2.0),
+    "stiffness_from_frequency": of(
+        frequency=10.0,
+        boundary="clamped-free",
+        length=1.0,
+        mass_per_length=0.5,
+        mode=1,
+        rotary_inertia_per_length=1e-4,
+    ),
+    "symbolic_energies": lambda: {"chain": small(), "load": bm.Load(), "symbols": None},
+    "theory_errors": lambda: {
+        "beam": beam(),
+        "boundary": "clamped-free",
+        "modes": 2,
+        "radius_of_gyration": 0.01,
+        "shear_ratio": 3.0,
+        "load": bm.Load(axial_force=1.0),
+    },
+    "timoshenko": lambda: {
+        "beam": beam(),
+        "boundary": "clamped-free",
+        "modes": 2,
+        "load": None,
+        "shear_stiffness": 1e5,
+        "rotary_inertia_per_length": 1e-3,
+    },
+    "wavenumber": of(boundary="clamped-free", mode=2),
+}
+
+#: Made by the library and not by callers; their contents are tested where they are made.
+ANSWERS = {
+    "Audit",
+    "BeamModes",
+    "BentModel",
+    "Case",
+    "Equilibrium",
+    "Integrator",
+    "Layout",
+    "LinearModel",
+    "Modes",
+    "SpectralBeamModes",
+    "Study",
+    "SupportedBeamModes",
+    "TimoshenkoModes",
+}
+#: Neither called nor made.
+CONSTANTS = {"BOUNDARIES", "ENDS", "INTEGRATORS", "MODULI", "RULES", "__version__"}
+EXCEPTIONS = {
+    "DivergedWarning",
+    "EquilibriumNotFound",
+    "MissedFeatureWarning",
+    "SlendernessWarning",
+    "UnsavedMotion",
+}
+
+
+@functools.cache
+def small() -> bm.Chain:
+    return bm.Chain(beam(), "clamped-free", 2)
+
+
+# --- Hostile values ---------------------------------------------------------------------------------------
+
+
+class NoEquals:
+    """Refuses to be compared."""
+
+    def __eq__(self, other: object) -> bool:
+        raise RuntimeError("compared")
+
+    __hash__ = None  # type: ignore[assignment]
+
+
+class NoWords:
+    """Refuses to be printed."""
+
+    def __repr__(self) -> str:
+        raise RuntimeError("printed")
+
+
+class Word(str):
+    __slots__ = ()
+
+
+#: Made anew for each call: a generator can be read once.
+HOSTILE: dict[str, Callable[[], Any]] = {
+    "None": lambda: None,
+    "nan": lambda: math.nan,
+    "inf": lambda: math.inf,
+    "-inf": lambda: -math.inf,
+    "huge": lambda: 1e300,
+    "tiny": lambda: 5e-324,
+    "negative": lambda: -1.5,
+    "zero": lambda: 0,
+    "-0.0": lambda: -0.0,
+    "minus one": lambda: -1,
+    "10**400": lambda: 10**400,
+    "10**12": lambda: 10**12,
+    "True": lambda: True,
+    "np.True_": lambda: np.True_,
+    "bytes": lambda: b"clamped-free",
+    "bytearray": lambda: bytearray(b"1"),
+    "empty str": lambda: "",
+    "str": lambda: "no such thing",
+    "number in words": lambda: "1.0",
+    "newlines": lambda: "a\nb\x00",
+    "long str": lambda: "x" * 100_000,
+    "str subclass": lambda: Word("clamped-free"),
+    "empty list": list,
+    "list": lambda: [1, 2],
+    "list of None": lambda: [None],
+    "nested": lambda: [[1], [2, 3]],
+    "tuple": lambda: ("clamped", 3),
+    "dict": lambda: {"a": 1},
+    "set": lambda: {1, 2},
+    "empty array": lambda: np.zeros(0),
+    "matrix": lambda: np.ones((2, 2)),
+    "0-d array": lambda: np.array(2.0),
+    "0-d nan": lambda: np.array(math.nan),
+    "array of nan": lambda: np.array([math.nan, 1.0]),
+    "array of words": lambda: np.array(["a", "b"]),
+    "array of objects": lambda: np.array([None, {}], dtype=object),
+    "complex array": lambda: np.array([1 + 2j, 2.0]),
+    "masked array": lambda: np.ma.masked_array([1.0, 2.0], mask=[True, False]),
+    "uint8": lambda: np.uint8(3),
+    "uint8 array": lambda: np.array([3, 255], dtype=np.uint8),
+    "float16": lambda: np.float16(0.1),
+    "longdouble": lambda: np.longdouble("1e4000"),
+    "datetime64": lambda: np.datetime64("2020-01-01"),
+    "complex": lambda: 1 + 2j,
+    "Decimal": lambda: Decimal("0.1"),
+    "huge Decimal": lambda: Decimal("1e5000"),
+    "Decimal nan": lambda: Decimal("sNaN"),
+    "Fraction": lambda: Fraction(1, 3),
+    "huge Fraction": lambda: Fraction(10**400, 3),
+    "Path to nowhere": lambda: Path("/nowhere/at/all.xml"),
+    "generator": lambda: (n for n in (1, 2)),
+    "endless": itertools.count,
+    "endless range": lambda: range(10**12),
+    "lambda": lambda: lambda: None,
+    "lambda x": lambda: lambda x: x,
+    "class": lambda: int,
+    "module": lambda: math,
+    "Ellipsis": lambda: ...,
+    "object": object,
+    "no equals": NoEquals,
+    "no words": NoWords,
+    "exception": lambda: ValueError("boundary"),
+    "Beam": bm.Beam.unit,
+    "Load": bm.Load,
+    "pull": lambda: bm.Load(axial_force=-1e300),
+    "Boundary": lambda: bm.BOUNDARIES[0],
+}
+
+#: What docstrings promise beside TypeError and ValueError; OSError of what reads or writes files.
+FILES = ("animate", "audit_file", "export_chain", "open_study", "read_chain_csv", "simulate")
+PROMISED: dict[str, tuple[type[BaseException], ...]] = dict.fromkeys(FILES, (OSError,))
+ARITHMETIC = (
+    "beam_statics",
+    "buckling_load",
+    "chain_errors",
+    "euler_bernoulli",
+    "match_springs",
+    "modal_response",
+    "recommend",
+    "theory_errors",
+    "timoshenko",
+)
+#: A caller's own function may raise what it will, and that is handed on.
+OWN_FUNCTIONS = {"lambda", "lambda x", "class"}
+WARNINGS = (bm.SlendernessWarning, bm.DivergedWarning, bm.MissedFeatureWarning)
+
+
+def target(name: str) -> Any:
+    return functools.reduce(getattr, name.split("."), bm)
+
+
+def combinations(name: str, pairs: int) -> Iterator[dict[str, str]]:
+    """Every argument by every value, then so many draws of two arguments by two values."""
+    arguments = [argument for argument in CALLS[name]() if argument != "self"]
+    for argument, value in itertools.product(arguments, HOSTILE):
+        if not (argument == "progress" and value in OWN_FUNCTIONS):
+            yield {argument: value}
+    draw = random.Random(name)
+    for _ in range(pairs if len(arguments) > 1 else 0):
+        drawn = {argument: draw.choice(list(HOSTILE)) for argument in draw.sample(arguments, 2)}
+        if drawn.get("progress") not in OWN_FUNCTIONS:
+            yield drawn
+
+
+def verdict(name: str, replaced: dict[str, str]) -> str | None:
+    """Make one call and return what is wrong with what follows, or None."""
+    arguments = CALLS[name]() | {argument: HOSTILE[value]() for argument, value in replaced.items()}
+    promised = PROMISED.get(name, ()) + ((ArithmeticError,) if name in ARITHMETIC else ())
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        try:
+            answer = target(name)(**arguments)
+            if hasattr(answer, "_draw_was_started"):
+                # Matplotlib warns of films that nobody looked at.
+                answer._draw_was_started = True
+            with contextlib.suppress(AttributeError):
+                answer.close()
+        except (TypeError, ValueError) as error:
+            told = str(error)
+            named = set(replaced) if isinstance(error, TypeError) else set(arguments)
+            if not any(re.search(rf"\b{re.escape(argument)}\b", told) for argument in named):
+                return f"{type(error).__name__} names none of {sorted(named)}: {told[:300]}"
+        except promised:
+            pass
+        except BaseException as error:
+            return f"{type(error).__name__}: {str(error)[:300]}"
+    for warning in caught:
+        if not issubclass(warning.category, WARNINGS):
+            where = f"{warning.filename}:{warning.lineno}"
+            return f"{warning.category.__name__}: {str(warning.message)[:300]} at {where}"
+    return None
+
+
+# --- The process that makes the calls ---------------------------------------------------------------------
+
+#: Seconds without a word after which a call is taken to hang. Only for that: none is measured.
+PATIENCE = 60
+
+
+class Slow(BaseException):
+    """A call was still running when the process had enough of it."""
+
+
+def tell_all(names: list[str], pairs: int) -> None:
+    """Make all calls of some names; write each one before it is made, and what is wrong after it."""
+
+    def enough(*_: object) -> None:
+        raise Slow(f"still running after {PATIENCE // 3} s")
+
+    signal.signal(signal.SIGALRM, enough)
+    limit = 6 * 2**30
+    resource.setrlimit(resource.RLIMIT_AS, (limit, resource.getrlimit(resource.RLIMIT_AS)[1]))
+    os.chdir(tempfile.mkdtemp())
+    channel = os.fdopen(os.dup(1), "w")
+    for name in names:
+        CALLS[name]()
+        for replaced in combinations(name, pairs):
+            print(json.dumps([name, replaced]), file=channel, flush=True)
+            signal.alarm(PATIENCE // 3)
+            wrong = verdict(name, replaced)
+            signal.alarm(0)
+            if wrong:
+                print(json.dumps(wrong), file=channel, flush=True)
+
+
+def outcomes(names: list[str], pairs: int) -> tuple[int, list[str]]:
+    """Return how many calls were made and what was wrong with which of them."""
+    process = subprocess.Popen(
+        [sys.executable, "-W", "ignore", __file__, str(pairs), *names],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.DEVNULL,
+        text=True,
+    )
+    assert process.stdout is not None
+    lines: queue.SimpleQueue[str] = queue.SimpleQueue()
+
+    def read() -> None:
+        for line in process.stdout or ():
+            lines.put(line)
+        lines.put("")
+
+    reader = threading.Thread(target=read, daemon=True)
+    calls, wrong, last = 0, [], ""
+    reader.start()
+    try:
+        while True:
+            try:
+                line = lines.get(timeout=PATIENCE)
+            except queue.Empty:
+                wrong.append(f"{last}: does not end")
+                break
+            if not line:
+                break
+            told = json.loads(line)
+            if isinstance(told, list):
+                calls, last = calls + 1, f"{told[0]}({', '.join(f'{k}=<{v}>' for k, v in told[1].items())})"
+            else:
+                wrong.append(f"{last}: {told}")
+    finally:
+        process.kill()
+        process.wait()
+        reader.join()
+        process.stdout.close()
+    if not wrong and process.returncode not in (0, -signal.SIGKILL):
+        wrong.append(f"{last}: the process ended with {process.returncode}")
+    return calls, wrong
+
+
+# --- Tests ------------------------------------------------------------------------------------------------
+
+
+def test_every_public_name_is_in_the_table() -> None:
+    called = {name.split(".")[0] for name in CALLS}
+    assert set(bm.__all__) == called | ANSWERS | CONSTANTS | EXCEPTIONS
+
+
+@pytest.mark.parametrize("name", sorted(CALLS))
+def test_the_table_holds_valid_arguments_that_cover_the_signature(name: str) -> None:
+    assert verdict(name, {}) is None
+    signature = inspect.signature(target(name))
+    signature.bind(**CALLS[name]())
+    needed = {
+        key
+        for key, parameter in signature.parameters.items()
+        if parameter.default is inspect.Parameter.empty and parameter.kind != inspect.Parameter.VAR_KEYWORD
+    }
+    assert needed <= set(CALLS[name]())
+
+
+def test_there_are_twenty_thousand_combinations() -> None:
+    assert sum(sum(1 for _ in combinations(name, PAIRS)) for name in CALLS) >= 20_000
+
+
+#: Draws of two replaced arguments for each name.
+PAIRS = 120
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", sorted(CALLS))
+def test_hostile_arguments_are_answered_or_refused_by_name(name: str) -> None:
+    calls, wrong = outcomes([name], PAIRS)
+    assert not wrong, f"{len(wrong)} of {calls} calls:\n" + "\n".join(wrong[:40])
+
+
+if __name__ == "__main__":
+    tell_all(sys.argv[2:], int(sys.argv[1]))
