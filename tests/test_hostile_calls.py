@@ -416,6 +416,7 @@ EXCEPTIONS = {
     "MissedFeatureWarning",
     "SlendernessWarning",
     "UnsavedMotion",
+    "UnstableStepWarning",
 }
 
 
@@ -533,7 +534,7 @@ ARITHMETIC = (
 )
 #: A caller's own function may raise what it will, and that is handed on.
 OWN_FUNCTIONS = {"lambda", "lambda x", "class"}
-WARNINGS = (bm.SlendernessWarning, bm.DivergedWarning, bm.MissedFeatureWarning)
+WARNINGS = (bm.SlendernessWarning, bm.DivergedWarning, bm.MissedFeatureWarning, bm.UnstableStepWarning)
 
 
 def target(name: str) -> Any:
