@@ -155,7 +155,7 @@ def boundary_codes(value: BoundaryLike | Iterable[BoundaryLike] | NDArray[Any]) 
         return np.array([_code(str(name)) for name in names], dtype=np.intp)[inverse].reshape(value.shape)
     listed = (
         bounded("boundary", value)
-        if isinstance(value, Iterable) and not isinstance(value, np.ndarray)
+        if isinstance(value, Iterable) and not isinstance(value, np.ndarray | bytes | bytearray)
         else value
     )
     items = np.asarray(listed, dtype=object)
@@ -187,7 +187,8 @@ def with_pairs_read(value: Any) -> Any:
         return Boundary.of(value)
     if isinstance(value, str | Boundary | End):
         return value
-    if hasattr(value, "dtype") or not isinstance(value, Iterable):
+    if hasattr(value, "dtype") or not isinstance(value, tuple | list):
+        # Boundary.of and boundary_codes say what is wrong with all else.
         return value
     return [_read_within(item) for item in bounded("boundary", value)]
 
