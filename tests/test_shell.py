@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import argparse
 import ast
 import json
 import os
@@ -314,3 +315,122 @@ def test_in_another_program_the_signals_and_warnings_are_left_alone(
     assert main(["error", "clamped-free", "--segments", "6", "--json"]) == 0
     assert json.loads(capsys.readouterr().out)["segments"] == 6
     assert (signal.getsignal(signal.SIGINT), warnings.showwarning) == before
+
+
+HOSTILE = [
+    *(
+        "",
+        " ",
+        "0",
+        "-0",
+        "+0",
+        "1",
+        "-1",
+        "2",
+        "3",
+        "7.5",
+        "0.5",
+        "1e-3",
+        "1e-9",
+        "1e-300",
+        "5e-324",
+        "1e-400",
+    ),
+    *("1e9", "1000000000", "1e18", "1e300", "1.8e308", "1e309", "1e999", "-1e300", "9" * 40, "9" * 400),
+    *("9" * 5000, "-" + "9" * 40, "nan", "-nan", "NaN", "inf", "-inf", "Infinity", "None", "True", "null"),
+    *(
+        "one",
+        "six",
+        "1,2",
+        "1,2,3",
+        ",",
+        "1,",
+        "1/2",
+        "1%",
+        "%",
+        "50%",
+        "1%%",
+        "0x10",
+        "1_000",
+        "1__0",
+        "1e",
+        "e1",
+    ),
+    *(
+        "١٢",
+        "½",
+        "²",
+        "\u200b1",
+        "1\n2",
+        "\t",
+        "'",
+        '"',
+        "--",
+        "-",
+        "*",
+        "$(true)",
+        "../..",
+        "\udc80",
+        "\x1b[31m",
+    ),
+]
+
+
+def numeric_options(command: Any) -> list[str]:
+    """The options of a command that read a number."""
+    found = argparse.ArgumentParser()
+    command.build(found)
+    return [action.option_strings[0] for action in found._actions if callable(action.type)]
+
+
+def one_call(command: Any, folder: Path) -> list[str]:
+    call = shlex.split(command.example)[1:]
+    if "--output" in call:
+        call[call.index("--output") + 1] = str(folder / "out.xml")
+        call.append("--force")
+    return [str(folder / "beam.xml") if word == "beam.xml" else word for word in call]
+
+
+@pytest.mark.parametrize("command", COMMANDS, ids=lambda command: command.name)
+def test_every_numeric_option_over_hostile_values(
+    command: Any, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    folder = in_folder(tmp_path)
+    monkeypatch.chdir(folder)
+    call, options = one_call(command, folder), numeric_options(command)
+    assert len(HOSTILE) >= 62 and len(set(HOSTILE)) == len(HOSTILE)
+    assert options
+    for option in options:
+        kept = list(call)
+        if option in kept:
+            del kept[kept.index(option) : kept.index(option) + 2]
+        for value in HOSTILE:
+            capsys.readouterr()
+            code = main([*kept, f"{option}={value}"])
+            out, err = capsys.readouterr()
+            shown = (option, value[:40], err)
+            assert code in (0, shell.NO_ANSWER) or (code == shell.NOT_MET and command.name == "audit"), shown
+            assert (code == shell.NO_ANSWER) == (out == ""), shown
+            if code == shell.NO_ANSWER:
+                assert one_line(err.encode("utf-8", "backslashreplace")) and len(err) < 500, shown
+                assert re.search(NAMED.get(option, option[2:]), err), shown
+                assert "nan" not in out
+
+
+#: How the library names what an option gives, where it is not the option's own word.
+NAMED = {
+    "--length": "length|beam must suit|segments|frequenc|load|mass|timestep|lengths|plane|radius",
+    "--ei": "ei |beam must suit|segments|length must suit|frequenc|load|stiffness|timestep|buckle",
+    "--rho-a": "rho-a|beam must suit|segments|length must suit|frequenc|load|mass|timestep",
+    "--mode": "mode",
+    "--modes": "modes|mode |segments",
+    "--axial-force": "axial-force|load|axial",
+    "--gravity": "gravity|load|timestep|step",
+    "--tip-force": "tip-force|load|timestep|step",
+    "--tolerance": "tolerance",
+    "--timestep": "timestep|time step|step",
+    "--ei-across": "ei-across|second|beam must suit|stiffness|length must suit|segments",
+    "--damping-ratio": "damping-ratio|damping|ratio|step",
+    "--stiffness-damping": "stiffness-damping|damping|stiffness|step",
+    "--segments": "segments",
+}
