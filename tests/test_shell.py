@@ -391,6 +391,7 @@ def one_call(command: Any, folder: Path) -> list[str]:
     return [str(folder / "beam.xml") if word == "beam.xml" else word for word in call]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("command", COMMANDS, ids=lambda command: command.name)
 def test_every_numeric_option_over_hostile_values(
     command: Any, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
@@ -419,9 +420,9 @@ def test_every_numeric_option_over_hostile_values(
 
 #: How the library names what an option gives, where it is not the option's own word.
 NAMED = {
-    "--length": "length|beam must suit|segments|frequenc|load|mass|timestep|lengths|plane|radius",
-    "--ei": "ei |beam must suit|segments|length must suit|frequenc|load|stiffness|timestep|buckle",
-    "--rho-a": "rho-a|beam must suit|segments|length must suit|frequenc|load|mass|timestep",
+    "--length": "length|beam must|segments|frequenc|load|mass|timestep|lengths|plane|radius",
+    "--ei": "--ei|beam must|segments|length must suit|frequenc|load|stiffness|timestep|buckle",
+    "--rho-a": "rho-a|beam must|segments|length must suit|frequenc|load|mass|timestep",
     "--mode": "mode",
     "--modes": "modes|mode |segments",
     "--axial-force": "axial-force|load|axial",
@@ -432,5 +433,5 @@ NAMED = {
     "--ei-across": "ei-across|second|beam must suit|stiffness|length must suit|segments",
     "--damping-ratio": "damping-ratio|damping|ratio|step",
     "--stiffness-damping": "stiffness-damping|damping|stiffness|step",
-    "--segments": "segments",
+    "--segments": "segments|pieces",
 }

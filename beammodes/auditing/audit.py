@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from beammodes.auditing.better_springs import Suggestion, listed_errors, suggestions_for
 from beammodes.auditing.judged_pieces import UNKNOWN, Columns, JudgedPieces, percent
-from beammodes.checks import row_shown, small_fraction
+from beammodes.checks import row_shown, shown, small_fraction
 from beammodes.problem.beam import Beam
 from beammodes.problem.ends import Boundary, BoundaryLike
 
@@ -264,9 +264,14 @@ def audit_chain(
     judged = JudgedPieces.of(
         beam, Boundary.of(boundary), columns, joint_stiffness, modes, armature=armature, damping=damping
     )
+    errors = judged.errors(judged.springs)
+    if (1 + errors < 1e-6).any() or (errors > 1e6).any():
+        raise ValueError(
+            f"beam must be in the units of the chain, got {shown(beam)}: its frequencies and the chain's are "
+            "a million times apart"
+        )
     layouts = judged.layouts()
     rules = judged.followed(layouts)
-    errors = judged.errors(judged.springs)
     return Audit(
         boundary=judged.boundary,
         angular_frequency=judged.exact * (1 + errors),

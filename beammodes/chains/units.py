@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import math
+import sys
 from dataclasses import dataclass
 from fractions import Fraction
 
 from beammodes.problem.beam import Beam
 
 __all__ = ["ExactUnits", "Units"]
+
+_LEAST = sys.float_info.min
 
 
 @dataclass(frozen=True, slots=True)
@@ -87,8 +90,9 @@ class Units:
         """
         ell = beam.length / segments
         units = cls(ell, beam.mean_mass_per_length * ell, beam.mean_bending_stiffness / ell)
-        floats = (units.mass * ell**2, units.stiffness, 1 / units.mass)
-        sound = all(0.0 < value < math.inf for value in floats)
+        floats = (units.mass * ell**2, units.stiffness, units.mass)
+        # Numbers smaller than the least normal one have lost digits, and their inverses overflow.
+        sound = all(_LEAST <= value <= 1 / _LEAST for value in floats)
         if not sound or not 0.0 < units.angular_frequency < math.inf:
             raise ValueError(
                 f"beam must suit {segments} segments: with {beam} their masses, inertias or springs leave "

@@ -44,7 +44,12 @@ def parse(arguments: Sequence[str]) -> argparse.Namespace:
         parser.error(f"COMMAND must be one of {', '.join(known)}, got {first[:40]!r}{_near(first, known)}")
     if first in known:
         _check_flags(known[first], arguments[1:])
-    return parser.parse_args(arguments)
+    options = parser.parse_args(arguments)
+    for name, value in vars(options).items():
+        # What argparse makes of --name=-- .
+        if value == []:
+            parser.error(f"--{name.replace('_', '-')} must have a value, got '--'")
+    return options
 
 
 def _check_flags(sub: _Parser, words: Sequence[str]) -> None:

@@ -8,7 +8,7 @@ import shlex
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
-from beammodes.checks import choice, positive_real
+from beammodes.checks import choice, positive_real, shown
 from beammodes.command_line.text_tables import (
     DECLARED,
     GIVEN,
@@ -339,8 +339,18 @@ def damping_of(options: argparse.Namespace, chain: Any) -> Any:
 
         if options.stiffness_damping:
             raise ValueError("--damping-ratio must be given without --stiffness-damping, which it sets")
-        return joint_dampers(chain, positive_real("--damping-ratio", options.damping_ratio))
-    return Damping(stiffness=options.stiffness_damping) if options.stiffness_damping else None
+        return joint_dampers(chain, _within("--damping-ratio", options.damping_ratio))
+    if not options.stiffness_damping:
+        return None
+    return Damping(stiffness=_within("--stiffness-damping", options.stiffness_damping))
+
+
+def _within(flag: str, value: Any) -> float:
+    """Return a positive number that is no slip: beyond these, squares leave the range of floats."""
+    number = positive_real(flag, value)
+    if not 1e-100 <= number <= 1e100:
+        raise ValueError(f"{flag} must be from 1e-100 to 1e100, got {shown(value)}")
+    return number
 
 
 def chain_of(options: argparse.Namespace) -> Any:

@@ -116,7 +116,7 @@ def _modes(found: Audit) -> list[dict[str, Any]]:
             {
                 "mode": n,
                 "frequency_hz": frequency if exists else None,
-                "exact_frequency_hz": frequency / (1 + error) if exists else None,
+                "exact_frequency_hz": frequency / (1 + error) if exists and error > -1 else None,
                 "relative_error": error if exists else None,
                 "relative_error_without_armature": bare if exists else None,
                 "damping_ratio": ratio if exists else None,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from decimal import localcontext
+from decimal import Overflow, localcontext
 
 import numpy as np
 from numpy.typing import NDArray
@@ -72,7 +72,13 @@ def supported_modes(
     with localcontext(LONG):
         unit = UnitBeam.of(beam, pair, pull.axial_force, inertia)
         rigid = int(unit.translation_is_free) if pull.axial_force else pair.rigid_body_modes
-        found = _solved(unit, rigid, count)
+        try:
+            found = _solved(unit, rigid, count)
+        except Overflow:
+            raise ValueError(
+                f"axial_force must be smaller for this beam, got {shown(pull.axial_force)}: the exact beam's "
+                "equation grows as exp(L √(T/EI)) and leaves the range of decimals"
+            ) from None
     if found is None:
         raise ValueError(
             "axial_force must be above the compression at which the straight beam buckles, "
