@@ -223,6 +223,10 @@ def plain_array(name: str, value: Any) -> NDArray[Any]:
     return array if array.dtype.kind in "iufc" else array.astype(object)
 
 
+def _is_real(item: object) -> bool:
+    return isinstance(item, numbers.Real) and not isinstance(item, bool)
+
+
 def real_numbers(name: str, value: Any, *, finite: bool = True) -> NDArray[np.float64]:
     """Return real numbers, finite unless said otherwise, as an array of floats, of the shape that they have.
 
@@ -239,8 +243,11 @@ def real_numbers(name: str, value: Any, *, finite: bool = True) -> NDArray[np.fl
     array([[0. , 0.5]])
     """
     array = plain_array(name, value)
-    if array.dtype.kind == "c":
-        raise TypeError(f"{name} must be real numbers, got {shown(value)}")
+    items = array.ravel().tolist() if array.dtype.kind == "O" else []
+    if any(isinstance(item, list | tuple) for item in items):
+        raise TypeError(f"{name} must be one regular array of real numbers, got {shown(value)}")
+    if array.dtype.kind == "c" or not all(map(_is_real, items)):
+        raise TypeError(f"{name} must be an array of real numbers, got {shown(value)}")
     if array.dtype.kind == "O":
         return np.array([real(name, item) for item in array.ravel()], dtype=np.float64).reshape(array.shape)
     with np.errstate(over="ignore"):

@@ -71,7 +71,7 @@ def initial_state(chain: Chain, initial: Any, base: BaseMotion) -> State:
             q, u = bounded("initial", initial, most=2)
         except (TypeError, ValueError):
             raise TypeError(f"initial must be coordinates and speeds, got {shown(initial)}") from None
-        q, u = real_numbers("coordinates in initial", q), real_numbers("speeds in initial", u)
+        q, u = real_numbers("initial", q), real_numbers("initial", u)
     for part in (q, u):
         if part.shape != (len(names),) or not np.isfinite(part).all():
             raise ValueError(f"initial must be finite numbers for {', '.join(names)}, got {shown(part)}")
