@@ -357,3 +357,12 @@ def test_many_modes_are_sought_in_bounded_memory(monkeypatch: pytest.MonkeyPatch
         ValueError, match="modes must be a whole number of at least 1 and at most 1000, got 1001"
     ):
         errors.segments_needed("clamped-free", 0.01, 1001)
+
+
+@pytest.mark.parametrize("mode", [1, 5, 10**6])
+@pytest.mark.parametrize("rule", ["mitiguy", "gregory", "half_stub_corrected"])
+def test_remarks_of_the_longest_chains_lay_none_out(rule: str, mode: int) -> None:
+    assert bm.error_remarks("clamped-free", segments=10**9, mode=mode, rule=rule) == ()
+    assert bm.error_remarks("clamped-free", segments=10**9, mode=10**9 + 1, rule=rule) == (
+        "the chain has no such mode",
+    )

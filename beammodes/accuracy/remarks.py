@@ -112,7 +112,8 @@ class _Case:
 
 def _missing(record: Layout, case: _Case) -> Iterator[str]:
     def positive(segments: int) -> bool:
-        return min(record.hinge_weights(case.pair, segments), default=1) > 0
+        # Weights of long chains are positive: `Rule` asks that of their constant parts.
+        return segments > _FAR or min(record.hinge_weights(case.pair, segments), default=1) > 0
 
     try:
         if positive(case.segments):
@@ -140,7 +141,8 @@ def _short(record: Layout, case: _Case, error: float) -> Iterator[str]:
     if not isinstance(record, Rule):
         return
     both = [len(record.end_weights(end)) for end in (case.pair.left, case.pair.right)]
-    hinges = len(record.piece_lengths(case.pair, case.segments)) - 1
+    # Every correction fits into a chain this long: no longer one need be laid out.
+    hinges = len(record.piece_lengths(case.pair, min(case.segments, _FAR))) - 1
     if max(both) > hinges:
         yield (
             f"the end corrections of {record.name} need at least {max(both)} hinges: "
