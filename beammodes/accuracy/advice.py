@@ -145,7 +145,7 @@ def recommend(
     ways: list[Recommendation] = []
     refusal = ValueError("rules must name at least one rule, got none")
     given = bounded("rules", RULES if rules is None else rules, most=MAX_RULES)
-    for record in [layout_of(rule) for rule in given]:
+    for record in _layouts(given):
         try:
             count = judge.segments(record)
         except ToleranceOutOfReach as error:
@@ -160,6 +160,16 @@ def recommend(
     if not ways:
         raise refusal
     return sorted(ways, key=lambda way: (way.cost, way.segments))
+
+
+def _layouts(rules: Iterable[AnyRule]) -> list[Layout]:
+    records = []
+    for place, rule in enumerate(rules):
+        try:
+            records.append(layout_of(rule))
+        except (TypeError, ValueError) as error:
+            raise type(error)(f"rules must be rules, got another at place {place}: {error}") from None
+    return records
 
 
 class _Judge(NamedTuple):

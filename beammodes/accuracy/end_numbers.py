@@ -13,7 +13,7 @@ import numpy as np
 
 from beammodes.accuracy.grids import listed
 from beammodes.chains.units import ExactUnits
-from beammodes.checks import choice, shown
+from beammodes.checks import bounded, choice, shown
 from beammodes.problem.beam import Beam
 from beammodes.problem.ends import Boundary, with_pairs_read
 from beammodes.problem.loading import Load, load_of
@@ -195,9 +195,12 @@ def _in_units_of(beam: Beam, boundary: Any) -> Any:
     boundary = with_pairs_read(boundary)
     if isinstance(boundary, str | Boundary) or not isinstance(boundary, Iterable):
         return in_beam_units(Boundary.of(boundary), beam)
-    items = np.asarray(boundary if isinstance(boundary, np.ndarray) else list(boundary), dtype=object)
+    listed = boundary if isinstance(boundary, np.ndarray) else bounded("boundary", boundary)
+    items = np.asarray(listed, dtype=object)
     found: dict[Any, Boundary] = {}
     for item in items.ravel():
+        if not isinstance(item, str | Boundary):
+            raise TypeError(f"boundary must be names, pairs of ends or Boundaries, got {shown(item)}")
         if item not in found:
             found[item] = in_beam_units(Boundary.of(item), beam)
     scaled = np.empty(items.shape, dtype=object)

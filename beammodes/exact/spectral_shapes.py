@@ -125,7 +125,7 @@ class SpectralBeamModes:
         unit = math.sqrt(self.beam.mean_mass_per_length) * math.sqrt(self.beam.length)
         place = position.ravel() / self.beam.length
         shapes = values_of_motions(self.grid, self.motions, place, order) / unit / self.beam.length**order
-        return shapes.reshape(-1, *position.shape)
+        return shapes.reshape(len(shapes), *position.shape)
 
     def slope(self, x: ArrayLike) -> Floats:
         """Return dφ/dx, shape (modes, *x.shape) [kg^(-1/2) m^(-1)]: `shape(x, derivative=1)`."""

@@ -137,7 +137,7 @@ class TimoshenkoModes:
         position = positions_on(self.beam, x)
         unit = math.sqrt(self.beam.mean_mass_per_length) * math.sqrt(self.beam.length)
         values = self._shapes.values(position.ravel() / self.beam.length)
-        return tuple((value / unit).reshape(-1, *position.shape) for value in values)
+        return tuple((value / unit).reshape(len(value), *position.shape) for value in values)
 
     def __repr__(self) -> str:
         return f"TimoshenkoModes({self.boundary}: {row_shown(self.frequency, '{:.4g}', 'Hz')})"

@@ -90,6 +90,8 @@ def read_chain_csv(path: str | os.PathLike[str]) -> Chain:
     >>> again.length.tolist() == chain.length.tolist(), again.boundary
     (True, Boundary('clamped-free'))
     """
+    if not isinstance(path, str | os.PathLike) or isinstance(os.fspath(path), bytes):
+        raise TypeError(f"path must be a str or a Path, got {shown(path)}")
     place = Path(path)
     try:
         text = ordinary_bytes(place, _MOST_BYTES).decode("utf-8-sig")
