@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from beammodes.chains.rules import Rule, RuleLike, rule_named
-from beammodes.checks import bounded
+from beammodes.checks import bounded, shown
 from beammodes.closed_form.uniform import UniformChains, uniform_chains
 from beammodes.exact.wavenumbers import whole_numbers
 from beammodes.problem.ends import BOUNDARIES, Boundary, BoundaryLike, boundary_codes, with_pairs_read
@@ -87,6 +87,9 @@ def _boundary_codes(boundary: Boundaries) -> NDArray[np.intp]:
     if isinstance(boundary, str | Boundary):
         return boundary_codes(boundary)
     items, which = _distinct("boundary", boundary)
+    for item in items:
+        if not isinstance(item, str | Boundary):
+            raise TypeError(f"boundary must be names, pairs of ends or Boundaries, got {shown(item)}")
     return np.array([int(boundary_codes(item)) for item in items], dtype=np.intp)[which]
 
 

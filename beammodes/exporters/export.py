@@ -113,6 +113,8 @@ def export_chain(
         raise TypeError(f"chain must be a Chain, got {shown(chain)}")
     place, kind = _place_and_format(path, format)
     flag("fragment", fragment), flag("force", force)
+    if not isinstance(integrator, str):
+        raise TypeError(f"integrator must be one of {', '.join(_MUJOCO)}, got {shown(integrator)}")
     only: dict[str, object] = {"fragment": fragment or None, "second": second, "damping": damping}
     only |= {"timestep": timestep, "load": load}
     _check_given(kind, only | {"integrator": None if integrator == "RK4" else integrator})
