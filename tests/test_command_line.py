@@ -15,6 +15,7 @@ from typing import Any
 import pytest
 
 from beammodes.__main__ import main
+from beammodes.accuracy.comparison import chain_errors
 from beammodes.chains.chain import Chain
 from beammodes.command_line.command_list import COMMANDS
 from beammodes.dynamics.damping_ratio import joint_dampers
@@ -93,7 +94,8 @@ def test_error(capsys: pytest.CaptureFixture[str]) -> None:
     }
     line, case = Ran(CALLS["error"], capsys).lines
     assert line == f"{100 * answer['relative_error']:+.6g} %"
-    assert case == answer["holds_for"] and "small vibration" in case and "without gravity" in case
+    assert case == f"rule mitiguy (the default), {answer['holds_for']}"
+    assert "small vibration" in case and "without gravity" in case
 
 
 @pytest.mark.parametrize(
@@ -114,7 +116,7 @@ def test_error_of_the_reports_figures(
     answer = Ran([*call, "--json"], capsys).json
     assert 100 * answer["relative_error"] == pytest.approx(percent, abs=6e-4)
     line, *remarks, case = Ran(call, capsys).lines
-    assert case == answer["holds_for"]
+    assert case.endswith(answer["holds_for"])
     assert [remark.strip() for remark in remarks] == answer.get("remarks", [])
     assert bool(remarks) >= (abs(percent) > 10)
     assert float(line.split(" %")[0]) == pytest.approx(100 * answer["relative_error"], rel=1e-5)
@@ -211,7 +213,31 @@ def test_segments(capsys: pytest.CaptureFixture[str]) -> None:
     # design.md, "What the user types": 26.
     answer = Ran([*CALLS["segments"], "--json"], capsys).json
     assert answer["segments"] == 26 and "small vibration" in answer["holds_for"]
-    assert Ran(CALLS["segments"], capsys).lines == ["26"]
+    count, case = Ran(CALLS["segments"], capsys).lines
+    assert count == "26" and case == f"rule mitiguy (the default), the first 3 modes, {answer['holds_for']}"
+    assert (
+        Ran([*CALLS["segments"], "--rule=gregory"], capsys).lines[1].startswith("rule gregory, the first 3")
+    )
+
+
+def test_segments_under_a_pull(capsys: pytest.CaptureFixture[str]) -> None:
+    # An axial force takes every rule down to order 2: see docs of `axially_corrected`.
+    call = ["segments", "clamped-free", "--tolerance=0.1%", "--rule=gregory", "--axial-force=50"]
+    for beam, flags in ((Beam.unit(), []), (Beam(1.2, 85.0, 0.62), BEAM)):
+        count = Ran([*call, *flags, "--json"], capsys).json["segments"]
+        load = Load(axial_force=50.0)
+        errors = [
+            abs(chain_errors(Chain(beam, "clamped-free", n, "gregory"), 1, load=load)[0])
+            for n in (count, count - 1)
+        ]
+        assert errors[0] <= 1e-3 < errors[1]
+
+
+@pytest.mark.parametrize("option", ["--gravity=9.81", "--gravity=9.81,0", "--tip-force=2"])
+def test_forces_in_units_need_a_beam_in_units(option: str, capsys: pytest.CaptureFixture[str]) -> None:
+    call = ["time-step", "clamped-free", "--segments=10", option]
+    Ran(call, capsys).refused(option.partition("=")[0], "must come with --length, --ei and --rho-a")
+    assert Ran([*call, *BEAM], capsys).code == 0
 
 
 def test_time_step(capsys: pytest.CaptureFixture[str]) -> None:
@@ -272,7 +298,7 @@ def test_exports_take_gravity_and_loads(capsys: pytest.CaptureFixture[str], tmp_
     ):
         ours, same = tmp_path / f"{number}.xml", tmp_path / f"{number}_same.xml"
         assert Ran(["export", *ROPE, "--output", str(ours), *options.split()], capsys).code == 0
-        export_chain(rope, same, load=load)
+        export_chain(rope, same, load=load, units="SI")
         assert ours.read_bytes() == same.read_bytes()
     call = ["export", *ROPE, "--output", str(tmp_path / "rope.urdf"), "--gravity=9.81"]
     Ran(call, capsys).refused("--gravity", "must be left out for urdf files")
@@ -512,7 +538,7 @@ def test_export_about_both_axes_with_a_damping_ratio(
     more = ["--ei-across", "340", "--damping-ratio", "0.02"]
     assert Ran([*call, str(tmp_path / "both.xml"), *more], capsys).code == 0
     chain, across = (Chain(Beam(1.2, stiffness, 0.62), "clamped-free", 4) for stiffness in (85.0, 340.0))
-    export_chain(chain, tmp_path / "same.xml", second=across, damping=joint_dampers(chain, 0.02))
+    export_chain(chain, tmp_path / "same.xml", second=across, damping=joint_dampers(chain, 0.02), units="SI")
     assert (tmp_path / "both.xml").read_bytes() == (tmp_path / "same.xml").read_bytes()
     for options, message in (
         (["both.csv", "--ei-across", "340"], "--ei-across must be left out for csv files"),
@@ -750,6 +776,26 @@ def test_heads_are_in_the_units_that_are_declared(units: str, capsys: pytest.Cap
         assert answers[1][name] == pytest.approx(plain[name], rel=1e-9)
 
 
+@pytest.mark.parametrize("units", IN_UNITS)
+@pytest.mark.parametrize("suffix", [".xml", ".sdf", ".urdf", ".csv"])
+def test_files_say_the_units_that_are_declared(
+    units: str, suffix: str, capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    length, stiffness, mass, meter, _ = IN_UNITS[units]
+    beam = [f"--length={length!r}", f"--ei={stiffness!r}", f"--rho-a={mass!r}", "--units", units]
+    place = tmp_path / f"beam{suffix}"
+    assert Ran(["export", "clamped-free", "--segments=4", *beam, "--output", str(place)], capsys).code == 0
+    text = place.read_text(encoding="utf-8")
+    name, bending = {"SI": ("m", "N m2"), "mm-N-t": ("mm", "N mm2"), "in-lbf-s": ("in", "lbf in2")}[units]
+    assert f"length {length:.6g} {name}, EI {stiffness:.6g} {bending}" in text
+    assert "if " not in text.partition("ends:")[0] and f"units: {name}, " in text
+    if suffix in (".xml", ".sdf"):
+        # Standard gravity is one acceleration: 9.81 m/s², whatever a length is counted in.
+        said = re.search(r"with gravity (\S+) (\S+)/s2 in any direction", text)
+        assert said is not None and said[2] == name
+        assert float(said[1]) * meter == pytest.approx(9.81, rel=1e-3)
+
+
 @pytest.mark.parametrize("command", [command.name for command in COMMANDS if command.name != "audit"])
 def test_a_beam_is_given_whole_or_not_at_all(
     command: str, capsys: pytest.CaptureFixture[str], tmp_path: Path
@@ -781,8 +827,6 @@ def test_a_beam_is_given_whole_or_not_at_all(
 def test_numbers_of_ends_are_multiples_or_in_the_units_of_the_beam(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
-    from beammodes.accuracy.comparison import chain_errors
-
     beam, pair = Beam(1.2, 85.0, 0.62), "clamped-free(mass=0.3)"
     call = ["error", pair, "--segments=6", "--axial-force=20"]
     for units, flags in ((Beam.unit(), []), (beam, BEAM)):

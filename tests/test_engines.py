@@ -25,6 +25,7 @@ from beammodes.exporters.export import export_chain
 from beammodes.exporters.mjcf import MAX_BODIES
 from beammodes.problem.beam import Beam
 from beammodes.problem.ends import BoundaryLike, End
+from beammodes.problem.loading import Load
 from beammodes.vibration.damping import Damping
 from beammodes.vibration.linear import linearize
 from beammodes.vibration.modes import solve_modes
@@ -497,3 +498,70 @@ def test_hinges_in_turns_twist_by_second_order_only(tmp_path: Path) -> None:
     page = (Path(__file__).parents[1] / "beammodes" / "pages" / "mujoco.md").read_text(encoding="utf-8")
     assert f"({fixed[1]:.1f} degrees at N = 10 where {turns[1]:.1f} are left)" in page
     assert fixed[1] / fixed[2] < 2.1 and turns[1] / turns[2] > 3.2
+
+
+@pytest.mark.parametrize("gravity", [(9.81, 0.0), (0.0, -9.81), (-0.5, -0.3)])
+@pytest.mark.parametrize("ends", ["clamped-free", ("clamped", End(mass=0.002)), "clamped-guided"])
+def test_files_say_how_the_chain_rings_under_their_gravity(
+    ends: BoundaryLike, gravity: tuple[float, float], tmp_path: Path
+) -> None:
+    """MuJoCo's own linear model about its own shape at rest has the frequencies and ratios of the head."""
+    mujoco = pytest.importorskip("mujoco")
+    chain = Chain(Beam(0.6, 2e-4, 0.005), ends, segments=8, rule="gregory")
+    (place,) = export_chain(
+        chain, tmp_path / "beam.xml", damping=Damping(stiffness=0.02), load=Load(gravity=gravity)
+    )
+    head = place.read_text(encoding="utf-8")
+    hertz = _numbers(r"under Load\(.*\), about its shape at rest: (.*) Hz", head)
+    ratios = _numbers(r"damping ratios there: (.*)", head)
+    straight = _numbers(r"damping ratios of these modes, without load: (.*)", head)
+    # Of dampers in proportion to springs: β ω/2.
+    omega = solve_modes(linearize(chain), 3).angular_frequency
+    assert straight == pytest.approx(0.02 * omega / 2, rel=1e-3)
+    model = mujoco.MjModel.from_xml_path(str(place))
+    data = mujoco.MjData(model)
+
+    def push(angles: Array, rates: Array | float = 0.0) -> Array:
+        data.qpos[:], data.qvel[:] = angles, rates
+        mujoco.mj_forward(model, data)
+        return np.array(data.qfrc_passive - data.qfrc_bias)
+
+    # From rest along gravity's way down, in a few steps of load.
+    angles, full = np.zeros(model.nv), model.opt.gravity.copy()
+    for share in np.linspace(0.0, 1.0, 41):
+        model.opt.gravity[:] = share * full
+        angles = scipy.optimize.root(push, angles, tol=1e-12).x
+    assert np.abs(push(angles)).max() < 1e-9
+    each, small = np.eye(model.nv), 1e-5
+    stiffness = np.array([push(angles - small * e) - push(angles + small * e) for e in each]) / (2 * small)
+    loss = np.array([push(angles, -small * e) - push(angles, small * e) for e in each]) / (2 * small)
+    push(angles)
+    inertia = np.zeros((model.nv, model.nv))
+    mujoco.mj_fullM(model, data, inertia)
+    squares, shapes = scipy.linalg.eigh((stiffness + stiffness.T) / 2, inertia)
+    found = np.sqrt(squares[:3])
+    assert hertz == pytest.approx(found / (2 * math.pi), rel=1e-4)
+    assert ratios == pytest.approx(np.diag(shapes.T @ loss @ shapes)[:3] / (2 * found), rel=2e-3)
+
+
+@pytest.mark.parametrize(
+    ("ends", "gravity", "why"),
+    [
+        ("free-clamped", (0.0, -9.81), "name the held end first"),
+        ("pinned-free", (0.0, -9.81), "without a jump"),
+        ("clamped-free", (-90.0, 0.0), "under Load"),
+    ],
+)
+def test_files_say_why_they_do_not_know_how_the_chain_rings(
+    ends: str, gravity: tuple[float, float], why: str, tmp_path: Path
+) -> None:
+    chain = Chain(Beam(0.6, 2e-4, 0.005), ends, segments=8)
+    (place,) = export_chain(chain, tmp_path / "beam.sdf", load=Load(gravity=gravity))
+    (line,) = (each for each in place.read_text(encoding="utf-8").splitlines() if "frequencies under" in each)
+    assert why in line and ("not known here: " in line or "about its shape at rest" in line)
+
+
+def _numbers(pattern: str, text: str) -> list[float]:
+    match = re.search(pattern, text)
+    assert match is not None, text
+    return [float(word) for word in match[1].split(", ")]

@@ -9,12 +9,12 @@ from dataclasses import dataclass
 from beammodes.command_line.command_options import (
     advice_options,
     audit_options,
+    count_options,
     error_options,
     export_options,
     frequency_options,
     spring_options,
     step_options,
-    tolerance_options,
 )
 from beammodes.command_line.commands import (
     Answer,
@@ -60,7 +60,7 @@ _STAGES: dict[str, tuple[Command, ...]] = {
             answer_segments,
             "how many segments does one rule need?",
             "beammodes segments clamped-clamped --tolerance 1% --modes 3 --rule gregory",
-            tolerance_options,
+            count_options,
         ),
         Command(
             "error",

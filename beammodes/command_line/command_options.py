@@ -10,6 +10,7 @@ __all__ = [
     "BOUNDARY",
     "advice_options",
     "audit_options",
+    "count_options",
     "error_options",
     "export_options",
     "frequency_options",
@@ -102,6 +103,12 @@ def tolerance_options(sub: Options) -> None:
     _beam_options(sub)
 
 
+def count_options(sub: Options) -> None:
+    """Add what a number of segments depends on."""
+    tolerance_options(sub)
+    _axial_option(sub)
+
+
 def _axial_option(sub: Options) -> None:
     text = "axial force, tension positive; in EI/L² without a beam (default: 0)"
     sub.add_argument("--axial-force", type=_number, default=0.0, metavar="T", help=text)
@@ -124,7 +131,7 @@ def _load_options(sub: Options) -> None:
 
 
 def _damping_options(sub: Options) -> None:
-    text = "dampers that give the first mode this ratio, 0.01 is one percent of critical"
+    text = "dampers that give the first mode, without load, this ratio: 0.01 is one percent of critical"
     sub.add_argument("--damping-ratio", type=_number, metavar="z", help=text)
     sub.add_argument("--stiffness-damping", type=_number, default=0.0, metavar="b", help="dampers b k [s]")
 

@@ -38,6 +38,7 @@ __all__ = [
     "chain_of",
     "damping_of",
     "load_of",
+    "system_of",
     "units_of",
 ]
 
@@ -87,7 +88,7 @@ def answer_error(options: argparse.Namespace) -> Answer:
     if remarks:
         answer["remarks"] = list(remarks)
     said = [f"{100 * error:+.6g} %{_numbers_note(options)}", *(f"  {remark}" for remark in remarks)]
-    return answer | _CASE, "\n".join([*said, _CASE["holds_for"]])
+    return answer | _CASE, "\n".join([*said, f"rule {_rule_said(options)}, {_CASE['holds_for']}"])
 
 
 #: What is assumed of every frequency, step and spring that is found here.
@@ -188,10 +189,9 @@ def answer_springs(options: argparse.Namespace) -> Answer:
 
 def _next_of_springs(options: argparse.Namespace) -> list[str]:
     """Return what a user of these springs should ask next."""
-    usual = " (the default)" if options.rule == DEFAULT_RULE else ""
     ask = f"--segments {options.segments} --rule {options.rule}"
     return [
-        f"rule {options.rule}{usual}; how wrong it is: beammodes error {_typed(options)} {ask}",
+        f"rule {_rule_said(options)}; how wrong it is: beammodes error {_typed(options)} {ask}",
         f"a better one: beammodes recommend {_typed(options)} --tolerance 1%",
     ]
 
@@ -227,9 +227,20 @@ def answer_segments(options: argparse.Namespace) -> Answer:
     from beammodes.accuracy.errors import segments_needed
 
     count = segments_needed(
-        options.boundary, options.tolerance, options.modes, options.rule, beam=beam_of(options)
+        options.boundary,
+        options.tolerance,
+        options.modes,
+        options.rule,
+        load=load_of(options),
+        beam=beam_of(options),
     )
-    return {"segments": count} | _CASE, f"{count}{_numbers_note(options)}"
+    modes = "the first mode" if options.modes == 1 else f"the first {options.modes} modes"
+    said = f"rule {_rule_said(options)}, {modes}, {_CASE['holds_for']}"
+    return {"segments": count} | _CASE, f"{count}{_numbers_note(options)}\n{said}"
+
+
+def _rule_said(options: argparse.Namespace) -> str:
+    return f"{options.rule}{' (the default)' if options.rule == DEFAULT_RULE else ''}"
 
 
 def answer_time_step(options: argparse.Namespace) -> Answer:
@@ -297,6 +308,11 @@ def units_of(options: argparse.Namespace) -> Mapping[str, Any]:
     return UNITS[_system(options)]
 
 
+def system_of(options: argparse.Namespace) -> str | None:
+    """Return the system of units that the user declared, or None."""
+    return _system(options) if options.units is not None else None
+
+
 def _system(options: argparse.Namespace) -> str:
     if options.units is not None:
         words = {name.lower(): name for name in DECLARED}
@@ -327,6 +343,13 @@ def load_of(options: argparse.Namespace) -> Any:
 
     names = ("axial_force", "gravity", "tip_force")
     given = {name: getattr(options, name, None) for name in names}
+    if options.length is None:
+        for name in ("gravity", "tip_force"):
+            if given[name] is not None:
+                raise ValueError(
+                    f"{name} must come with --length, --ei and --rho-a: it is no multiple "
+                    "of the beam's own units"
+                )
     return Load(**{name: value for name, value in given.items() if value is not None})
 
 

@@ -8,7 +8,15 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 from beammodes.checks import positive_real
-from beammodes.command_line.commands import Answer, beam_of, chain_of, damping_of, load_of, units_of
+from beammodes.command_line.commands import (
+    Answer,
+    beam_of,
+    chain_of,
+    damping_of,
+    load_of,
+    system_of,
+    units_of,
+)
 from beammodes.command_line.text_tables import frequency_table, number, percents, text_table, typed_in
 
 if TYPE_CHECKING:
@@ -44,6 +52,7 @@ def answer_export(options: argparse.Namespace) -> Answer:
         timestep=options.timestep,
         integrator=options.integrator,
         load=None if load == Load() and options.gravity is None else load,
+        units=system_of(options),
         force=options.force,
     )
     names = [str(path) for path in written]

@@ -13,7 +13,7 @@ from typing import BinaryIO
 from beammodes.chains.chain import Chain
 from beammodes.checks import choice, flag, shown
 from beammodes.exporters.chain_csv import csv_lines
-from beammodes.exporters.export_facts import engine_step, facts_about, one_line
+from beammodes.exporters.export_facts import SYSTEMS, engine_step, facts_about, one_line
 from beammodes.exporters.mjcf import MAX_BODIES, mjcf_text
 from beammodes.exporters.planar_tree import Tree, planar_tree
 from beammodes.exporters.sdformat import sdformat_text
@@ -45,6 +45,7 @@ def export_chain(
     timestep: float | None = None,
     integrator: str = "RK4",
     load: Load | None = None,
+    units: str | None = None,
     force: bool = False,
 ) -> tuple[Path, ...]:
     """Write a chain as a model for a multibody program, with the frequencies to expect in its head.
@@ -83,7 +84,11 @@ def export_chain(
         For "mjcf" and "sdf": the file carries its gravity, x along the beam and y up, and the step holds
         under it and its forces (which the file cannot carry: apply them yourself). Without one the file has
         no gravity, and its step holds without gravity and with 9.81 m/s² in any direction, also for a chain
-        that then hangs, which its weight and body stiffen.
+        that then hangs, which its weight and body stiffen. With one, the head also has the frequencies, and
+        with `damping` the ratios, about the shape at rest under it.
+    units : str, optional
+        What the beam's numbers are in, "SI", "mm-N-t" or "in-lbf-s": for words in the head, and for the
+        gravity that the step holds for. The file's numbers stay as they are.
     force : bool
         Overwrite files that exist. Without it, one of two exports to the same path at the same time succeeds.
         Only ordinary files are overwritten; a symbolic link to one stands for it.
@@ -115,6 +120,8 @@ def export_chain(
     flag("fragment", fragment), flag("force", force)
     if not isinstance(integrator, str):
         raise TypeError(f"integrator must be one of {', '.join(_MUJOCO)}, got {shown(integrator)}")
+    if units is not None:
+        choice("units", units, SYSTEMS)
     only: dict[str, object] = {"fragment": fragment or None, "second": second, "damping": damping}
     only |= {"timestep": timestep, "load": load}
     _check_given(kind, only | {"integrator": None if integrator == "RK4" else integrator})
@@ -125,9 +132,13 @@ def export_chain(
     for each in places:
         file_target(each, new=not force)
     if kind == "csv":
-        return _write(places, force, csv_lines(chain, facts_about(chain).lines()))
+        return _write(places, force, csv_lines(chain, facts_about(chain, units=units).lines()))
     tree = _tree(kind, chain, name, second, damping)
-    facts = [facts_about(each) for each in (chain, second) if each is not None]
+    facts = [facts_about(chain, damping, load, units)]
+    if second is not None:
+        # Not about a shape bent in the other plane, which is not a motion in one plane.
+        straight = load if load is not None and not load.bends else None
+        facts.append(facts_about(second, damping, straight, units))
     lines = facts[0].lines(tree.turned)
     lines += [f"along y: {line}" for each in facts[1:] for line in each.lines()[1:-1]]
     if springs is not None:
@@ -135,7 +146,7 @@ def export_chain(
         return _write(places, force, [text], [springs_text(tree, lines, name)])
     chains = [each for each in (chain, second) if each is not None]
     engine = "Drake discrete" if kind == "sdf" else f"MuJoCo {choice('integrator', integrator, _MUJOCO)}"
-    step = engine_step(chains, engine, damping, timestep, load, tree)
+    step = engine_step(chains, engine, damping, timestep, load, tree, units)
     gravity = gravity_of(load, tree.turned)
     lines += step.lines
     if kind == "sdf":

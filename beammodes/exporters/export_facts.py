@@ -14,40 +14,72 @@ from beammodes.accuracy.comparison import SlendernessWarning, chain_errors
 from beammodes.chains.chain import Chain
 from beammodes.checks import positive_real, shown
 from beammodes.equations.axial_pull import axial_pull
+from beammodes.equilibrium.bent_model import BentModel
+from beammodes.equilibrium.equilibria import EquilibriumNotFound, find_equilibrium
 from beammodes.exporters.held_step import MAX_HELD, held_step
 from beammodes.exporters.planar_tree import Tree
 from beammodes.problem.loading import Load
 from beammodes.vibration.damping import Damping
 from beammodes.vibration.integrators import accuracy_limit, find_integrator
-from beammodes.vibration.linear import linearize
+from beammodes.vibration.linear import LinearModel, linearize
 from beammodes.vibration.modes import solve_modes
 from beammodes.vibration.stability import GRAVITY, stable_time_step, taut_load
 
-__all__ = ["EngineStep", "Facts", "digits", "engine_step", "facts_about", "one_line"]
+__all__ = ["SYSTEMS", "EngineStep", "Facts", "digits", "engine_step", "facts_about", "one_line"]
 
 #: Relative error that the default step may add to the first frequency, or this share of its damping ratio if
 #: that is more: what a tenth of the half width of a resonance is.
 STEP_ERROR, DAMPED_ERROR = 1e-3, 0.1
 _REPORTED = 3
+# Longer chains take more than some seconds to find their shape at rest.
+_MAX_RESTING = 150
 _STEP_WITHOUT_MODES = 0.002
 
 
 @dataclass(frozen=True)
+class _System:
+    """What a file calls the units of its numbers, and gravity [length/s²] in them."""
+
+    length: str
+    stiffness: str
+    mass_per_length: str
+    all: str
+    gravity: float
+
+
+#: Systems of units that a file may be written in: those that the command line knows.
+SYSTEMS = {
+    "SI": _System("m", "N m2", "kg/m", "m, kg, s, N and rad", GRAVITY),
+    "mm-N-t": _System("mm", "N mm2", "t/mm", "mm, t, s, N and rad", 1e3 * GRAVITY),
+    "in-lbf-s": _System("in", "lbf in2", "lbf s2/in2", "in, lbf s2/in, s, lbf and rad", GRAVITY / 0.0254),
+}
+
+
+@dataclass(frozen=True)
 class Facts:
-    """First frequencies of a chain [rad/s], and their errors where it has a beam."""
+    """First frequencies of a chain [rad/s], their errors where it has a beam, and what dampers and loads do.
+
+    `ratios` are damping ratios of the first modes; `loaded` is what a line says of the modes under the load.
+    """
 
     chain: Chain
     first: tuple[float, ...]
     errors: tuple[float, ...]
+    ratios: tuple[float, ...] = ()
+    loaded: tuple[str, ...] = ()
+    units: str | None = None
 
     def lines(self, turned: bool = False) -> list[str]:
         """Return what a reader of the file should know of the chain, one fact a line."""
         chain, kept = self.chain, []
         if chain.beam is not None:
             beam = chain.beam
-            means = f"EI {beam.mean_bending_stiffness:.6g} N m2, {beam.mean_mass_per_length:.6g} kg/m"
+            system = SYSTEMS[self.units or "SI"]
+            means = f"EI {beam.mean_bending_stiffness:.6g} {system.stiffness}, "
+            means += f"{beam.mean_mass_per_length:.6g} {system.mass_per_length}"
             uniform = "" if beam.is_uniform else " on average"
-            kept.append(f"beam: length {beam.length:.6g} m, {means}{uniform}")
+            supposed = "" if self.units else ", if it was given in SI units"
+            kept.append(f"beam: length {beam.length:.6g} {system.length}, {means}{uniform}{supposed}")
         kept.append(f"ends: {chain.boundary.name}" + (", seen from the right one" if turned else ""))
         if chain.rule is not None:
             kept.append(f"rule: {chain.rule.name}, {chain.segments} segments")
@@ -57,14 +89,20 @@ class Facts:
         kept.append(f"natural frequencies of the chain: {shown_first or 'none'} Hz, undamped, without load")
         if self.errors:
             kept.append(f"their errors against the exact beam: {', '.join(map(_percent, self.errors))}")
-        kept.append(
-            "units: m, kg, s and rad, if the beam was given in them; else the consistent set it was in"
-        )
+        if self.ratios:
+            kept.append(f"damping ratios of these modes, without load: {_few(self.ratios, '.4g')}")
+        kept += self.loaded
+        usual = "m, kg, s and rad, if the beam was given in them; else the consistent set it was in"
+        kept.append(f"units: {SYSTEMS[self.units].all if self.units else usual}")
         return [f"written by beammodes {__version__}", *map(one_line, kept)]
 
 
-def facts_about(chain: Chain) -> Facts:
-    """Solve for the frequencies of a chain that its file announces.
+def facts_about(
+    chain: Chain, damping: Damping | None = None, load: Load | None = None, units: str | None = None
+) -> Facts:
+    """Solve for the frequencies that a chain's file announces, also about its shape at rest under a load.
+
+    Dampers keep their forces under a load, not their ratio: a chain that hangs is stiffer, and less damped.
 
     Examples
     --------
@@ -78,7 +116,33 @@ def facts_about(chain: Chain) -> Facts:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", SlendernessWarning)
             errors = chain_errors(chain, len(first)).tolist()
-    return Facts(chain, tuple(first), tuple(errors))
+    ratios: tuple[float, ...] = ()
+    if damping not in (None, Damping()):
+        ratios = tuple(ratio for _, ratio in _damped_modes(chain, damping, linearize(chain)))
+    loaded = () if load in (None, Load()) else _under(chain, damping, load)
+    return Facts(chain, tuple(first), tuple(errors), ratios, loaded, units)
+
+
+def _under(chain: Chain, damping: Damping | None, load: Load | None) -> tuple[str, ...]:
+    """Return what a file says of the first modes about the shape that a load gives the chain."""
+    unknown = f"natural frequencies under {load}: others than these, and not known here: "
+    if chain.pieces > _MAX_RESTING:
+        return (f"{unknown}the chain has more than {_MAX_RESTING} pieces",)
+    try:
+        modes = _damped_modes(chain, damping, linearize(chain, at=find_equilibrium(chain, load)))
+    except (EquilibriumNotFound, ArithmeticError, ValueError) as error:
+        return (f"{unknown}{error}",)
+    if not modes:
+        return ()
+    hertz = _few([omega / (2 * math.pi) for omega, _ in modes], ".6g")
+    said = f"natural frequencies under {load}, about its shape at rest: {hertz} Hz, undamped"
+    if damping in (None, Damping()):
+        return (said,)
+    return said, f"damping ratios there: {_few([ratio for _, ratio in modes], '.4g')}"
+
+
+def _few(values: Sequence[float], form: str) -> str:
+    return ", ".join(format(value, form) for value in values)
 
 
 @dataclass(frozen=True)
@@ -96,6 +160,7 @@ def engine_step(
     timestep: float | None = None,
     load: Load | None = None,
     tree: Tree | None = None,
+    units: str | None = None,
 ) -> EngineStep:
     """Return `timestep`, or half the stable step, less if it would shift the first frequency by over 0.1 %.
 
@@ -114,8 +179,10 @@ def engine_step(
         The bodies and ties that the file has: where a constraint holds its far end in MuJoCo, hard dampers
         shorten the step (see `held_step`).
     load : Load, optional
-        What the step holds for. By default it holds without gravity and with 9.81 in any direction, along a
-        chain that hangs too.
+        What the step holds for. By default it holds without gravity and with 9.81 m/s² in any direction,
+        along a chain that hangs too.
+    units : str, optional
+        Of `SYSTEMS`: what the chain's numbers are in, for that gravity.
 
     Raises
     ------
@@ -131,7 +198,10 @@ def engine_step(
     """
     record = find_integrator(engine)
     given = None if timestep is None else positive_real("timestep", timestep)
-    cases = {"with gravity off": Load(), _ANY: _WEIGHT}
+    system = SYSTEMS[units or "SI"]
+    weighed = f"with gravity {system.gravity:.4g} {system.length}/s2 in any direction"
+    # Across the beam, so that no direction is preferred: see `taut_load`.
+    cases = {"with gravity off": Load(), weighed: Load(gravity=system.gravity)}
     if load is not None:
         cases = {"without load" if load == Load() else f"under {load}": load}
     if tree is not None and tree.turned:
@@ -197,19 +267,26 @@ def _stable_step(
     return held_step(tree, letter, step, own, tendons=not record.tendon_damping)
 
 
-#: Across the beam, so that no direction is preferred: see `taut_load`.
-_WEIGHT = Load(gravity=GRAVITY)
-_ANY = f"with gravity {GRAVITY} m/s2 in any direction"
-
-
 def _first_mode(chain: Chain, damping: Damping | None, load: Load) -> list[tuple[float, float]]:
     """Return frequency and damping ratio of a chain's first mode under a load, or nothing without modes."""
-    modes = solve_modes(linearize(chain, load=taut_load(chain, load)), 1)
-    if not len(modes.angular_frequency):
-        return []
-    omega, bend = float(modes.angular_frequency[0]), np.diff(modes.rotation[0])
-    rate = (damping or Damping()).joint_damping(chain) @ bend**2
-    return [(omega, float(rate) / (2 * omega))]
+    return _damped_modes(chain, damping, linearize(chain, load=taut_load(chain, load)), 1)
+
+
+def _damped_modes(
+    chain: Chain, damping: Damping | None, model: LinearModel | BentModel, count: int = _REPORTED
+) -> list[tuple[float, float]]:
+    """Return frequency [rad/s] and damping ratio of the first modes, φᵀ C φ/(2 ω), with φᵀ M φ = 1.
+
+    C is that of the joints and of elastic supports: what a file carries.
+    """
+    given, modes = damping or Damping(), solve_modes(model, count)
+    rate = np.diff(modes.rotation, axis=1) ** 2 @ given.joint_damping(chain)
+    for end, (translation, rotation) in enumerate(chain.support_stiffness.tolist()):
+        for stiffness, shape in ((translation, modes.deflection), (rotation, modes.rotation)):
+            if 0.0 < stiffness < math.inf:
+                rate = rate + given.stiffness * stiffness * shape[:, -end] ** 2
+    omega = modes.angular_frequency
+    return list(zip(omega.tolist(), (rate / (2 * omega)).tolist(), strict=True))
 
 
 def _accurate_step(engine: str, omega: float, ratio: float) -> float:

@@ -84,7 +84,7 @@ def _notes(tree: Tree, timestep: float, integrator: str, fragment: bool, heavy: 
         yield f"include {where}; it needs timestep {timestep!r} or less with integrator {integrator}"
         yield "gravity is the including model's; with it the beam sags and rings at other frequencies"
     elif heavy:
-        yield "gravity is on: the beam sags and rings at other frequencies than those below"
+        yield "gravity is on: the beam sags and rings at other frequencies than without load"
     else:
         yield "gravity is off: with it the beam sags and rings at other frequencies"
     if tree.ties:

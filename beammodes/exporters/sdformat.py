@@ -68,7 +68,7 @@ def sdformat_text(
         "Drake takes springs explicitly and dampers implicitly; DART, Gazebo's usual engine, takes both",
         "implicitly: stable at any step, it adds a damping ratio of half the step times angular frequency",
         f"gravity is {'on' if any(gravity) else 'off'} in the world here, which Drake ignores; with it the",
-        "beam sags and rings at other frequencies than those below",
+        "beam sags and rings at other frequencies than without load",
     ]
     head = ['<?xml version="1.0" encoding="utf-8"?>', "<!--", f"  {name}: a flexible beam"]
     head += [*(f"  {line}" for line in (*notes, *lines)), "-->", '<sdf version="1.7">']
