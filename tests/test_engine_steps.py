@@ -240,6 +240,24 @@ def test_a_rope_that_hangs_needs_a_shorter_step(integrator: str, tmp_path: Path)
     assert not is_stable(model, 0.02, rest)
 
 
+@pytest.mark.parametrize("integrator", ["Euler", "implicitfast", "RK4"])
+@pytest.mark.parametrize("on_segment", [True, False])
+@pytest.mark.parametrize("ratio", [0.0, 0.02])
+def test_a_body_on_the_other_side_of_its_hinge_needs_no_load_of_ones_own(
+    ratio: float, on_segment: bool, integrator: str, tmp_path: Path
+) -> None:
+    # Hung along x the body stands on a spring that does not bear it; the other way round it hangs.
+    body = End(math.inf, 0.0124, mass=3.24, rotary_inertia=0.015, offset=0.249, on_segment=on_segment)
+    chain = Chain(Beam(1.0, 4.0, 1.0), (body, "free"), 6)
+    damping = joint_dampers(chain, ratio) if ratio else None
+    (path,) = export_chain(chain, tmp_path / "body.xml", integrator=integrator, damping=damping)
+    model, step = mujoco_file(path), written_step(path)
+    for turn in (math.pi, 0.75 * math.pi):
+        model.opt.gravity[:] = (9.81 * math.cos(turn), 0.0, 9.81 * math.sin(turn))
+        rest = at_rest(model, np.zeros(model.nv))
+        assert rest is not None and is_stable(model, step, rest)
+
+
 HANGING = Load(gravity=(9.81, 0.0))
 
 

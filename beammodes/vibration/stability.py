@@ -253,7 +253,8 @@ def taut_load(chain: Chain, load: Load) -> Load:
     That is `load` itself where it pulls along the chain. Otherwise the chain hangs: weight and the tip's
     force turn along it, so that every piece is pulled with all of them that lies beyond it. No shape at rest
     pulls harder on a piece, since the forces on what lies beyond are in balance. Where the right end is held
-    too, or alone, every piece is pulled with the whole of them. A chain that nothing holds falls freely.
+    too, or alone, every piece is pulled with the whole of them; and likewise where a body that lies on the
+    other side of its hinge would fall over as the chain hangs. A chain that nothing holds falls freely.
 
     Examples
     --------
@@ -272,9 +273,26 @@ def taut_load(chain: Chain, load: Load) -> Load:
         *(math.hypot(*map(float, pair)) for pair in (load.tip, load.weight)),
     )
     if chain.boundary.left.is_grounded and not chain.boundary.right.is_grounded:
-        return replace(load, axial_force=pull, gravity=(weight, 0.0), tip_force=(force, 0.0), tip_moment=0.0)
+        hung = replace(load, axial_force=pull, gravity=(weight, 0.0), tip_force=(force, 0.0), tip_moment=0.0)
+        if not _topples(chain, hung):
+            return hung
     pull += force + (float(chain.mass.sum()) * weight if held else 0.0)
+    # A body that reaches farther back than its piece is long pulls that much harder on it.
+    pieces = zip(chain.piece_centre, chain.piece_length, strict=True)
+    pull *= max(1.0, *(-float(centre / length) for centre, length in pieces if length))
     return replace(load, axial_force=pull, gravity=(0.0, 0.0), tip_force=(0.0, 0.0), tip_moment=0.0)
+
+
+def _topples(chain: Chain, load: Load) -> bool:
+    """Return whether a body on the other side of its hinge makes the straight chain unstable as it hangs."""
+    # Long chains are bounded joint by joint, where no push counts.
+    if min(chain.piece_centre) >= 0 or len(chain.hinge_stiffness) > MAX_DENSE:
+        return False
+    try:
+        solve_modes(linearize(chain, load=load), 1)
+    except ValueError:
+        return True
+    return False
 
 
 def highest_angular_frequency(chain: Chain, *, load: Load | None = None) -> float:
