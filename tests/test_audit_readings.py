@@ -239,12 +239,13 @@ MOTORS = (
     '<joint name="motor" axis="0 1 0"/>',
     '<joint name="motor" axis="0 0 1"/>',
     '<joint name="motor" type="slide" axis="1 0 0"/>',
+    '<joint name="motor" type="ball"/>',
 )
 
 
 @pytest.mark.parametrize("motor", MOTORS)
 @pytest.mark.parametrize("rule", ["naive", "half_stub"])
-@pytest.mark.parametrize("segments", [4, 6])
+@pytest.mark.parametrize("segments", [2, 4, 6])
 def test_a_hinge_without_spring_is_the_pinned_end_behind_an_arm_as_on_the_ground(
     motor: str, rule: str, segments: int, tmp_path: Path
 ) -> None:
@@ -254,7 +255,8 @@ def test_a_hinge_without_spring_is_the_pinned_end_behind_an_arm_as_on_the_ground
     for path in (ground, behind):
         found = audit_file(path, beam)
         assert found.boundary.name == "pinned-free"
-        np.testing.assert_allclose(found.angular_frequency, frequencies(chain), rtol=1e-9)
+        due = frequencies(chain)
+        np.testing.assert_allclose(found.angular_frequency[: len(due)], due, rtol=1e-9)
         # Both readings are shown.
         (other,) = found.other_readings
         assert "pivot held" in other and "clamped-free" in other
@@ -268,7 +270,8 @@ def test_a_hinge_without_spring_is_the_pinned_end_behind_an_arm_as_on_the_ground
             },
             boundary="clamped-free",
         )
-        np.testing.assert_allclose(held.angular_frequency, frequencies(rigid), rtol=1e-9)
+        due = frequencies(rigid)
+        np.testing.assert_allclose(held.angular_frequency[: len(due)], due, rtol=1e-9)
         assert held.layout == ("half_stub" if rule == "half_stub" else "rigid_stub")
     assert any("body arm, which carries it and moves, is taken as held" in line for line in found.assumed)
     assert found.text.index("assumed: ") < found.text.index("pinned-free chain")
@@ -288,11 +291,101 @@ def test_a_motor_under_a_urdf_chain_is_held_by_the_users_word(segments: int, tmp
     )
 
 
-TWO = '<body name="hub"><freejoint/><geom type="box" size=".05 .05 .05" mass=".2"/>{}{}</body>'
+@pytest.mark.parametrize("motor", MOTORS)
+@pytest.mark.parametrize("segments", [2, 5])
+def test_an_arm_of_any_joint_is_held_by_the_users_word(motor: str, segments: int, tmp_path: Path) -> None:
+    chain, beam = rods("clamped-free", "naive", segments), Beam(LENGTH, STIFFNESS, DENSITY)
+    path = written(tmp_path, mjcf(chain, carrier=ARM.format(motor=motor)))
+    found = audit_file(path, beam, "clamped-free")
+    due = frequencies(chain)
+    np.testing.assert_allclose(found.angular_frequency[: len(due)], due, rtol=1e-9)
+    assert found.layout == "naive"
+    # Turning about z or sliding along the chain does not move it across.
+    across = "ball" in motor or 'axis="0 1 0"' in motor
+    assert not across or any("motor held, because you say so" in line for line in found.assumed)
 
 
+LINK = '<geom type="cylinder" fromto="0 0 0 .2 0 0" size=".005" mass=".1"/>'
+
+
+def elbowed(count: int, elbow: int) -> str:
+    """Rods of 0.2 m on springs of 10 N m/rad, but a motor at the root and an elbow without a spring."""
+    text = ""
+    for i in reversed(range(count)):
+        spring = "" if i in (0, elbow) else 'stiffness="10"'
+        name = {0: "shoulder", elbow: "elbow"}.get(i, f"bend{i}")
+        text = (
+            f'<body name="link{i}" pos="{0.2 * (i > 0)} 0 0"><joint name="{name}" axis="0 1 0" {spring}/>'
+            f"{LINK}{text}</body>"
+        )
+    return world(text)
+
+
+@pytest.mark.parametrize(("count", "elbow"), [(6, 3), (7, 3), (7, 4), (5, 2)])
+def test_an_elbow_without_spring_is_asked_for_and_held_by_the_users_word(
+    count: int, elbow: int, tmp_path: Path
+) -> None:
+    path, beam = written(tmp_path, elbowed(count, elbow)), Beam(0.2 * count, STIFFNESS, DENSITY)
+    with pytest.raises(ValueError, match=r"elbow.*say by boundary"):
+        audit_file(path, beam)
+    held = audit_file(path, beam, "clamped-free")
+    # Truth: the pieces at both sides of the elbow are one rod of twice the length, the first one stands.
+    length = np.full(count, 0.2)
+    length[elbow - 1] = 0.4
+    length = np.delete(length, elbow)
+    mass = DENSITY * length
+    section = DENSITY * 0.005**2 / 4
+    chain = Chain.from_pieces(
+        length=length,
+        mass=mass,
+        rotary_inertia=mass * length**2 / 12 + section * length,
+        joint_stiffness=np.full(count - 2, 10.0),
+        boundary="clamped-free",
+    )
+    np.testing.assert_allclose(held.angular_frequency, frequencies(chain), rtol=1e-9)
+    assert any("elbow held, because you say so" in line for line in held.assumed)
+    # The outer link alone, its elbow held.
+    beyond = audit_file(
+        path, Beam(0.2 * (count - elbow), STIFFNESS, DENSITY), "clamped-free", chain=f"link{elbow + 1}"
+    )
+    assert len(beyond.joint_stiffness) == count - elbow - 1
+
+
+@pytest.mark.parametrize("start", ["spring", "stub", "pivot"])
+@pytest.mark.parametrize("mass", [0.02, 0.1, 0.15, 3.0])
+@pytest.mark.parametrize("apart", [True, False])
+def test_of_one_hinge_alone_the_tips_body_is_told_from_the_rod(
+    start: str, mass: float, apart: bool, tmp_path: Path
+) -> None:
+    ball = f'<geom size=".03" pos=".2 0 0" mass="{mass}"/>'
+    tip = f'{LINK}<body name="tip">{ball}</body>' if apart else f"{LINK}{ball}"
+    place = 0.0 if start == "spring" else 0.2
+    text = f'<body name="b" pos="{place} 0 0"><joint axis="0 1 0" stiffness="10"/>{tip}</body>'
+    root = {"spring": "", "stub": "", "pivot": '<joint axis="0 1 0"/>'}[start]
+    if start != "spring":
+        text = f'<body name="a">{root}{LINK}{text}</body>'
+    path, count = written(tmp_path, world(text)), 1 if start == "spring" else 2
+    found = audit_file(path, Beam(0.2 * count, STIFFNESS, DENSITY))
+    end = found.boundary.right
+    assert (found.segments, found.mass_mismatch) == (count, pytest.approx(0, abs=1e-9))
+    assert end.mass == pytest.approx(mass, rel=1e-8)
+    # A ball has 2 m r²/5.
+    assert end.rotary_inertia == pytest.approx(0.4 * mass * 0.03**2, rel=1e-6)
+    assert found.layout != "no known layout"
+
+
+TWO = '<body name="hub">{}<geom type="box" size=".05 .05 .05" mass=".2"/>{}{}</body>'
+HUBS = {
+    "<freejoint/>": "body hub.*is free in space.*say by boundary",
+    '<joint name="spin" axis="0 1 0"/>': "body hub.*moves on joint spin.*say by boundary",
+    '<joint name="spin" axis="0 1 0" stiffness="3"/>': "body hub.*moves on joint spin.*say by boundary",
+    '<joint name="rail" type="slide" axis="0 0 1"/>': "body hub.*moves on joint rail.*say by boundary",
+}
+
+
+@pytest.mark.parametrize("joint", HUBS)
 @pytest.mark.parametrize("segments", [3, 5])
-def test_a_free_hub_with_two_chains_asks_for_the_end(segments: int, tmp_path: Path) -> None:
+def test_a_hub_with_two_chains_that_moves_asks_for_the_end(joint: str, segments: int, tmp_path: Path) -> None:
     chain, beam = rods("clamped-free", "naive", segments), Beam(LENGTH, STIFFNESS, DENSITY)
     arms = [
         re.sub(
@@ -300,8 +393,8 @@ def test_a_free_hub_with_two_chains_asks_for_the_end(segments: int, tmp_path: Pa
         )  # type: ignore[index]
         for side, place in (("r", Placed('pos="0.05 0 0"')), ("l", Placed('pos="-0.05 0 0"', -1.0)))
     ]
-    path = written(tmp_path, world(TWO.format(*arms)))
-    with pytest.raises(ValueError, match=r"body hub.*is free in space.*say by boundary"):
+    path = written(tmp_path, world(TWO.format(joint, *arms)))
+    with pytest.raises(ValueError, match=HUBS[joint]):
         audit_file(path, beam)
     for name in ("sr1", "sl1"):
         found = audit_file(path, beam, "clamped-free", chain=name)
@@ -564,17 +657,14 @@ def replaced(row: int, column: int, text: str) -> Any:
         (replaced(3, 2, "1" * 20_000), "must have at most 10000 characters"),
         (lambda lines: "".join(lines) + "\n" * 150_000, "must have at most 100100 lines"),
         (lambda lines: "".join(lines) + " " * (2**24 + 1), "must have at most 16 MiB"),
-        (replaced(3, 2, "1e30"), ""),
+        (replaced(3, 2, "1e30"), "beam must be in the units of the chain"),
     ],
 )
 def test_tables_are_bounded(change: Any, message: str, tmp_path: Path) -> None:
     path, lines = table(tmp_path)
     path.write_text(change(lines))
-    if message:
-        with pytest.raises(ValueError, match=message):
-            audit_file(path, Beam(LENGTH, STIFFNESS, DENSITY))
-    else:
-        assert np.isfinite(audit_file(path, Beam(LENGTH, STIFFNESS, DENSITY)).errors).all()
+    with pytest.raises(ValueError, match=message):
+        audit_file(path, Beam(LENGTH, STIFFNESS, DENSITY))
 
 
 def test_given_assumed_and_found_stand_apart(tmp_path: Path) -> None:

@@ -17,14 +17,29 @@ from beammodes.auditing.body_tree import FileStep, Model
 from beammodes.auditing.bounded_xml import BadModel, read_xml
 from beammodes.auditing.far_ties import far_end
 from beammodes.auditing.file_dynamics import longest_step
-from beammodes.auditing.hinge_line import Frame, floats, frame_of, root_support
+from beammodes.auditing.hinge_line import (
+    Frame,
+    RootSupport,
+    bending_carrier,
+    floats,
+    frame_of,
+    root_support,
+    shared_hub,
+)
 from beammodes.auditing.model_ends import JudgedChain, judged_chains
 from beammodes.auditing.planar_chain import planar_chain
 from beammodes.auditing.read_mjcf import read_mjcf, with_includes
 from beammodes.auditing.read_sdf import read_sdf
 from beammodes.auditing.read_urdf import read_urdf
 from beammodes.auditing.rigid_pieces import Piece, PlanarChain, Spring, with_wall_hinges
-from beammodes.auditing.serial_chains import HingePath, about_one_axis, chosen_path, hinge_paths, shown_axes
+from beammodes.auditing.serial_chains import (
+    HingePath,
+    about_one_axis,
+    chosen_path,
+    hinge_paths,
+    shown_axes,
+    with_inner_motors_held,
+)
 from beammodes.auditing.urdf_springs import read_springs
 from beammodes.chains.chain import Chain
 from beammodes.checks import choice, shown, small_fraction
@@ -84,7 +99,7 @@ def audit_file(
         Its ends. By default those of the file: held where the ground carries the chain, pinned on a hinge
         without a spring, free at the tip unless fixed tendons support it, with a body where an outer piece is
         heavier than its neighbours. Your word counts for what a file cannot say: that a motor holds its
-        joint, or that a body which moves is held.
+        joint, such as an elbow between two flexible links, or that a body which moves is held.
     modes, tolerance
         As `audit_chain` takes them.
     chain : str, optional
@@ -238,6 +253,25 @@ def _read(
     if place.suffix.lower() == ".csv":
         return _from_csv(place, beam.length)
     model = _model(place, springs)
+    held, motors = with_inner_motors_held(model) if given is not None else (model, [])
+    if not motors:
+        return _in_any_plane(model, beam, given, name, plane)
+    # A name tells which part is meant, so that what carries it counts as held instead.
+    for each, why in ((model, ""), (held, "held")) if name is not None else ((held, "held"), (model, "")):
+        try:
+            read = _in_any_plane(each, beam, given, name, plane)
+        except ValueError as error:
+            refusal = error
+            continue
+        if not why:
+            return read
+        return replace(read, left_out=(f"{' and '.join(motors)} held, because you say so", *read.left_out))
+    raise refusal
+
+
+def _in_any_plane(
+    model: Model, beam: Beam, given: Boundary | None, name: str | None, plane: str | None
+) -> _Read:
     try:
         return _of_model(model, beam, given, name, plane)
     except ValueError as error:
@@ -310,10 +344,26 @@ def _of_path(
             "body is "
             "held"
         )
-    far = far_end(model.ties, *_coordinates(path, frame))
+    carrier = bending_carrier(path, frame) if given is None else None
+    if carrier is not None:
+        elbow, spring = (joint.name for joint in carrier)
+        raise BadModel(
+            f"{elbow}, which carries the chain at body {path.name}, has no spring and is carried by hinge "
+            f"{spring} with a spring: say by boundary what the chain's ends are; a motor between hinges with "
+            "springs is then held, and all bend as one chain"
+        )
+    moves = shared_hub(path, frame) if given is None else None
+    if moves is not None:
+        raise BadModel(
+            f"body {path.root.name}, which carries the chain at body {path.name}, moves on joint "
+            f"{moves.name} with other springs that it carries: say by boundary what the chain's ends are, "
+            "such as clamped-free if the body is held"
+        )
+    words = _words(path, frame, given)
+    far = far_end(model.ties, *_coordinates(frame, root_support(path, frame) if "" in words else None))
     chains = [
         with_wall_hinges(planar_chain(path, frame, far, beam.length, word), far.spring, beam.length)
-        for word in _words(path, frame, given)
+        for word in words
     ]
     along = float(model.gravity @ frame.along)
     across = float(np.linalg.norm(model.gravity - along * frame.along))
@@ -338,7 +388,16 @@ def _words(path: HingePath, frame: Frame, given: Boundary | None) -> list[str]:
 
     A file does not say whether a motor holds its joint: the user does.
     """
-    support = root_support(path, frame)
+    try:
+        support = root_support(path, frame)
+    except BadModel:
+        # What carries the chain on joints that are not read is no matter if it is held.
+        if given is None or not any(
+            end.holds_deflection and end.holds_rotation for end in (given.left, given.right)
+        ):
+            raise
+        names = " and ".join(joint.name for joint in path.root.joints)
+        return [f"{names} held, because you say so"]
     if support is None:
         carrier = path.root
         moves = carrier.parent is not None
@@ -389,9 +448,10 @@ def _joint_names(frame: Frame) -> set[str]:
     return {hinge.name for hinge in frame.hinges}
 
 
-def _coordinates(path: HingePath, frame: Frame) -> tuple[dict[str, tuple[float, float]], dict[str, float]]:
+def _coordinates(
+    frame: Frame, support: RootSupport | None
+) -> tuple[dict[str, tuple[float, float]], dict[str, float]]:
     """Return place and sense of every joint that turns the chain, and the sense of those that shift it."""
-    support = root_support(path, frame)
     joints = [*frame.hinges]
     if support is not None and support.hinge is not None:
         joints.insert(0, support.hinge)

@@ -12,7 +12,16 @@ from numpy.typing import NDArray
 from beammodes.auditing.bounded_xml import BadModel
 from beammodes.auditing.spatial import Inertial, joined
 
-__all__ = ["FileStep", "Group", "Model", "ModelBody", "ModelJoint", "ModelTie", "rigid_groups"]
+__all__ = [
+    "FileStep",
+    "Group",
+    "Model",
+    "ModelBody",
+    "ModelJoint",
+    "ModelTie",
+    "Solid",
+    "rigid_groups",
+]
 
 Array = NDArray[np.float64]
 
@@ -50,6 +59,14 @@ class ModelJoint:
 
 
 @dataclass(frozen=True, eq=False)
+class Solid:
+    """One of the solids that make up a body: its own mass, and the ends of its geometry."""
+
+    inertial: Inertial
+    ends: tuple[Array, ...]
+
+
+@dataclass(frozen=True, eq=False)
 class ModelBody:
     """A rigid body, in the world's frame at rest.
 
@@ -67,6 +84,8 @@ class ModelBody:
         To its parent; none welds it there.
     refusal : str
         Why it must not be in a chain, empty if it may.
+    solids : tuple of Solid
+        What it is made of; empty where the file gives its mass as one number.
     """
 
     name: str
@@ -76,6 +95,7 @@ class ModelBody:
     extent: tuple[Array, ...] = ()
     joints: tuple[ModelJoint, ...] = ()
     refusal: str = ""
+    solids: tuple[Solid, ...] = ()
 
 
 @dataclass(frozen=True)

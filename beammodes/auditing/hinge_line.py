@@ -11,8 +11,20 @@ from numpy.typing import NDArray
 from beammodes.auditing.body_tree import Group, ModelJoint
 from beammodes.auditing.bounded_xml import BadModel
 from beammodes.auditing.serial_chains import PARALLEL, HingePath
+from beammodes.auditing.spatial import Inertial
 
-__all__ = ["OFF_LINE", "Frame", "RootSupport", "floats", "frame_of", "moves_alone", "root_support"]
+__all__ = [
+    "OFF_LINE",
+    "Frame",
+    "RootSupport",
+    "bending_carrier",
+    "floats",
+    "frame_of",
+    "lone_segment",
+    "moves_alone",
+    "root_support",
+    "shared_hub",
+]
 
 Array = NDArray[np.float64]
 
@@ -21,6 +33,8 @@ Array = NDArray[np.float64]
 OFF_LINE = 1e-4
 #: Shares of mass and length that segments of one chain have in common, as files round them.
 _SEGMENT = 1e-2
+#: Up to which share a centre of mass is at the end of its body.
+_ROUNDED = 2e-3
 
 
 @dataclass(frozen=True, eq=False)
@@ -95,6 +109,32 @@ def frame_of(path: HingePath, axis: Array) -> Frame:
     return frame
 
 
+def lone_segment(group: Group, frame: Frame) -> tuple[float, Inertial] | None:
+    """Return length and matter of the segment on a chain's last hinge, or None if its body shows none.
+
+    Of several solids it is the one that begins at the hinge: others are what the segment carries. A body
+    that is one solid or one number is as long as its geometry, or as twice the way to its centre of mass.
+    """
+    hinge, body = frame.places[-1], group.bodies[0]
+    for solid in body.solids if len(body.solids) > 1 else ():
+        reach = sorted(frame.place(end) - hinge for end in solid.ends)
+        centre = frame.place(solid.inertial.centre) - hinge
+        if solid.inertial.mass and len(reach) > 1 and reach[-1] > 0 and _is_rod(reach[0], reach[-1], centre):
+            return reach[-1], solid.inertial
+    own = body.inertial
+    centre = frame.place(own.centre) - hinge
+    length = max((frame.place(point) - hinge for point in body.extent), default=0.0) or 2 * centre
+    slack = 1 + _ROUNDED
+    if not own.mass or length <= _ROUNDED * abs(centre) or not 0 <= centre <= length * slack:
+        return None
+    return length, own
+
+
+def _is_rod(start: float, end: float, centre: float) -> bool:
+    """Whether a solid reaches from its hinge on, its centre of mass at its middle."""
+    return abs(start) <= _SEGMENT * end and abs(centre - end / 2) <= _SEGMENT * end
+
+
 def moves_alone(root: Group) -> bool:
     """Whether what carries the chain moves on the ground, and nothing else moves on it.
 
@@ -111,6 +151,37 @@ def floats(root: Group) -> bool:
             return not moves_alone(root)
         group = group.parent
     return False
+
+
+def shared_hub(path: HingePath, frame: Frame) -> ModelJoint | None:
+    """Return the joint on which a body moves in the plane of bending that carries other springs too, if any.
+
+    Such a hub rings with all that it carries; held, each of its chains rings alone.
+    """
+    carries = any(
+        joint.stiffness
+        for child in path.root.children
+        if child is not path.groups[0]
+        for joint in child.joints
+    )
+    for joint in path.root.joints if carries else ():
+        turns = joint.kind == "hinge" and abs(joint.axis @ frame.axis) > PARALLEL
+        shifts = joint.kind == "slide" and abs(joint.axis @ frame.across) > PARALLEL
+        if turns or shifts or joint.kind == "ball":
+            return joint
+    return None
+
+
+def bending_carrier(path: HingePath, frame: Frame) -> tuple[ModelJoint, ModelJoint] | None:
+    """Return a hinge without a spring between the chain and one that carries it, and a hinge of that one."""
+    elbow, group = None, path.root
+    while group.parent is not None:
+        for joint in group.joints:
+            if joint.stiffness and elbow and abs(joint.axis @ frame.axis) > PARALLEL:
+                return elbow, joint
+        elbow = elbow or next((joint for joint in group.joints if not joint.stiffness), None)
+        group = group.parent
+    return None
 
 
 @dataclass(frozen=True)
@@ -174,17 +245,17 @@ def root_support(path: HingePath, frame: Frame) -> RootSupport | None:
 
 def _own_pinned_end(path: HingePath, frame: Frame) -> RootSupport | None:
     root = path.root
-    if len(root.joints) != 1 or len(root.children) != 1 or root.parent is None or len(frame.places) < 2:
+    if len(root.joints) != 1 or len(root.children) != 1 or root.parent is None:
         return None
     (joint,) = root.joints
     length = -frame.place(joint.position)
+    size, other = _next_segment(path, frame)
     parallel = float(np.linalg.norm(np.cross(joint.axis, frame.axis))) < PARALLEL
-    on_line = frame.off_line(joint.position) <= OFF_LINE * frame.spacing
+    on_line = frame.off_line(joint.position) <= OFF_LINE * size
     if joint.kind != "hinge" or joint.stiffness or not parallel or not on_line or length <= 0:
         return None
     # A segment has its share of mass, at the same share of its length, as the next one.
-    own, other = root.inertial, path.groups[0].inertial
-    size = frame.places[1] - frame.places[0]
+    own = root.inertial
     if not size or not other.mass or abs(own.mass / other.mass * size / length - 1) > _SEGMENT:
         return None
     shares = (1 + frame.place(own.centre) / length, frame.place(other.centre) / size)
@@ -198,6 +269,14 @@ def _own_pinned_end(path: HingePath, frame: Frame) -> RootSupport | None:
         "it and moves, is taken as held"
     )
     return RootSupport(turning=0.0, hinge=joint, why=why)
+
+
+def _next_segment(path: HingePath, frame: Frame) -> tuple[float, Inertial]:
+    """Return length and matter of the segment after the first hinge, 0 if its body shows none."""
+    first = path.groups[0]
+    if len(frame.places) > 1:
+        return frame.places[1] - frame.places[0], first.inertial
+    return lone_segment(first, frame) or (0.0, first.inertial)
 
 
 def _check_out_of_plane(joint: ModelJoint, frame: Frame) -> None:

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from beammodes.auditing.body_tree import ModelBody
+from beammodes.auditing.body_tree import ModelBody, Solid
 from beammodes.auditing.bounded_xml import XmlElement
 from beammodes.auditing.mjcf_settings import Settings
 from beammodes.auditing.spatial import Inertial, Pose, ends_of, from_z_to, joined, solid
@@ -21,9 +21,13 @@ _SIZES = {"sphere": 1, "capsule": 2, "cylinder": 2, "box": 3, "ellipsoid": 3}
 _MASSLESS = ("plane", "hfield")
 
 
-def matter_of(settings: Settings, element: XmlElement, class_name: str) -> tuple[Inertial, list[Array], str]:
-    """Return a body's mass and inertia, the ends of its geometry, and why these cannot be told."""
-    parts, extent, why = [], [], ""
+def matter_of(
+    settings: Settings, element: XmlElement, class_name: str
+) -> tuple[Inertial, list[Array], list[Solid], str]:
+    """Return a body's mass and inertia, the ends of its geometry, its solids, and why they cannot be told."""
+    extent: list[Array] = []
+    solids: list[Solid] = []
+    why = ""
     for child, place, inherited, _ in settings.inside(element, class_name, "geom"):
         own = settings.with_defaults(child, "geom", inherited)
         kind = "mesh" if "mesh" in own.attributes else own.attributes.get("type", "sphere")
@@ -33,15 +37,16 @@ def matter_of(settings: Settings, element: XmlElement, class_name: str) -> tuple
             why = f"{own.where} must be a {', '.join(_SIZES)}, filled, or have its body's mass in <inertial>"
             continue
         part, ends = _geometry(settings, own, kind)
-        extent += [place.point(end) for end in ends]
+        ends = [place.point(end) for end in ends]
+        extent += ends
         if settings.counts(own):
-            parts.append(part.seen_from(place))
+            solids.append(Solid(part.seen_from(place), tuple(ends)))
     given = element.first("inertial")
     if given is not None and settings.inertia_from_geometry != "true":
-        return _given(settings, given), extent, ""
+        return _given(settings, given), extent, [], ""
     if settings.inertia_from_geometry == "false":
-        return joined([]), extent, ""
-    return joined(parts), extent, why
+        return joined([]), extent, [], ""
+    return joined(each.inertial for each in solids), extent, solids, why
 
 
 def compiled_masses(settings: Settings, bodies: Sequence[ModelBody]) -> list[ModelBody]:
@@ -73,10 +78,17 @@ def compiled_masses(settings: Settings, bodies: Sequence[ModelBody]) -> list[Mod
         said.refuse(f"must have no settotalmass, for which every mass must be known: {odd.refusal}")
     share = total / mass
     return [
-        replace(body, inertial=Inertial(own.mass * share, own.centre, own.inertia * share))
+        replace(
+            body,
+            inertial=_scaled(body.inertial, share),
+            solids=tuple(replace(each, inertial=_scaled(each.inertial, share)) for each in body.solids),
+        )
         for body in bodies
-        for own in [body.inertial]
     ]
+
+
+def _scaled(own: Inertial, share: float) -> Inertial:
+    return Inertial(own.mass * share, own.centre, own.inertia * share)
 
 
 def _own_mass(body: ModelBody) -> float:

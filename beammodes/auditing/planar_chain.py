@@ -23,7 +23,7 @@ import numpy as np
 from beammodes.auditing.body_tree import Group, ModelJoint
 from beammodes.auditing.bounded_xml import BadModel
 from beammodes.auditing.far_ties import FarEnd
-from beammodes.auditing.hinge_line import OFF_LINE, Frame, RootSupport, root_support
+from beammodes.auditing.hinge_line import OFF_LINE, Frame, RootSupport, lone_segment, root_support
 from beammodes.auditing.rigid_pieces import Piece, PlanarChain, Spring, held_piece
 from beammodes.auditing.serial_chains import HingePath
 from beammodes.auditing.spatial import Inertial
@@ -76,8 +76,10 @@ def planar_chain(path: HingePath, frame: Frame, far: FarEnd, length: float, word
     cuts = [frame.places[0] - start, *frame.places, frame.places[-1] + end]
     groups = [path.root if root else None, *path.groups]
     pieces = [_piece(group, frame, *cut) for group, cut in zip(groups, itertools.pairwise(cuts), strict=True)]
+    segment = _inside(path, frame, 1, root)
     if root is None:
-        pieces[0] = held_piece(start, pieces[1:])
+        # A single moving piece may carry a body, which is no measure of the beam.
+        pieces[0] = held_piece(start, [segment] if segment and len(pieces) == 2 else pieces[1:])
     support = root or RootSupport()
     return PlanarChain(
         tuple(pieces),
@@ -86,7 +88,7 @@ def planar_chain(path: HingePath, frame: Frame, far: FarEnd, length: float, word
         (far.across, far.turning),
         near_hinge=_spring(support.hinge) if support.hinge else None,
         assumed=(*_assumed(frame, (near, start), (tip, end), word or support.why), *_undamped(root)),
-        segment=_inside(path, frame, 1, root),
+        segment=segment,
     )
 
 
@@ -130,8 +132,8 @@ def _check(path: HingePath, frame: Frame, support: RootSupport | None) -> None:
                 raise BadModel(
                     f"{other.joints[0].name} on body {group.name} must be a hinge with a spring, parallel "
                     f"to {frame.hinges[0].name}: nothing else may move on the chain. If a motor holds it, "
-                    "weld "
-                    "it; what is beyond is not judged as held, whatever boundary says"
+                    "say by boundary what the chain's ends are: a hinge without a spring between hinges with "
+                    "springs is then held"
                 )
     root = [path.root] if support else []
     both = len(path.planes()) > 1 or path.in_space or (support is not None and support.in_space)
@@ -204,7 +206,7 @@ def _inside(path: HingePath, frame: Frame, way: float, root: RootSupport | None)
     """Return the piece that shows what segments are made of, seen from its hinge towards an end.
 
     It is the one between two hinges that is nearest to that end, else the first up to the hinge that turns
-    it; of one hinge alone, the body on it, as long as its solids or as twice the way to its centre of mass.
+    it; of one hinge alone, the segment on it.
     """
     pairs = list(zip(itertools.pairwise(frame.places), path.groups, strict=False))
     for (start, end), group in pairs[::-1] if way > 0 else pairs:
@@ -215,12 +217,12 @@ def _inside(path: HingePath, frame: Frame, way: float, root: RootSupport | None)
         length = _pivot(root.hinge, frame)
         if length > 0:
             return _seen(_piece(path.root, frame, -length, frame.places[0]), way)
-    own = path.groups[-1].bodies[0]
-    hinge, centre = frame.places[-1], frame.place(own.inertial.centre) - frame.places[-1]
-    length = max((frame.place(point) - hinge for point in own.extent), default=0.0) or 2 * centre
-    if not own.inertial.mass or length <= _ALIKE * abs(centre) or not 0 <= centre <= length * (1 + _ALIKE):
+    lone = lone_segment(path.groups[-1], frame)
+    if lone is None:
         return None
-    return _seen(Piece(length, own.inertial.mass, centre, 0.0), way)
+    length, own = lone
+    hinge, about = frame.places[-1], float(frame.axis @ own.inertia @ frame.axis)
+    return _seen(Piece(length, own.mass, frame.place(own.centre) - hinge, max(about, 0.0)), way)
 
 
 def _seen(piece: Piece, way: float) -> Piece:
@@ -231,7 +233,8 @@ def _by_matter(group: Group, frame: Frame, hinge: float, way: float, inside: Pie
     """Return the length of an outer piece that is made as its neighbour is, alone or with a body on it."""
     if inside is None:
         return None
-    for part in (group.inertial, *(body.inertial for body in group.bodies)):
+    solids = (solid.inertial for body in group.bodies for solid in body.solids)
+    for part in (group.inertial, *(body.inertial for body in group.bodies), *solids):
         found = _alike(part, frame, hinge, way, inside)
         if found is not None:
             return found

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from beammodes.auditing.body_tree import Model, ModelBody, ModelJoint
+from beammodes.auditing.body_tree import Model, ModelBody, ModelJoint, Solid
 from beammodes.auditing.bounded_xml import BadModel, XmlElement, read_xml
 from beammodes.auditing.mjcf_forces import (
     acted_sites,
@@ -131,7 +131,7 @@ def _body(
     sites = [site.attributes.get("name", "") for site, *_ in inside(element, class_name, "site")]
     reader.homes |= dict.fromkeys(sites, name)
     refusal = refusal or next((reader.acted[site] for site in sites if site in reader.acted), "")
-    inertial, extent, why = matter_of(reader.settings, element, class_name)
+    inertial, extent, solids, why = matter_of(reader.settings, element, class_name)
     return ModelBody(
         name,
         parent,
@@ -140,6 +140,10 @@ def _body(
         tuple(pose.point(point) for point in extent),
         tuple(_joints(reader, element, pose, class_name, name, suffix)),
         refusal or why,
+        tuple(
+            Solid(each.inertial.seen_from(pose), tuple(pose.point(end) for end in each.ends))
+            for each in solids
+        ),
     )
 
 

@@ -144,6 +144,28 @@ def about_one_axis(model: Model) -> Iterator[tuple[Array, Model]]:
             yield axis, replace(model, bodies=bodies, in_space=True)
 
 
+def with_inner_motors_held(model: Model) -> tuple[Model, list[str]]:
+    """Return a model whose hinges without a spring between hinges with springs are held, and their names.
+
+    No beam has a hinge inside: who says what a beam's ends are says that a motor holds such an elbow.
+    """
+    above: list[bool] = []
+    for body in model.bodies:
+        own = any(joint.stiffness for joint in body.joints)
+        above.append(own or (body.parent >= 0 and above[body.parent]))
+    below = [False] * len(model.bodies)
+    for i, body in reversed(list(enumerate(model.bodies))):
+        if body.parent >= 0 and (below[i] or any(joint.stiffness for joint in body.joints)):
+            below[body.parent] = True
+    bodies, names = list(model.bodies), []
+    for i, body in enumerate(model.bodies):
+        loose = body.joints and all(joint.kind == "hinge" and not joint.stiffness for joint in body.joints)
+        if loose and above[i] and below[i]:
+            bodies[i] = replace(body, joints=())
+            names += [joint.name for joint in body.joints]
+    return replace(model, bodies=tuple(bodies)), names
+
+
 def shown_axes(model: Model, axis: Array) -> list[str]:
     """Return the names of some hinges that `about_one_axis` puts at rest."""
     names = [joint.name for body in model.bodies for joint in body.joints if _rests(joint, axis)]
