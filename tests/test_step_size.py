@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from pathlib import Path
 
 import casadi
@@ -106,6 +107,11 @@ def test_every_name_of_an_engine_is_of_one_integrator() -> None:
         assert {record.springs, record.damping} <= {"explicit", "implicit"} and record.source
         for alias in (*record.engines, record.name):
             assert find_integrator(alias) == find_integrator(alias.upper()) == record
+    # An engine alone is answered with what it has.
+    for alias in names:
+        engine = alias.split(" ")[0]
+        with pytest.raises(ValueError, match=rf"must be one of .*{re.escape(alias)}.*, got '{engine}'"):
+            find_integrator(engine)
 
 
 def test_stability_limits() -> None:

@@ -72,7 +72,8 @@ def test_an_interrupted_study_goes_on(tmp_path: Path, calls: list[Any], error: t
     with pytest.raises(error) as caught:
         study().run(store=tmp_path, progress=stop)
     assert caught.value.__notes__ == [
-        f"3 of 10 chunks are stored in {tmp_path}; the same call goes on from there"
+        f"3 of 10 chunks are stored in {tmp_path}; the same call goes on from there",
+        "a chunk is 4 points: for slow points give a smaller chunk=",
     ]
     half = bm.open_study(tmp_path)
     assert (half.finished_cases, half.cases, half.complete) == (12, 40, 0)

@@ -46,6 +46,10 @@ def run_study(
         except BaseException as error:
             count = f"{len({number for number, _ in kept.finished()})} of {study.chunks} chunks"
             error.add_note(f"{count} are stored in {folder}; the same call goes on from there")
+            if study.chunk > 1:
+                error.add_note(
+                    f"a chunk is {study.chunk} points: give a study of slow points a smaller chunk="
+                )
             raise
         return _closed(study_dataset(kept.definition, _sound(kept)), report)
 

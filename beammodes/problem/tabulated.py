@@ -44,6 +44,11 @@ class Table:
     breaks only (see `chains.rods.profile_weights`); at any other kink of EI, such as the few of a table of
     five measured points, a rule of order 4 has order 2. The exact beam bends as the table says, kink by kink.
 
+    Of few measured sections, interpolate what was measured, such as a diameter d, and not EI ~ d⁴, which is
+    curved between the positions: six diameters of a fishing rod, 12 to 2.2 mm, made a table of EI and one of
+    ρA, have +0.8, +2.7 and +4.0 % in the first three frequencies against functions of
+    d(x) = numpy.interp(x, at, d), with `breaks=at[1:-1]`.
+
     Parameters
     ----------
     x : sequence of float [m]

@@ -223,7 +223,8 @@ def find_integrator(name: str, among: Iterable[str] | None = None) -> Integrator
         if name.lower() in named:
             return named[name.lower()]
     # Of engines' names only those of the engine that was meant.
-    engine = name.split(" ")[0].lower() if isinstance(name, str) and " " in name else ""
+    first = name.strip().split(" ")[0].lower() if isinstance(name, str) else ""
+    engine = first if any(" " in each and each.split(" ")[0].lower() == first for each in known) else ""
     alike = [each for each in known if (each.split(" ")[0].lower() == engine if engine else " " not in each)]
     return known[choice("integrator", name, alike or known)]
 
