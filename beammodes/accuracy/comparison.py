@@ -19,7 +19,7 @@ from beammodes.problem.loading import Load, checked_load
 from beammodes.vibration.linear import linearize
 from beammodes.vibration.modes import solve_modes
 
-__all__ = ["SlendernessWarning", "chain_errors", "theory_errors"]
+__all__ = ["SlendernessWarning", "chain_errors", "stout_remark", "theory_errors"]
 
 Array = NDArray[np.float64]
 
@@ -147,14 +147,41 @@ def theory_errors(
 
 
 def _warn_if_stout(errors: Array, theory: Array, assumed: tuple[str, ...]) -> None:
+    if remark := _stout(errors, theory, assumed):
+        warnings.warn(remark, SlendernessWarning, stacklevel=3)
+
+
+def _stout(errors: Array, theory: Array, assumed: tuple[str, ...]) -> str:
     worse = np.flatnonzero(np.abs(theory) > np.abs(errors))
-    if len(worse):
-        n = int(worse[0])
-        taken = f" (assumed: {', '.join(assumed)})" if assumed else ""
-        warnings.warn(
-            f"shear and what else Euler-Bernoulli theory leaves out lower frequency {n + 1} of this beam by "
-            f"{-100 * theory[n]:.3g} %{taken}, more than the chain's {100 * abs(errors[n]):.2g} %: more "
-            "segments do not bring it closer to the real beam",
-            SlendernessWarning,
-            stacklevel=3,
-        )
+    if not len(worse):
+        return ""
+    n = int(worse[0])
+    taken = f" (assumed: {', '.join(assumed)})" if assumed else ""
+    return (
+        f"shear and what else Euler-Bernoulli theory leaves out lower frequency {n + 1} of this beam by "
+        f"{-100 * theory[n]:.3g} %{taken}, more than the chain's {100 * abs(errors[n]):.2g} %: more "
+        "segments do not bring it closer to the real beam"
+    )
+
+
+def stout_remark(beam: Beam, boundary: BoundaryLike, errors: Array) -> str:
+    """Return the words of `SlendernessWarning` for a chain's errors, "" where they are the larger ones.
+
+    Also "" where nothing tells the beam's section, or a mode is missing.
+
+    Examples
+    --------
+    >>> stout = Beam(1.0, 1.0, 1.0, radius_of_gyration=0.1)
+    >>> stout_remark(stout, "clamped-free", np.array([1e-3]))[:49]
+    'shear and what else Euler-Bernoulli theory leaves'
+    >>> stout_remark(Beam.unit(), "clamped-free", np.array([1e-3]))
+    ''
+    """
+    known = beam.shear_stiffness is not None or beam.radius_of_gyration is not None or beam.has_rotary_inertia
+    count = len(errors) - int(np.isnan(errors).sum())
+    if not known or not count:
+        return ""
+    with suppress(ValueError, ArithmeticError):
+        exact = euler_bernoulli(beam, boundary, count)
+        return _stout(errors[:count], exact.theory_error, exact.theory_assumed)
+    return ""

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from beammodes.accuracy.comparison import stout_remark
 from beammodes.auditing.better_springs import Suggestion, listed_errors, suggestions_for
 from beammodes.auditing.judged_pieces import UNKNOWN, Columns, JudgedPieces, percent
 from beammodes.checks import row_shown, shown, small_fraction
@@ -102,6 +103,9 @@ class Audit:
         As the file has them; "hinge 1" and so on for arrays.
     step : StepVerdict or None
         None where the file has no time step or the chain more than 500 hinges.
+    theory : str
+        What Euler-Bernoulli theory itself errs on this beam, where its section is known and the chain errs
+        less on the theory; else empty.
     other_readings : tuple of str
         What else the file may mean, and what is found then.
     """
@@ -128,6 +132,7 @@ class Audit:
     given: tuple[str, ...] = ()
     assumed: tuple[str, ...] = ()
     step: StepVerdict | None = None
+    theory: str = ""
     other_readings: tuple[str, ...] = ()
 
     @property
@@ -161,7 +166,8 @@ class Audit:
         lines = [
             f"{self.boundary.name} chain {verdict} {100 * self.tolerance:.3g} %: {listed_errors(self.errors)}"
         ]
-        return (*lines, *self.mismatches, self.remark, *self._motion(), *self.other_readings)
+        theory = (self.theory,) if self.theory else ()
+        return (*lines, *theory, *self.mismatches, self.remark, *self._motion(), *self.other_readings)
 
     @property
     def notes(self) -> tuple[str, ...]:
@@ -292,4 +298,5 @@ def audit_chain(
         tolerance=limit,
         joint_stiffness=judged.springs,
         hinge_names=tuple(f"hinge {i + 1}" for i in range(len(judged.springs))),
+        theory=stout_remark(beam, judged.boundary, errors),
     )

@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from beammodes import __version__
-from beammodes.accuracy.comparison import SlendernessWarning, chain_errors
+from beammodes.accuracy.comparison import SlendernessWarning, chain_errors, stout_remark
 from beammodes.chains.chain import Chain
 from beammodes.checks import positive_real, shown
 from beammodes.equations.axial_pull import axial_pull
@@ -89,6 +89,8 @@ class Facts:
         kept.append(f"natural frequencies of the chain: {shown_first or 'none'} Hz, undamped, without load")
         if self.errors:
             kept.append(f"their errors against the exact beam: {', '.join(map(_percent, self.errors))}")
+        if chain.beam is not None:
+            kept += filter(None, [stout_remark(chain.beam, chain.boundary, np.array(self.errors))])
         if self.ratios:
             kept.append(f"damping ratios of these modes, without load: {_few(self.ratios, '.4g')}")
         kept += self.loaded
