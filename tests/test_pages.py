@@ -298,6 +298,14 @@ def test_numbers_in_the_text_about_simscape() -> None:
         for counts in (False, True)
     )
     assert f"that is {100 * (thick / thin - 1):.2g} % of mode 3" in page
+    bar = bm.Beam.from_section(
+        bm.Rectangle(width=0.015, height=0.005), density=2800.0, elastic_modulus=70e9, length=0.3
+    )
+    _, second_theory, third_theory = -100 * bm.theory_errors(bar, "clamped-free", 3)
+    assert f"off by {second_theory:.2f} % in mode 2 and {third_theory:.2f} % in mode 3" in page
+    mended = bm.Chain(bar, "clamped-free", segments=20, rule="half_stub_corrected")
+    with pytest.warns(bm.SlendernessWarning, match="frequency 2"):
+        bm.chain_errors(mended, modes=3)
 
 
 def test_numbers_in_the_text_about_drake_and_gazebo() -> None:

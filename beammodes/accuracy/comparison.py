@@ -31,6 +31,10 @@ class SlendernessWarning(UserWarning):
     """The beam is so stout that Euler-Bernoulli theory errs more on it than the chain errs on the theory."""
 
 
+#: Errors of the theory below this are not told: no beam's stiffness and mass are known so well.
+LEAST_TOLD = 1e-3
+
+
 def chain_errors(chain: Chain, modes: int = 3, *, load: Load | None = None) -> Array:
     """Return the relative frequency errors of a chain against its own exact beam.
 
@@ -57,7 +61,7 @@ def chain_errors(chain: Chain, modes: int = 3, *, load: Load | None = None) -> A
     -----
     SlendernessWarning
         If the beam's section is known, from `Beam.from_section` or by its rotary inertia, and `theory_errors`
-        are larger than these errors.
+        are larger than these errors and than 0.1 %.
 
     Raises
     ------
@@ -152,7 +156,7 @@ def _warn_if_stout(errors: Array, theory: Array, assumed: tuple[str, ...]) -> No
 
 
 def _stout(errors: Array, theory: Array, assumed: tuple[str, ...]) -> str:
-    worse = np.flatnonzero(np.abs(theory) > np.abs(errors))
+    worse = np.flatnonzero(np.abs(theory) > np.maximum(np.abs(errors), LEAST_TOLD))
     if not len(worse):
         return ""
     n = int(worse[0])
