@@ -314,12 +314,14 @@ def test_shear_matters_more_than_the_sections_rotary_inertia() -> None:
     theory = theory_errors(beam, "clamped-free", 1)[0]
     assert theory == theory_errors(beam, "clamped-free", 1, radius_of_gyration=FLAT.radius_of_gyration)[0]
     assert -2e-4 < theory < -3e-5
-    # 20 elements of the example's layout err more than that, of rule gregory less.
+    # 20 elements of the example's layout err more than that; rule gregory's err less, but no material is
+    # known to 0.02 %. In mode 2 the theory is off by 0.15 %.
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        chain_errors(Chain(beam, "clamped-free", 20, "half_stub"), 1)
-    with pytest.warns(SlendernessWarning):
+        chain_errors(Chain(beam, "clamped-free", 20, "half_stub"), 2)
         chain_errors(Chain(beam, "clamped-free", 20, "gregory"), 1)
+    with pytest.warns(SlendernessWarning, match="frequency 2"):
+        chain_errors(Chain(beam, "clamped-free", 20, "gregory"), 2)
 
 
 @pytest.mark.parametrize(
