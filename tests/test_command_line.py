@@ -304,6 +304,17 @@ def test_exports_take_gravity_and_loads(capsys: pytest.CaptureFixture[str], tmp_
     Ran(call, capsys).refused("--gravity", "must be left out for urdf files")
 
 
+def test_time_steps_with_dampers_say_what_dampers_cost(capsys: pytest.CaptureFixture[str]) -> None:
+    call = ["time-step", "clamped-free", "--segments=10", *BEAM]
+    plain = Ran([*call, "--json"], capsys).json["time_step"]
+    for option in ("--damping-ratio=0.05", "--stiffness-damping=0.001"):
+        line = Ran([*call, option], capsys).lines[0]
+        damped = Ran([*call, option, "--json"], capsys).json["time_step"]
+        assert damped < plain and line.startswith(f"{damped:.6g} s")
+        assert f"with dampers; without them {plain:.6g} s" in line
+    assert "dampers" not in Ran(call, capsys).out
+
+
 def test_time_step_of_a_chain_without_elastic_mode(capsys: pytest.CaptureFixture[str]) -> None:
     for flags in ([], ["--json"]):
         Ran(["time-step", "clamped-clamped", "--segments", "1", *flags], capsys).refused(

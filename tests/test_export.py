@@ -377,3 +377,20 @@ def test_a_hostile_file_name_stays_in_the_comment(tmp_path: Path) -> None:
     urdf, springs = export_chain(CHAIN, tmp_path / "a--b.urdf")
     assert springs.name == "a--b.springs.yaml"
     assert ElementTree.parse(urdf).getroot().tag == "robot"
+
+
+@pytest.mark.parametrize("ratio", [0.0, 1e-5, 0.02, 0.1])
+def test_a_step_that_dampers_shorten_names_a_longer_way(ratio: float, tmp_path: Path) -> None:
+    omega = solve_modes(linearize(CHAIN), 1).angular_frequency[0]
+    damping = Damping(stiffness=2 * ratio / omega)
+    (place,) = export_chain(CHAIN, tmp_path / "beam.xml", damping=damping, load=Load())
+    text = place.read_text(encoding="utf-8")
+    said = re.search(r"implicitfast, which takes them implicitly, is stable to (\S+) s", text)
+    # Of the fastest mode, 2 (z + sqrt(1 + z^2))/omega; offered where it is twice that of Runge-Kutta.
+    top = solve_modes(linearize(CHAIN)).angular_frequency[-1]
+    z = damping.stiffness * top / 2
+    limit = 2 * (z + math.sqrt(1 + z * z)) / top
+    offered = ratio > 0 and limit > 2 * stable_time_step(CHAIN, "rk4", damping=damping)
+    assert (said is not None) == offered and offered >= (ratio == 0.1)
+    if said is not None:
+        assert float(said[1]) == pytest.approx(limit, rel=1e-3)

@@ -274,6 +274,9 @@ def answer_time_step(options: argparse.Namespace) -> Answer:
     )
     fastest = f"highest angular frequency {number(highest)} {units['angular_frequency']}"
     case = "without load" if load == Load() else f"under {load}"
+    if damping is not None:
+        free = stable_time_step(chain, record.name, load=load)
+        case += f", with dampers; without them {number(free)} {time}"
     text = f"{number(step)} {time}  ({options.integrator}, {fastest}, {case})"
     # In a beam's own units there is no such number as 9.81.
     if load == Load() and units["gravity"] is not None:

@@ -31,6 +31,7 @@ __all__ = ["SYSTEMS", "EngineStep", "Facts", "digits", "engine_step", "facts_abo
 #: that is more: what a tenth of the half width of a resonance is.
 STEP_ERROR, DAMPED_ERROR = 1e-3, 0.1
 _REPORTED = 3
+_EXPLICIT, _IMPLICIT = "MuJoCo RK4", "MuJoCo implicitfast"
 # Longer chains take more than some seconds to find their shape at rest.
 _MAX_RESTING = 150
 _STEP_WITHOUT_MODES = 0.002
@@ -242,6 +243,16 @@ def engine_step(
         )
         flag = ", with the flag eulerdamp that is on by default" if name == "Euler" else ""
         lines.append(f"dampers of joints are taken implicitly{flag}; taken explicitly: {explicit:.4g} s")
+    if damping not in (None, Damping()) and engine == _EXPLICIT:
+        limit = min(
+            _stable_step(chain, letter, _IMPLICIT, damping, each, tree)
+            for chain, letter in zip(chains, "zy", strict=False)
+            for each in cases.values()
+        )
+        if limit > 2 * least:
+            lines.append(
+                f"dampers shorten it: {_IMPLICIT}, which takes them implicitly, is stable to {limit:.4g} s"
+            )
     if load is not None and (any(load.tip) or load.tip_moment or load.axial_force or load.spin_rate):
         lines.append("this file holds gravity only: the other loads are yours to apply")
     return EngineStep(size, tuple(map(one_line, lines)))
