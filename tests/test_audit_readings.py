@@ -438,13 +438,32 @@ def test_centres_of_mass_off_the_middle_are_blamed_before_springs(part: float, t
         np.testing.assert_allclose(found.angular_frequency, mujoco_frequencies(world(text))[:3], rtol=1e-9)
 
 
-@pytest.mark.parametrize("radius", [1e-3, 3e-3, 8e-3])
+@pytest.mark.parametrize("segments", [2, 4])
+@pytest.mark.parametrize("turn", ["", 'quat="0.3 -0.2 0.9 0.1"'])
+def test_masses_at_their_own_hinges_are_judged_behind_a_pinned_end(
+    segments: int, turn: str, tmp_path: Path
+) -> None:
+    """The only hinge with a spring passes through its body's centre of mass; the pinned end says the line."""
+    body, text = '<inertial pos="0 0 0" mass="0.1" diaginertia="1e-4 2e-3 2e-3"/>', ""
+    for i in range(segments - 1, -1, -1):
+        spring = 'stiffness="10"' if i else ""
+        place = f'pos="{0.2 * (i > 0)} 0 0" {"" if i else turn}'
+        text = f'<body {place}><joint axis="0 1 0" {spring}/>{body}{text}</body>'
+    found = audit_file(written(tmp_path, world(text)), Beam(0.2 * segments, STIFFNESS, DENSITY))
+    assert (found.boundary.name, found.segments) == ("pinned-free", segments)
+    due = mujoco_frequencies(world(text))[:3]
+    np.testing.assert_allclose(found.angular_frequency[: len(due)], due, rtol=1e-9)
+    assert found.centre_mismatch == pytest.approx(0.5, abs=1e-9)
+    assert "centres of mass" in found.text and "rotary inertia" in found.text
+
+
+@pytest.mark.parametrize("radius", [1e-3, 3e-3, 8e-3, 3e-2])
 @pytest.mark.parametrize("rule", ["half_stub", "mitiguy", "half_stub_corrected"])
 @pytest.mark.parametrize("ends", ["pinned-free", "clamped-free"])
 def test_one_family_has_one_order(radius: float, rule: str, ends: str) -> None:
     """Round rods of one radius: the section's share of a piece's inertia grows with N, the order does not."""
     orders = set()
-    for segments in (3, 5, 10, 20):
+    for segments in (3, 5, 10, 20, 40):
         chain = rods(ends, rule, segments)
         pieces = {name: getattr(chain, name) for name in ("length", "mass", "joint_stiffness")}
         thick = chain.rotary_inertia + chain.mass * radius**2 / 4

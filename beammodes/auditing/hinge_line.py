@@ -82,6 +82,11 @@ def frame_of(path: HingePath, axis: Array) -> Frame:
     along = (hinges[-1].position if reach is None else reach) - origin
     along = along - (along @ axis) * axis
     size = float(np.linalg.norm(along))
+    for joint in path.root.joints if size < 1e-12 and len(hinges) < 2 else ():
+        # The hinge on which the piece before turns says where the line runs.
+        along = origin - joint.position if joint.kind == "hinge" else along
+        along = along - (along @ axis) * axis
+        size = float(np.linalg.norm(along))
     if size < 1e-12:
         if np.linalg.norm(hinges[-1].position - origin) > 1e-12:
             raise BadModel(

@@ -35,6 +35,8 @@ Found = tuple[Rule, int]
 
 #: Relative differences up to which hinges, springs and rods are those of a rule: files round their numbers.
 _SAME_CUT, _SAME_SPRING, _SAME_ROD = 1e-3, 1e-3, 1e-3
+#: How near J/(m l²) is to that of masses at two tips where these are meant.
+_KIND = 0.01
 #: A rotary inertia this far off a rod's is reported.
 _NOTED = 1e-3
 #: Less is the rounding of numbers in files.
@@ -219,11 +221,11 @@ class JudgedPieces:
 
     @cached_property
     def _rod_ratio(self) -> float:
-        """J/(m l²) of the kind of rods that is nearer: 1/12 of slender rods, 1/4 of masses at two tips."""
+        """J/(m l²) of the kind of rods that is meant: 1/12 of slender rods, 1/4 of masses at two tips."""
         kinds = {float(rule.rotary_inertia) for rule in RULES.values()}
         middle = float(np.median(self._gyration)) if len(self._gyration) else 1 / 12
-        # Far above any kind the slender rod is what was meant.
-        return min(kinds, key=lambda kind: abs(kind - middle)) if middle < 2 * max(kinds) else min(kinds)
+        # Anything else is a slender rod with a section, which comes by any number where segments are short.
+        return next((kind for kind in kinds if abs(kind - middle) < _KIND), min(kinds))
 
     @cached_property
     def rotary_inertia_mismatch(self) -> float:
