@@ -21,6 +21,7 @@ from beammodes.problem.profiles import (
     moments,
     profile_breaks,
     profile_parts,
+    ripple_at_hinges,
     value_at,
 )
 
@@ -121,6 +122,50 @@ def test_breaks() -> None:
     assert profile_breaks(Table((0.0, 1.0, 1.0, 2.0), (1.0, 2.0, 2.0, 3.0))) == ()
     assert profile_breaks(Table((0.0, 1.0, 1.0, 2.0), (1.0, 2.0, 2.0, 2.0))) == (1.0,)
     assert profile_breaks(Table((0.0, 1.0, 2.0), (1.0, 2.0, 2.0))) == ()
+
+
+# --- The smooth curve through a table's points -------------------------------------------------------------
+
+
+def test_the_curve_through_points_of_a_cubic_is_the_cubic() -> None:
+    # Slopes of four points are a cubic's own; in the outer cells a parabola's serve.
+    cubic = lambda x: 3.0 - x + x**2 + 0.2 * x**3  # noqa: E731
+    points = np.array([0.0, 0.3, 0.5, 0.9, 1.2, 1.4, 2.0])
+    table, x = Table(points, cubic(points)), np.linspace(0.9, 1.2, 31)
+    np.testing.assert_allclose(1 / mean_reciprocal(table, x, smooth=True), cubic(x), rtol=1e-14)
+
+
+@pytest.mark.parametrize("x", [(0.0, 1.0), (0.0, 0.2, 0.7, 1.0), (0.0, 0.4, 0.4, 1.0)])
+def test_points_on_one_line_have_no_ripple(x: tuple[float, ...]) -> None:
+    table, at = Table(x, tuple(2.0 - 1.5 * place for place in x)), np.linspace(0.0, 1.0, 11)
+    for smooth in (False, True):
+        assert np.abs(mean_reciprocal(table, at, smooth=smooth) * (2.0 - 1.5 * at) - 1).max() < 1e-14
+    assert np.abs(ripple_at_hinges(table, at, 1.0, (True, True))).max() < 1e-15
+
+
+@given(
+    st.lists(st.tuples(st.floats(1e-3, 1.0), st.floats(0.01, 100.0)), min_size=2, max_size=12),
+    st.integers(1, 30),
+)
+def test_curves_stay_positive_and_hinges_share_the_whole_ripple(
+    cells: list[tuple[float, float]], hinges: int
+) -> None:
+    x = np.cumsum([0.0, *(width for width, _ in cells[:-1])])
+    table = Table(x, [value for _, value in cells])
+    places = np.linspace(0.0, x[-1], 4001)
+    curve = 1 / mean_reciprocal(table, places, smooth=True)
+    assert curve.min() > min(table.value) / 3 * (1 - 1e-12)
+    # Interpolation's shares add up to one: with moments at both ends the hinges take the whole of it.
+    at = np.linspace(0.0, x[-1], hinges + 2)[1:-1]
+    ripple = ripple_at_hinges(table, at, float(x[-1]), (True, True))
+    edges = sorted({*x.tolist(), *at.tolist()})
+    node, weight = np.polynomial.legendre.leggauss(32)
+    whole = 0.0
+    for low, high in pairwise(edges):
+        inside = low + 0.5 * (high - low) * (1 + node)
+        lines, smooth = (mean_reciprocal(table, inside, smooth=smooth) for smooth in (False, True))
+        whole += 0.5 * (high - low) * float(weight @ (lines - smooth))
+    assert ripple.sum() == pytest.approx(whole, rel=1e-7, abs=1e-9 * float(x[-1]) / min(table.value))
 
 
 def test_parts() -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable
 from fractions import Fraction
 from itertools import pairwise
@@ -113,6 +114,26 @@ def test_hinges_take_the_stiffness_where_they_stand(rule: str) -> None:
     chain, uniform = (Chain(b, "pinned-clamped", 5, rule) for b in (beam, Beam(LENGTH, 1.0, 1.0)))
     expected = uniform.joint_stiffness * WAVY(chain.hinge_position)
     np.testing.assert_allclose(chain.joint_stiffness, expected, rtol=1e-13)
+
+
+def test_only_an_absurd_table_leaves_hinges_to_its_own_values() -> None:
+    # Drawn tables of six points, each up to 30 times the last: springs are positive, and almost all are
+    # the curve's and its ripple's, so that the beam's whole flexibility is kept between walls (hinges
+    # there, weights 1/2 as of the trapezoidal rule; M² = 1 everywhere, which cubics know).
+    random = np.random.default_rng(7)
+    for spread in (1.0, 30.0):
+        for _ in range(20):
+            values = np.exp(np.cumsum(random.uniform(-1, 1, 6)) * np.log(spread))
+            beam = Beam(1.0, Table(np.linspace(0, 1, 6), values), 1.0)
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore", MissedFeatureWarning)
+                chain = Chain(beam, "clamped-clamped", 50, "double_wall")
+            assert (chain.joint_stiffness > 0).all()
+            whole = float(integral_of_reciprocal(beam.bending_stiffness, [0.0, 1.0])[0])
+            # What is left is the trapezoidal rule's error of the curve.
+            assert (1 / chain.joint_stiffness).sum() == pytest.approx(
+                whole, rel=1e-12 if spread == 1 else 0.1
+            )
 
 
 # --- Features that hinges miss ------------------------------------------------------------------------------

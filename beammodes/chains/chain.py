@@ -106,8 +106,8 @@ class Chain(ChainNumbers):
                 f"rule {record.name} has no positive springs for {boundary.name} with {count} segments"
             )
         _warn_of_missed_features(beam, lengths, exact, count)
-        flexibility = hinge_flexibilities(beam, lengths, exact)
-        springs = each_once(lambda weight, give: 1 / (weight * give), weights, flexibility)
+        flexibility = hinge_flexibilities(beam, boundary, lengths, weights, exact)
+        springs = each_once(lambda give: 1 / give, flexibility)
         rods = rigid_rods(beam, lengths, record.rotary_inertia, exact)
         self._fill(
             boundary,

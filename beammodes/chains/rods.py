@@ -25,6 +25,7 @@ from beammodes.problem.profiles import (
     mean_reciprocal,
     moments,
     profile_breaks,
+    ripple_at_hinges,
 )
 
 __all__ = [
@@ -100,23 +101,43 @@ def _nonuniform_rods(beam: Beam, lengths: Sequence[Fraction], shape: Fraction, u
     return Rods(*(tuple(values.tolist()) for values in (mass, length / 2 + shift, inertia)))
 
 
-def hinge_flexibilities(beam: Beam, lengths: Sequence[Fraction], units: ExactUnits) -> list[Number]:
-    """Return, for each hinge, the mean of EI over the EI there, which a rule's weight multiplies.
+def hinge_flexibilities(
+    beam: Beam, boundary: Boundary, lengths: Sequence[Fraction], weights: Sequence[Number], units: ExactUnits
+) -> list[Number]:
+    """Return each hinge's flexibility over ell / EI, EI the beam's mean: a rule's weight times EI's there.
 
-    At a step of EI it is the mean of both sides: each half cell bends with its own. Nothing else of EI is
-    seen than its values at the hinges; `Chain` warns where these miss or exaggerate a feature.
+        w_j EI/EI(x_j)
+
+    At a step of EI it is the mean of both sides: each half cell bends with its own. Nothing else of a
+    function or a list is seen than its values at the hinges; `Chain` warns where these miss or exaggerate a
+    feature.
+
+    A table stands for a smooth property, and the beam for its lines. So EI(x_j) is that of a smooth curve
+    through the points, and what the lines add to its flexibility beside that curve is integrated for each
+    hinge (`ripple_at_hinges`). Where this would leave no positive flexibility, the table's own value at the
+    hinge counts alone.
 
     Examples
     --------
-    >>> hinge_flexibilities(Beam.unit(), [Fraction(1)] * 2, ExactUnits.of(Beam.unit(), 2))
+    >>> unit, ends = Beam.unit(), Boundary.of("free-free")
+    >>> hinge_flexibilities(unit, ends, [Fraction(1)] * 2, [Fraction(1)], ExactUnits.of(unit, 2))
     [Fraction(1, 1)]
     """
     if beam.is_uniform:
-        return [Fraction(1)] * (len(lengths) - 1)
+        return list(weights)
     position = _positions(lengths, units)[1:-1]
-    give = mean_reciprocal(beam.bending_stiffness, position)
-    ratio = beam.mean_bending_stiffness * give
-    return [float(value) for value in ratio]
+    give, mean = mean_reciprocal(beam.bending_stiffness, position, smooth=True), beam.mean_bending_stiffness
+    found = [weight * value for weight, value in zip(weights, (mean * give).tolist(), strict=True)]
+    bears = [end.statics not in ("pinned", "free") for end in (boundary.left, boundary.right)]
+    ripple = ripple_at_hinges(beam.bending_stiffness, position, beam.length, (bears[0], bears[1]))
+    if not ripple.any():
+        return found
+    ripple *= mean / float(units.length)
+    plain = mean * mean_reciprocal(beam.bending_stiffness, position)
+    return [
+        both if (both := one + more) > 0 else weight * value
+        for one, more, weight, value in zip(found, ripple.tolist(), weights, plain.tolist(), strict=True)
+    ]
 
 
 def missed_feature(beam: Beam, lengths: Sequence[Fraction], units: ExactUnits) -> tuple[float, float] | None:
@@ -168,11 +189,10 @@ def profile_weights(
     lies where an end could: on a hinge, or half a segment from two for a half stub. Order 2 is left to other
     rules there, and to all where a step lies half-way between; order 1 where it lies elsewhere.
 
-    A kink of EI that is no break gets no weights. Each leaves an error of second order: the flexibility falls
-    short by h²/12 times the jump of (M²/EI)' where it is on a hinge, and exceeds by half of that where it is
-    half-way between two. In a fine table of a taper these add up to nothing. A table of few points with
-    strong kinks takes every rule to order 2: give their positions to `Beam` as `breaks`,
-    and put hinges there.
+    A kink of EI that is no break gets no weights. A table's kinks need none: `hinge_flexibilities` integrates
+    them. Each of a function leaves an error of second order: the flexibility falls short by ell²/12 times the
+    jump of (M²/EI)' where it is on a hinge, and exceeds by half of that where it is half-way between two.
+    Give their positions to `Beam` as `breaks`, and put hinges there.
 
     At a guided end M²/EI is even only if EI is, so the weights of a clamped end take the place of the
     mirror's; each EI given as a table or function counts as one that varies.
