@@ -351,6 +351,18 @@ def test_an_elbow_without_spring_is_asked_for_and_held_by_the_users_word(
     assert len(beyond.joint_stiffness) == count - elbow - 1
 
 
+@pytest.mark.parametrize("segments", [3, 5])
+def test_behind_an_arm_on_a_spring_the_length_says_that_the_arm_is_no_part_of_the_beam(
+    segments: int, tmp_path: Path
+) -> None:
+    chain, beam = rods("pinned-free", "naive", segments), Beam(LENGTH, STIFFNESS, DENSITY)
+    arm = ARM.format(motor='<joint name="motor" axis="0 1 0" stiffness="500"/>')
+    found = audit_file(written(tmp_path, mjcf(chain, carrier=arm)), beam, "pinned-free")
+    due = frequencies(chain)
+    np.testing.assert_allclose(found.angular_frequency[: len(due)], due, rtol=1e-9)
+    assert found.length_mismatch == pytest.approx(0, abs=1e-9)
+
+
 @pytest.mark.parametrize("start", ["spring", "stub", "pivot"])
 @pytest.mark.parametrize("mass", [0.02, 0.1, 0.15, 3.0])
 @pytest.mark.parametrize("apart", [True, False])

@@ -256,17 +256,18 @@ def _read(
     held, motors = with_inner_motors_held(model) if given is not None else (model, [])
     if not motors:
         return _in_any_plane(model, beam, given, name, plane)
-    # A name tells which part is meant, so that what carries it counts as held instead.
-    for each, why in ((model, ""), (held, "held")) if name is not None else ((held, "held"), (model, "")):
+    reads: list[_Read] = []
+    why = f"{' and '.join(motors)} held, because you say so"
+    for each, said in ((held, (why,)), (model, ())):
         try:
-            read = _in_any_plane(each, beam, given, name, plane)
+            found = _in_any_plane(each, beam, given, name, plane)
+            reads.append(replace(found, left_out=(*said, *found.left_out)))
         except ValueError as error:
             refusal = error
-            continue
-        if not why:
-            return read
-        return replace(read, left_out=(f"{' and '.join(motors)} held, because you say so", *read.left_out))
-    raise refusal
+    if not reads:
+        raise refusal
+    # What carries an elbow may be a part of the beam or what holds it: the length says which is meant.
+    return min(reads, key=lambda read: abs(sum(p.length for p in read.chains[0].pieces) - beam.length))
 
 
 def _in_any_plane(
