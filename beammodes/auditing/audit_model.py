@@ -258,7 +258,7 @@ def _read(
         return _in_any_plane(model, beam, given, name, plane)
     reads: list[_Read] = []
     why = f"{' and '.join(motors)} held, because you say so"
-    for each, said in ((held, (why,)), (model, ())):
+    for each, said in ((model, ()), (held, (why,))):
         try:
             found = _in_any_plane(each, beam, given, name, plane)
             reads.append(replace(found, left_out=(*said, *found.left_out)))
@@ -267,7 +267,8 @@ def _read(
     if not reads:
         raise refusal
     # What carries an elbow may be a part of the beam or what holds it: the length says which is meant.
-    return min(reads, key=lambda read: abs(sum(p.length for p in read.chains[0].pieces) - beam.length))
+    off = [abs(sum(p.length for p in read.chains[0].pieces) / beam.length - 1) for read in reads]
+    return reads[0] if len(reads) == 1 or off[0] <= off[1] + 1e-6 else reads[1]
 
 
 def _in_any_plane(
