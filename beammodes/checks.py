@@ -130,8 +130,10 @@ def whole_number(name: str, value: object, *, least: int = 1, most: int | None =
     return number
 
 
-def flag(name: str, value: object) -> bool:
+def flag(name: str, value: object, *, or_none: bool = False) -> bool:
     """Return `value` if it is True or False; raises TypeError for "no", 0, None and all else.
+
+    With `or_none` the message says that None is allowed too.
 
     Examples
     --------
@@ -139,7 +141,8 @@ def flag(name: str, value: object) -> bool:
     True
     """
     if not isinstance(value, bool | np.bool_):
-        raise TypeError(f"{name} must be True or False, got {shown(value)}")
+        allowed = "True, False or None" if or_none else "True or False"
+        raise TypeError(f"{name} must be {allowed}, got {shown(value)}")
     return bool(value)
 
 

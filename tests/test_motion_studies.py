@@ -117,7 +117,7 @@ def test_orders_of_truncation() -> None:
         ({"modes": 0}, ValueError, "^modes must be a whole number"),
         ({"time": [1.0, 0.5]}, ValueError, "^time must ascend"),
         ({"time": [-1.0, 0.5]}, ValueError, "^time must ascend"),
-        ({"time": "now"}, TypeError, "^time must be real numbers"),
+        ({"time": "now"}, TypeError, "^time must be an array of real numbers"),
         ({"base": 3}, TypeError, "^base must be a BaseMotion or None"),
         ({"initial": [1.0]}, ValueError, "^initial must be 2 finite numbers"),
         ({"stiffening": 1}, TypeError, "^stiffening must be True or False"),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from types import MappingProxyType
 from typing import Any
 
 __all__ = [
@@ -22,57 +23,63 @@ __all__ = [
 _SECONDS = {"frequency": "Hz", "angular_frequency": "rad/s", "time": "s"}
 
 #: Systems of units that the user may declare: names in heads of tables and in JSON; numbers stay as they are.
-DECLARED: dict[str, Mapping[str, Any]] = {
-    "SI": {
-        **_SECONDS,
-        "length": "m",
-        "force": "N",
-        "joint_stiffness": "N m/rad",
-        "translational_stiffness": "N/m",
-        "gravity": ("9.81 m/s²", 9.81),
-    },
-    "mm-N-t": {
-        **_SECONDS,
-        "length": "mm",
-        "force": "N",
-        "joint_stiffness": "N mm/rad",
-        "translational_stiffness": "N/mm",
-        "gravity": ("9810 mm/s²", 9810.0),
-    },
-    "in-lbf-s": {
-        **_SECONDS,
-        "length": "in",
-        "force": "lbf",
-        "joint_stiffness": "lbf in/rad",
-        "translational_stiffness": "lbf/in",
-        "gravity": ("386 in/s²", 9.81 / 0.0254),
-    },
-}
+DECLARED: Mapping[str, Mapping[str, Any]] = MappingProxyType(
+    {
+        "SI": {
+            **_SECONDS,
+            "length": "m",
+            "force": "N",
+            "joint_stiffness": "N m/rad",
+            "translational_stiffness": "N/m",
+            "gravity": ("9.81 m/s²", 9.81),
+        },
+        "mm-N-t": {
+            **_SECONDS,
+            "length": "mm",
+            "force": "N",
+            "joint_stiffness": "N mm/rad",
+            "translational_stiffness": "N/mm",
+            "gravity": ("9810 mm/s²", 9810.0),
+        },
+        "in-lbf-s": {
+            **_SECONDS,
+            "length": "in",
+            "force": "lbf",
+            "joint_stiffness": "lbf in/rad",
+            "translational_stiffness": "lbf/in",
+            "gravity": ("386 in/s²", 9.81 / 0.0254),
+        },
+    }
+)
 
 #: Any consistent units, as long as the user has not said which.
-GIVEN: Mapping[str, Any] = {
-    "frequency": "1/time",
-    "angular_frequency": "rad/time",
-    "time": "time",
-    "length": "length",
-    "force": "force",
-    "joint_stiffness": "force length/rad",
-    "translational_stiffness": "force/length",
-    "gravity": ("9.81 m/s², if your units are SI,", 9.81),
-}
+GIVEN: Mapping[str, Any] = MappingProxyType(
+    {
+        "frequency": "1/time",
+        "angular_frequency": "rad/time",
+        "time": "time",
+        "length": "length",
+        "force": "force",
+        "joint_stiffness": "force length/rad",
+        "translational_stiffness": "force/length",
+        "gravity": ("9.81 m/s², if your units are SI,", 9.81),
+    }
+)
 
 #: Multiples of the beam's own, where it has no length, stiffness and mass.
-OWN: Mapping[str, Any] = {
-    "frequency": "√(EI/(ρA L⁴))/(2π)",
-    "angular_frequency": "√(EI/(ρA L⁴))",
-    "time": "√(ρA L⁴/EI)",
-    "length": "L",
-    "force": "EI/L²",
-    "joint_stiffness": "EI/L",
-    "translational_stiffness": "EI/L³",
-    "gravity": None,
-}
-UNITS = {**DECLARED, "as given": GIVEN, "multiples of the beam's own": OWN}
+OWN: Mapping[str, Any] = MappingProxyType(
+    {
+        "frequency": "√(EI/(ρA L⁴))/(2π)",
+        "angular_frequency": "√(EI/(ρA L⁴))",
+        "time": "√(ρA L⁴/EI)",
+        "length": "L",
+        "force": "EI/L²",
+        "joint_stiffness": "EI/L",
+        "translational_stiffness": "EI/L³",
+        "gravity": None,
+    }
+)
+UNITS = MappingProxyType({**DECLARED, "as given": GIVEN, "multiples of the beam's own": OWN})
 
 
 def text_table(heads: Sequence[str], rows: Sequence[Sequence[str]], *, names: int = 0) -> str:

@@ -213,7 +213,7 @@ def _coordinate_symbols(names: list[str], dots: int) -> tuple[sympy.Symbol, ...]
 
 def _algebra(chain: Chain, symbols: bool | None) -> Algebra:
     if symbols is not None:
-        flag("symbols", symbols)
+        flag("symbols", symbols, or_none=True)
     if symbols and chain.beam is None:
         raise ValueError("symbols must be False for a chain given piece by piece, got True")
     if symbols or (symbols is None and chain.beam is not None):

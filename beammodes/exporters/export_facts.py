@@ -49,11 +49,13 @@ class _System:
 
 
 #: Systems of units that a file may be written in: those that the command line knows.
-SYSTEMS = {
-    "SI": _System("m", "N m2", "kg/m", "m, kg, s, N and rad", GRAVITY),
-    "mm-N-t": _System("mm", "N mm2", "t/mm", "mm, t, s, N and rad", 1e3 * GRAVITY),
-    "in-lbf-s": _System("in", "lbf in2", "lbf s2/in2", "in, lbf s2/in, s, lbf and rad", GRAVITY / 0.0254),
-}
+SYSTEMS = MappingProxyType(
+    {
+        "SI": _System("m", "N m2", "kg/m", "m, kg, s, N and rad", GRAVITY),
+        "mm-N-t": _System("mm", "N mm2", "t/mm", "mm, t, s, N and rad", 1e3 * GRAVITY),
+        "in-lbf-s": _System("in", "lbf in2", "lbf s2/in2", "in, lbf s2/in, s, lbf and rad", GRAVITY / 0.0254),
+    }
+)
 
 
 @dataclass(frozen=True)

@@ -188,7 +188,7 @@ def _matchable(segments: int) -> int:
 def _mirrored(pair: Boundary, modes: int, hinges: int, symmetric: bool | None) -> bool:
     """Return whether the springs shall mirror each other."""
     if symmetric is not None:
-        flag("symmetric", symmetric)
+        flag("symmetric", symmetric, or_none=True)
     if pair.left != pair.right:
         if symmetric:
             raise ValueError(f"symmetric must not be True where the ends differ, got {pair.name}")
