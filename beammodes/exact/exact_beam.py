@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from beammodes.checks import row_shown, shown, whole_number
-from beammodes.exact.printed_modes import Theory, theory_errors_of, theory_words
+from beammodes.checks import shown, whole_number
+from beammodes.exact.printed_modes import EulerBernoulliModes, Theory
 from beammodes.exact.wavenumbers import (
     family_of,
     is_square,
@@ -30,7 +30,7 @@ Integers = NDArray[np.integer[Any]]
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
-class BeamModes:
+class BeamModes(EulerBernoulliModes):
     """The first elastic modes of a uniform Euler-Bernoulli beam; `plain_modes` makes it.
 
     Mode shapes have unit modal mass, ∫ ρA φₘ φₙ dx = 1 if m = n, else 0, and the sign that makes the first
@@ -65,32 +65,6 @@ class BeamModes:
     def angular_frequency(self) -> Floats:
         """ω = β² √(EI / (ρA L⁴)), shape (modes,) [rad/s]."""
         return self.wavenumber**2 * self.beam.frequency_unit
-
-    @property
-    def frequency(self) -> Floats:
-        """ω / 2π, shape (modes,) [Hz]."""
-        return self.angular_frequency / (2.0 * math.pi)
-
-    @property
-    def theory_error(self) -> Floats:
-        """ω_Timoshenko/ω - 1, shape (modes,) [-]: how far this theory itself is off, found when asked.
-
-        NaN where the beam's section is not known (`Beam.from_section` knows it, or give `radius_of_gyration`
-        or ρI), from Timoshenko's cut-off frequency on, beyond mode 100, and on a turning hub.
-        `theory_assumed` says what is assumed.
-        """
-        return theory_errors_of(self.theory, len(self.angular_frequency))
-
-    @property
-    def theory_assumed(self) -> tuple[str, ...]:
-        """What `theory_error` takes for granted, in words; empty if nothing."""
-        return self.theory[1] if self.theory else ()
-
-    def __repr__(self) -> str:
-        return (
-            f"{type(self).__name__}({self.boundary}: {row_shown(self.frequency, '{:.4g}', 'Hz')}; "
-            f"{theory_words(self.theory, self.wavenumber**2)})"
-        )
 
     @property
     def rigid_body_modes(self) -> int:
@@ -135,16 +109,6 @@ class BeamModes:
         # Two square roots: the product of mass per length and length may leave the range of doubles.
         scale /= math.sqrt(self.beam.mean_mass_per_length) * math.sqrt(self.beam.length)
         return (scale * shapes).reshape(len(self.wavenumber), *position.shape)
-
-    def slope(self, x: ArrayLike) -> Floats:
-        """Return dφ/dx, shape (modes, *x.shape) [kg^(-1/2) m^(-1)]: `shape(x, derivative=1)`.
-
-        Examples
-        --------
-        >>> bool(plain_modes(Beam.unit(), "pinned-free", 1).slope(0.0)[0] > 0)
-        True
-        """
-        return self.shape(x, derivative=1)
 
 
 def plain_modes(beam: Beam, boundary: BoundaryLike, modes: int) -> BeamModes:

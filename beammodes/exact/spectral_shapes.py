@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from beammodes.checks import row_shown, whole_number
-from beammodes.exact.printed_modes import Theory, theory_errors_of, theory_words
+from beammodes.checks import whole_number
+from beammodes.exact.printed_modes import EulerBernoulliModes, Theory
 from beammodes.exact.spectral_grid import Grid, legendre_integral, legendre_of_values
 from beammodes.problem.beam import Beam
 from beammodes.problem.beam_positions import positions_on
@@ -22,7 +22,7 @@ Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
-class SpectralBeamModes:
+class SpectralBeamModes(EulerBernoulliModes):
     """The first elastic modes of a beam, uniform or not; `spectral_modes` makes it.
 
     Mode shapes have unit modal mass, ∫ρA φₘφₙ + ∫ρI φₘ'φₙ' + the end bodies' share = 1 if m = n, else 0, and
@@ -69,32 +69,6 @@ class SpectralBeamModes:
     motions: Floats
     theory: Theory | None = None
 
-    @property
-    def frequency(self) -> Floats:
-        """ω / 2π, shape (modes,) [Hz]."""
-        return self.angular_frequency / (2.0 * math.pi)
-
-    @property
-    def theory_error(self) -> Floats:
-        """ω_Timoshenko/ω - 1, shape (modes,) [-]: how far this theory itself is off, found when asked.
-
-        NaN where the beam's section is not known (`Beam.from_section` knows it, or give `radius_of_gyration`
-        or ρI), from Timoshenko's cut-off frequency on, beyond mode 100, and on a turning hub.
-        `theory_assumed` says what is assumed.
-        """
-        return theory_errors_of(self.theory, len(self.angular_frequency))
-
-    @property
-    def theory_assumed(self) -> tuple[str, ...]:
-        """What `theory_error` takes for granted, in words; empty if nothing."""
-        return self.theory[1] if self.theory else ()
-
-    def __repr__(self) -> str:
-        return (
-            f"{type(self).__name__}({self.boundary}: {row_shown(self.frequency, '{:.4g}', 'Hz')}; "
-            f"{theory_words(self.theory, self.angular_frequency / self.beam.frequency_unit)})"
-        )
-
     def shape(self, x: ArrayLike, derivative: int = 0) -> Floats:
         """Return the mode shapes φ, or a derivative dᵏφ/dxᵏ of them.
 
@@ -126,10 +100,6 @@ class SpectralBeamModes:
         place = position.ravel() / self.beam.length
         shapes = values_of_motions(self.grid, self.motions, place, order) / unit / self.beam.length**order
         return shapes.reshape(len(shapes), *position.shape)
-
-    def slope(self, x: ArrayLike) -> Floats:
-        """Return dφ/dx, shape (modes, *x.shape) [kg^(-1/2) m^(-1)]: `shape(x, derivative=1)`."""
-        return self.shape(x, derivative=1)
 
 
 def values_of_motions(grid: Grid, motions: Floats, x: Floats, order: int) -> Floats:

@@ -8,9 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from beammodes.checks import row_shown, whole_number
+from beammodes.checks import whole_number
 from beammodes.exact.beam_waves import BeamWaves
-from beammodes.exact.printed_modes import Theory, theory_errors_of, theory_words
+from beammodes.exact.printed_modes import EulerBernoulliModes, Theory
 from beammodes.problem.beam import Beam
 from beammodes.problem.beam_positions import positions_on
 from beammodes.problem.ends import Boundary
@@ -22,7 +22,7 @@ Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
-class SupportedBeamModes:
+class SupportedBeamModes(EulerBernoulliModes):
     """The first elastic modes of a uniform beam with general ends; `supported_beam.supported_modes` makes it.
 
     Mode shapes have unit modal mass,
@@ -75,32 +75,6 @@ class SupportedBeamModes:
         """ω of elastic modes 1, 2, ..., shape (modes,) [rad/s]."""
         return self.relative_frequency * self.beam.frequency_unit
 
-    @property
-    def frequency(self) -> Floats:
-        """ω / 2π, shape (modes,) [Hz]."""
-        return self.angular_frequency / (2.0 * math.pi)
-
-    @property
-    def theory_error(self) -> Floats:
-        """ω_Timoshenko/ω - 1, shape (modes,) [-]: how far this theory itself is off, found when asked.
-
-        NaN where the beam's section is not known (`Beam.from_section` knows it, or give `radius_of_gyration`
-        or ρI), from Timoshenko's cut-off frequency on, beyond mode 100, and on a turning hub.
-        `theory_assumed` says what is assumed.
-        """
-        return theory_errors_of(self.theory, len(self.angular_frequency))
-
-    @property
-    def theory_assumed(self) -> tuple[str, ...]:
-        """What `theory_error` takes for granted, in words; empty if nothing."""
-        return self.theory[1] if self.theory else ()
-
-    def __repr__(self) -> str:
-        return (
-            f"{type(self).__name__}({self.boundary}: {row_shown(self.frequency, '{:.4g}', 'Hz')}; "
-            f"{theory_words(self.theory, self.relative_frequency)})"
-        )
-
     def shape(self, x: ArrayLike, derivative: int = 0) -> Floats:
         """Return the mode shapes φ, or a derivative dᵏφ/dxᵏ of them.
 
@@ -142,14 +116,3 @@ class SupportedBeamModes:
         scale /= math.sqrt(self.beam.mean_mass_per_length) * math.sqrt(self.beam.length)
         shapes = self.waves.shapes(from_left, from_right, order)
         return (scale * shapes).reshape(len(self.relative_frequency), *position.shape)
-
-    def slope(self, x: ArrayLike) -> Floats:
-        """Return dφ/dx, shape (modes, *x.shape) [kg^(-1/2) m^(-1)]: `shape(x, derivative=1)`.
-
-        Examples
-        --------
-        >>> from beammodes.exact.supported_beam import supported_modes
-        >>> bool(supported_modes(Beam.unit(), "pinned-free", 1).slope(0.0)[0] > 0)
-        True
-        """
-        return self.shape(x, derivative=1)
