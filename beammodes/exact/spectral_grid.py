@@ -23,6 +23,10 @@ Floats = NDArray[np.float64]
 _PROPERTIES = ("bending_stiffness", "mass_per_length", "rotary_inertia_per_length", "shear_stiffness")
 # Finer tables are integrated block by block.
 _MOST_KINKS, _BLOCKS, _BLOCK_DEGREE = 1500, 400, 5
+# A block whose polynomial is not positive is cut into so many parts, none of which is narrower, over length.
+_PARTS, _NARROWEST = 25, 1e-9
+# Cells narrower than this, over length, are small parts of a block.
+_SMALL_PART = 5e-4
 # Points in a cell, at least.
 _FEWEST = 2
 # Larger errors of what functions are cut into would show in the results.
@@ -96,6 +100,12 @@ class _Smoothed:
     A block's polynomial, of degree 5, is the projection of 1/EI, or of ρA or ρI: all integrals of it times a
     polynomial of that degree are the table's. The bending moment and deflection differ from such polynomials
     by (block times their wavenumber)⁶ of themselves.
+
+    Of a rough table the polynomial may not be positive. Such a block is cut into 25 parts, each with its own
+    polynomial of degree 5, or 1, or two constants that meet at the part's centre of gravity c in a..b, with
+    (b - c)/(b - a) of its integral before c. These are positive and keep the integral and c. They leave out
+    (part times wavenumber)²/12 at most, of a part; they differ from part to part, so that 1e-9 is left of
+    the first frequencies of tables whose points are drawn one by one.
     """
 
     edges: Floats
@@ -108,22 +118,41 @@ class _Smoothed:
         # Half of them even, half as the table's positions crowd.
         every = np.array(table.x)[np.linspace(0, len(table.x) - 1, _BLOCKS // 2 + 1).round().astype(int)]
         even = np.linspace(0.0, length, _BLOCKS // 2 + 1)
-        edges = np.array(each_place_once(np.unique(np.concatenate((even, every, breaks))).tolist(), length))
-        points = np.unique(np.concatenate((edges, table.x)))
-        low, high = value_at(table, points[:-1], 1), value_at(table, points[1:], -1)
-        node, weight = np.polynomial.legendre.leggauss(int(_for_quotients(low, high).max()))
-        half = 0.5 * np.diff(points)[:, None]
-        values = 0.5 * ((high + low)[:, None] + (high - low)[:, None] * node)
-        x = points[:-1, None] + half * (1.0 + node)
-        owner = np.clip(np.searchsorted(edges, x[:, 0], side="right") - 1, 0, len(edges) - 2)
-        width = np.diff(edges)
-        place = 2.0 * (x - edges[owner, None]) / width[owner, None] - 1.0
-        mass = half * weight * (1.0 / values if reciprocal else values)
-        series = np.empty((_BLOCK_DEGREE + 1, len(width)))
-        for k in range(_BLOCK_DEGREE + 1):
-            basis = np.polynomial.legendre.legval(place, np.eye(k + 1)[k])
-            series[k] = np.bincount(owner, (mass * basis).sum(axis=1), len(width)) * (2 * k + 1) / width
-        return cls(edges, series, reciprocal)
+        edges = np.unique(np.concatenate((even, every, breaks)))
+        # Where two of these nearly meet, one of them is enough unless both are breaks.
+        kept = np.isin(edges, (0.0, *breaks, length))
+        kept |= np.append(True, np.diff(edges) > _NARROWEST * length)
+        edges = np.array(each_place_once(edges[kept].tolist(), length))
+        series = _projection(table, edges, reciprocal)
+        rough = ~_stays_positive(series)
+        if not rough.any():
+            return cls(edges, series, reciprocal)
+        share = np.linspace(0.0, 1.0, _PARTS + 1)[1:-1]
+        cut = edges[:-1][rough][:, None] + np.diff(edges)[rough][:, None] * share
+        cut = cut[np.diff(edges)[rough] > _PARTS * _NARROWEST * length]
+        known, edges = edges, np.unique(np.concatenate((edges, cut.ravel())))
+        parts = _projection(table, edges, reciprocal)
+        block = np.clip(np.searchsorted(known, edges[:-1], side="right") - 1, 0, len(known) - 2)
+        whole = ~rough[block]
+        parts[:, whole] = series[:, block[whole]]
+        parts[2:, ~_stays_positive(parts)] = 0.0
+        paired = ~_stays_positive(parts)
+        mean = parts[0, paired]
+        centre = np.clip(parts[1, paired] / (3.0 * mean), -0.9, 0.9)
+        before = np.diff(edges)[paired] * 0.5 * (1.0 + centre)
+        # Half of a part's integral times 1 - c is on the share (1 + c)/2 of its width.
+        parts[1, paired] = 0.0
+        parts[0, paired] = mean * (1.0 - centre) / (1.0 + centre)
+        at = np.flatnonzero(paired)
+        second = np.zeros((len(parts), len(at)))
+        second[0] = mean * (1.0 + centre) / (1.0 - centre)
+        return cls(
+            np.insert(edges, at + 1, edges[at] + before), np.insert(parts, at + 1, second, axis=1), reciprocal
+        )
+
+    def points(self, edges: Floats) -> NDArray[np.int64]:
+        """Return how many points each cell needs: 18 on a block, 5 on a small part of one."""
+        return np.where(np.diff(edges) > _SMALL_PART * self.edges[-1], 18, 5)
 
     def __call__(self, x: Floats) -> Floats:
         block = np.clip(np.searchsorted(self.edges, x, side="right") - 1, 0, len(self.edges) - 2)
@@ -131,6 +160,35 @@ class _Smoothed:
         values = np.asarray(np.polynomial.legendre.legval(place, self.series[:, block], tensor=False))
         with np.errstate(divide="ignore"):
             return np.asarray(1.0 / values if self.reciprocal else values, dtype=np.float64)
+
+
+def _stays_positive(series: Floats) -> NDArray[np.bool_]:
+    """Return whether each column, a Legendre series, stays above a twentieth of its mean on -1..1."""
+    values = np.polynomial.legendre.legvander(np.linspace(-1.0, 1.0, 65), len(series) - 1) @ series
+    positive: NDArray[np.bool_] = values.min(axis=0) >= 0.05 * series[0]
+    return positive
+
+
+def _projection(table: Table, edges: Floats, reciprocal: bool) -> Floats:
+    """Return Legendre series, a column for each block, of the polynomials that have a table's moments."""
+    points = np.unique(np.concatenate((edges, table.x)))
+    low, high = value_at(table, points[:-1], 1), value_at(table, points[1:], -1)
+    # As many as the quotient needs, and those that a polynomial beside it does.
+    sizes = (_for_quotients(low, high) if reciprocal else _FEWEST) + (_BLOCK_DEGREE + 1) // 2
+    sizes = np.broadcast_to(sizes, low.shape)
+    middle, half, width = 0.5 * (points[1:] + points[:-1]), 0.5 * np.diff(points), np.diff(edges)
+    owner = np.clip(np.searchsorted(edges, middle, side="right") - 1, 0, len(edges) - 2)
+    place, share = 2.0 * (middle - edges[owner]) / width[owner] - 1.0, 2.0 * half / width[owner]
+    series = np.zeros((_BLOCK_DEGREE + 1, len(width)))
+    for size in np.unique(sizes).tolist():
+        cells = np.flatnonzero(sizes == size)
+        for node, weight in zip(*np.polynomial.legendre.leggauss(size), strict=True):
+            values = 0.5 * (high[cells] + low[cells] + (high[cells] - low[cells]) * node)
+            mass = half[cells] * weight * (1.0 / values if reciprocal else values)
+            basis = np.polynomial.legendre.legvander(place[cells] + share[cells] * node, _BLOCK_DEGREE)
+            for k in range(_BLOCK_DEGREE + 1):
+                series[k] += np.bincount(owner[cells], mass * basis[:, k], len(width))
+    return series * (2.0 * np.arange(_BLOCK_DEGREE + 1)[:, None] + 1.0) / width
 
 
 class _Sections(NamedTuple):
@@ -224,6 +282,8 @@ def section_grid(beam: Beam, points: int, least: int) -> Grid:
 
 def _cell_points(stiffness: Profile, edges: Floats) -> NDArray[np.int64]:
     """Return how many points each cell needs for 1/EI, whatever it is multiplied with."""
+    if isinstance(stiffness, _Smoothed):
+        return stiffness.points(edges)
     if isinstance(stiffness, Table):
         return _for_quotients(value_at(stiffness, edges[:-1], 1), value_at(stiffness, edges[1:], -1))
     return np.full(len(edges) - 1, 18 if callable(stiffness) and len(edges) > 2 else _FEWEST)
@@ -324,9 +384,6 @@ def legendre_integral(series: Floats) -> Floats:
 
 def _positive(name: str, profile: Profile, x: Floats) -> Floats:
     values: Floats = value_at(profile, x)
-    if isinstance(profile, float):
-        # One that the beam has checked; infinite against shear that is left out.
-        return values
     if isinstance(profile, float):
         # One that the beam has checked; infinite against shear that is left out.
         return values
