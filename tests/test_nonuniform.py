@@ -149,6 +149,19 @@ def test_a_hundred_thousand_positions(kind: str) -> None:
     np.testing.assert_allclose(chains[0], chains[1], atol=1e-8)
 
 
+@pytest.mark.parametrize("spread", [1.5, 30.0])
+def test_blocks_stand_for_rough_tables(spread: float, monkeypatch: pytest.MonkeyPatch) -> None:
+    # Two routes: blocks, and cell by cell. Polynomials of degree 5 are not positive on most blocks here.
+    random, x = np.random.default_rng(5), np.linspace(0, 1, 202)
+    x[1:-1] = np.sort(random.uniform(0, 1, 200))
+    beam, found = bm.Beam(1.0, Table(x, spread ** random.uniform(0, 1, len(x))), 1.0), []
+    monkeypatch.setattr("beammodes.exact.spectral_grid._BLOCKS", 60)
+    for kinks in (1500, 100):
+        monkeypatch.setattr("beammodes.exact.spectral_grid._MOST_KINKS", kinks)
+        found.append(euler_bernoulli(beam, "clamped-free", 2).angular_frequency)
+    np.testing.assert_allclose(found[1], found[0], rtol=1e-8)
+
+
 def bent(beam: bm.Beam) -> float:
     """∫ (L - x)²/EI dx of a beam that is smooth on each of a hundred thousand equal parts."""
     node, weight = np.polynomial.legendre.leggauss(6)
