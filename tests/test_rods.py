@@ -20,7 +20,7 @@ from beammodes.chains.rules import RULES
 from beammodes.chains.units import ExactUnits
 from beammodes.problem.beam import Beam
 from beammodes.problem.ends import End
-from beammodes.problem.profiles import Table, integral_of_reciprocal
+from beammodes.problem.profiles import Table, integral_of_reciprocal, mean_reciprocal
 from beammodes.vibration.linear import linearize
 from beammodes.vibration.modes import solve_modes
 
@@ -116,24 +116,41 @@ def test_hinges_take_the_stiffness_where_they_stand(rule: str) -> None:
     np.testing.assert_allclose(chain.joint_stiffness, expected, rtol=1e-13)
 
 
-def test_only_an_absurd_table_leaves_hinges_to_its_own_values() -> None:
-    # Drawn tables of six points, each up to 30 times the last: springs are positive, and almost all are
-    # the curve's and its ripple's, so that the beam's whole flexibility is kept between walls (hinges
-    # there, weights 1/2 as of the trapezoidal rule; M² = 1 everywhere, which cubics know).
-    random = np.random.default_rng(7)
-    for spread in (1.0, 30.0):
-        for _ in range(20):
-            values = np.exp(np.cumsum(random.uniform(-1, 1, 6)) * np.log(spread))
-            beam = Beam(1.0, Table(np.linspace(0, 1, 6), values), 1.0)
-            with warnings.catch_warnings():
-                warnings.simplefilter("ignore", MissedFeatureWarning)
-                chain = Chain(beam, "clamped-clamped", 50, "double_wall")
-            assert (chain.joint_stiffness > 0).all()
-            whole = float(integral_of_reciprocal(beam.bending_stiffness, [0.0, 1.0])[0])
-            # What is left is the trapezoidal rule's error of the curve.
-            assert (1 / chain.joint_stiffness).sum() == pytest.approx(
-                whole, rel=1e-12 if spread == 1 else 0.1
-            )
+@pytest.mark.parametrize("spread", [2.0, 5.0, 30.0])
+@pytest.mark.parametrize("segments", [10, 50])
+def test_hinges_keep_the_whole_of_a_table_or_take_its_own_values_and_say_so(
+    spread: float, segments: int
+) -> None:
+    # Drawn tables of six points. Between walls and at the trapezoidal rule's weights, M² = 1 is what shares
+    # know, so that a kept ripple adds what the lines have beside the curve: no hinge is left out.
+    random, own = np.random.default_rng(7), 0
+    for _ in range(20):
+        x, values = np.linspace(0, 1, 6), spread ** random.uniform(-1, 0, 6)
+        beam, hinges = Beam(1.0, Table(x, values), 1.0), np.linspace(0, 1, segments + 1)
+        with warnings.catch_warnings(record=True) as told:
+            warnings.simplefilter("always", MissedFeatureWarning)
+            chain = Chain(beam, "clamped-clamped", segments, "double_wall")
+        assert (chain.joint_stiffness > 0).all()
+        # Weights 1/2 at the walls, 1 between.
+        width = np.array([0.5, *[1.0] * (segments - 1), 0.5]) / segments
+        plain, curve = (
+            width * mean_reciprocal(beam.bending_stiffness, hinges, smooth=smooth) for smooth in (False, True)
+        )
+        give = 1 / chain.joint_stiffness
+        whole = float(integral_of_reciprocal(beam.bending_stiffness, [0.0, 1.0])[0])
+        if np.abs(give / plain - 1).max() < 1e-12:
+            own += 1
+            assert bool(told) or abs(plain.sum() / whole - 1) <= 1e-3
+        else:
+            assert np.abs(give / curve - 1).max() <= 2 / 3 + 1e-12
+            fine = np.linspace(0, 1, 200_001)
+            smooth = mean_reciprocal(beam.bending_stiffness, fine, smooth=True)
+            ripple = whole - np.trapezoid(smooth, fine)
+            assert give.sum() - curve.sum() == pytest.approx(ripple, rel=1e-5, abs=1e-7 * whole)
+    # Points are two segments apart of ten, and ten of fifty; only steep tables are left to themselves.
+    assert own < 20
+    if spread == 30.0:
+        assert own > 0
 
 
 # --- Features that hinges miss ------------------------------------------------------------------------------
@@ -181,12 +198,21 @@ def test_what_varies_smoothly_or_in_steps_is_not_told(rule: str, segments: int) 
         WAVY,
         lambda x: (1.0 - 0.6 * x) ** 3,
         lambda x: np.exp(-3.0 * x),
-        KINKED,
+        *([KINKED] if segments > 5 else []),
         [4.0, 1.0, 2.0],
         Table(np.linspace(0, LENGTH, 301), WAVY(np.linspace(0, LENGTH, 301))),
         notched(0.5, 0.5),
     ):
         Chain(Beam(LENGTH, stiffness, 1.0), "clamped-free", segments, rule)
+
+
+@pytest.mark.parametrize("rule", RULES)
+@pytest.mark.parametrize("segments", [4, 5])
+def test_hinges_too_few_for_a_coarse_table_are_told(rule: str, segments: int) -> None:
+    with pytest.warns(
+        MissedFeatureWarning, match=rf"^the hinges of {segments} segments (miss|make too much)"
+    ):
+        Chain(Beam(LENGTH, KINKED, 1.0), "clamped-free", segments, rule)
 
 
 def test_enough_segments_see_the_notch() -> None:

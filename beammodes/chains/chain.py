@@ -39,6 +39,7 @@ from beammodes.chains.repeated import each_once
 from beammodes.chains.rods import (
     MissedFeatureWarning,
     hinge_flexibilities,
+    missed_by_samples,
     missed_feature,
     profile_weights,
     rigid_rods,
@@ -72,7 +73,9 @@ class Chain(ChainNumbers):
     MissedFeatureWarning
         If the beam has a feature of EI narrower than about a fifth of a segment, such as a notch, that no
         hinge stands on, so that no spring knows of it, or that one does stand on, whose spring then is as if
-        the whole segment were so; and it is more than a thousandth of the beam's flexibility.
+        the whole segment were so; and it is more than a thousandth of the beam's flexibility. Or if EI is
+        a table too coarse and steep for the hinges (`hinge_flexibilities`), whose values at them miss, or
+        make too much of, more than a thousandth of it.
 
     Raises
     ------
@@ -105,7 +108,7 @@ class Chain(ChainNumbers):
             raise ValueError(
                 f"rule {record.name} has no positive springs for {boundary.name} with {count} segments"
             )
-        _warn_of_missed_features(beam, lengths, exact, count)
+        _warn_of_missed_features(beam, boundary, lengths, weights, exact, count)
         flexibility = hinge_flexibilities(beam, boundary, lengths, weights, exact)
         springs = each_once(lambda give: 1 / give, flexibility)
         rods = rigid_rods(beam, lengths, record.rotary_inertia, exact)
@@ -242,9 +245,27 @@ def _cut(rule: Layout, boundary: Boundary, segments: int) -> tuple[list[Fraction
     return lengths, weights
 
 
-def _warn_of_missed_features(beam: Beam, lengths: Sequence[Fraction], units: ExactUnits, count: int) -> None:
+def _warn_of_missed_features(
+    beam: Beam,
+    boundary: Boundary,
+    lengths: Sequence[Fraction],
+    weights: Sequence[Number],
+    units: ExactUnits,
+    count: int,
+) -> None:
     found = missed_feature(beam, lengths, units)
     if found is None:
+        whole = missed_by_samples(beam, boundary, lengths, weights, units)
+        if whole is not None:
+            does = "miss" if whole > 0 else "make too much of"
+            warnings.warn(
+                f"the hinges of {count} segments {does} {100 * abs(whole):.2g} % of the beam's flexibility: "
+                "bending_stiffness, a table, varies too much from one position to the next for them. Take "
+                "more segments, give positions of kinks as breaks and put hinges there, or see by "
+                "chain_errors what it does to frequencies",
+                MissedFeatureWarning,
+                stacklevel=3,
+            )
         return
     place, part = found
     does = "misses" if part > 0 else "makes too much of"

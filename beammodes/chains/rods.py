@@ -20,6 +20,7 @@ from beammodes.chains.units import ExactUnits
 from beammodes.problem.beam import Beam
 from beammodes.problem.ends import Boundary
 from beammodes.problem.profiles import (
+    Table,
     integral_of_reciprocal,
     mean_over,
     mean_reciprocal,
@@ -32,6 +33,7 @@ __all__ = [
     "MissedFeatureWarning",
     "Rods",
     "hinge_flexibilities",
+    "missed_by_samples",
     "missed_feature",
     "profile_weights",
     "rigid_rods",
@@ -42,12 +44,15 @@ _ROD, _POINT_MASSES = Fraction(1, 12), Fraction(1, 4)
 
 # Of what three hinges differ by, a mean between the halves beside one differs less where EI is smooth.
 _SMOOTH_SHARE = 0.8
+# Of a hinge's part of a smooth curve: a larger correction is none. Where hinges follow the curve, with two
+# segments at least from each of its points to the next, it may be more than where they do not.
+_MOST_RIPPLE, _MOST_WHERE_FOLLOWED, _FOLLOWED = 0.05, 2 / 3, 2.0
 #: A feature whose flexibility is a smaller part of the beam's is not told.
 LEAST_MISSED = 1e-3
 
 
 class MissedFeatureWarning(UserWarning):
-    """A beam has a feature, such as a notch, that the hinges of a chain miss, or take for a whole segment."""
+    """A beam has a feature, such as a notch or a coarse table's kinks, that hinges miss or exaggerate."""
 
 
 class Rods(NamedTuple):
@@ -114,8 +119,10 @@ def hinge_flexibilities(
 
     A table stands for a smooth property, and the beam for its lines. So EI(x_j) is that of a smooth curve
     through the points, and what the lines add to its flexibility beside that curve is integrated for each
-    hinge (`ripple_at_hinges`). Where this would leave no positive flexibility, the table's own value at the
-    hinge counts alone.
+    hinge (`ripple_at_hinges`): by cubics, or by lines if cubics would change a hinge by more than 5 % of what
+    it has of the curve, or two thirds where the table's points are two segments apart or more. If lines do
+    so too, as of tables coarse and steep, all hinges take the table's own values alone, and `Chain` warns if
+    these do not add up to the beam's flexibility (`missed_by_samples`).
 
     Examples
     --------
@@ -125,19 +132,70 @@ def hinge_flexibilities(
     """
     if beam.is_uniform:
         return list(weights)
-    position = _positions(lengths, units)[1:-1]
-    give, mean = mean_reciprocal(beam.bending_stiffness, position, smooth=True), beam.mean_bending_stiffness
-    found = [weight * value for weight, value in zip(weights, (mean * give).tolist(), strict=True)]
-    bears = [end.statics not in ("pinned", "free") for end in (boundary.left, boundary.right)]
-    ripple = ripple_at_hinges(beam.bending_stiffness, position, beam.length, (bears[0], bears[1]))
-    if not ripple.any():
+    position, mean = _positions(lengths, units)[1:-1], beam.mean_bending_stiffness
+    ripple = _ripple(beam, boundary, lengths, weights, units)
+    give = mean * mean_reciprocal(beam.bending_stiffness, position, smooth=ripple is not None)
+    found = [weight * value for weight, value in zip(weights, give.tolist(), strict=True)]
+    if ripple is None or not ripple.any():
         return found
-    ripple *= mean / float(units.length)
-    plain = mean * mean_reciprocal(beam.bending_stiffness, position)
-    return [
-        both if (both := one + more) > 0 else weight * value
-        for one, more, weight, value in zip(found, ripple.tolist(), weights, plain.tolist(), strict=True)
-    ]
+    return [one + more for one, more in zip(found, ripple.tolist(), strict=True)]
+
+
+def _ripple(
+    beam: Beam, boundary: Boundary, lengths: Sequence[Fraction], weights: Sequence[Number], units: ExactUnits
+) -> NDArray[np.float64] | None:
+    """Return what each hinge's flexibility is corrected by, or None if that is too much of one of them."""
+    position, mean = _positions(lengths, units)[1:-1], beam.mean_bending_stiffness
+    if not isinstance(beam.bending_stiffness, Table):
+        return np.zeros_like(position)
+    bears = [end.statics not in ("pinned", "free") for end in (boundary.left, boundary.right)]
+    curve = mean * mean_reciprocal(beam.bending_stiffness, position, smooth=True)
+    cells = np.diff(beam.bending_stiffness.x)
+    follows = cells[cells > 0.0].min() >= _FOLLOWED * (1.0 - 1e-9) * float(units.length)
+    most = _MOST_WHERE_FOLLOWED if follows else _MOST_RIPPLE
+    allowed = most * curve * np.array([float(weight) for weight in weights])
+    for degree in (3, 1):
+        ripple = ripple_at_hinges(
+            beam.bending_stiffness, position, beam.length, (bears[0], bears[1]), degree=degree
+        )
+        ripple *= mean / float(units.length)
+        if (np.abs(ripple) <= allowed).all():
+            return ripple
+    return None
+
+
+def missed_by_samples(
+    beam: Beam, boundary: Boundary, lengths: Sequence[Fraction], weights: Sequence[Number], units: ExactUnits
+) -> float | None:
+    """Return what part of a table's flexibility its values at the hinges miss, if hinges have those alone.
+
+    The left side of `missed_feature`, summed over all hinges; None unless it is more than a thousandth of the
+    beam's ∫ dx/EI, or if hinges keep what they would miss (`hinge_flexibilities`).
+
+    Examples
+    --------
+    >>> beam, ends = Beam(1.0, Table([0, 0.25, 0.5, 1], [1, 0.03, 1, 1]), 1.0), Boundary.of("clamped-free")
+    >>> units = ExactUnits.of(beam, 4)
+    >>> rods = [Fraction(1, 2), *[Fraction(1)] * 3, Fraction(1, 2)]
+    >>> round(missed_by_samples(beam, ends, rods, [Fraction(1)] * 4, units), 3)
+    0.363
+    """
+    if beam.is_uniform or not isinstance(beam.bending_stiffness, Table):
+        return None
+    if not len(weights) or _ripple(beam, boundary, lengths, weights, units) is not None:
+        return None
+    edges, places = _nearest_to_hinges(beam, lengths, units)
+    whole = float(integral_of_reciprocal(beam.bending_stiffness, edges).sum())
+    part = 1.0 - float(np.diff(edges) @ mean_reciprocal(beam.bending_stiffness, places)) / whole
+    return part if abs(part) > LEAST_MISSED else None
+
+
+def _nearest_to_hinges(
+    beam: Beam, lengths: Sequence[Fraction], units: ExactUnits
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return the edges of what is nearer to a hinge than to any other, and the hinges' positions."""
+    places = np.clip(_positions(lengths, units)[1:-1], 0.0, beam.length)
+    return np.concatenate(([0.0], 0.5 * (places[1:] + places[:-1]), [beam.length])), places
 
 
 def missed_feature(beam: Beam, lengths: Sequence[Fraction], units: ExactUnits) -> tuple[float, float] | None:
@@ -165,8 +223,7 @@ def missed_feature(beam: Beam, lengths: Sequence[Fraction], units: ExactUnits) -
     """
     if isinstance(beam.bending_stiffness, float) or len(lengths) < 2:
         return None
-    places = np.clip(_positions(lengths, units)[1:-1], 0.0, beam.length)
-    edges = np.concatenate(([0.0], 0.5 * (places[1:] + places[:-1]), [beam.length]))
+    edges, places = _nearest_to_hinges(beam, lengths, units)
     give = integral_of_reciprocal(beam.bending_stiffness, edges)
     there = mean_reciprocal(beam.bending_stiffness, np.concatenate(([0.0], places, [beam.length])))
     three = np.array([there[:-2], there[1:-1], there[2:]])
@@ -189,10 +246,11 @@ def profile_weights(
     lies where an end could: on a hinge, or half a segment from two for a half stub. Order 2 is left to other
     rules there, and to all where a step lies half-way between; order 1 where it lies elsewhere.
 
-    A kink of EI that is no break gets no weights. A table's kinks need none: `hinge_flexibilities` integrates
-    them. Each of a function leaves an error of second order: the flexibility falls short by ell²/12 times the
-    jump of (M²/EI)' where it is on a hinge, and exceeds by half of that where it is half-way between two.
-    Give their positions to `Beam` as `breaks`, and put hinges there.
+    A kink of EI that is no break gets no weights. A table's kinks need none where `hinge_flexibilities`
+    integrates them: not if its points are so coarse and steep that hinges take its own values. Then, and of a
+    function, each leaves an error of second order: the flexibility falls short by ell²/12 times the jump of
+    (M²/EI)' where it is on a hinge, and exceeds by half of that where it is half-way between two. Give their
+    positions to `Beam` as `breaks`, and put hinges there.
 
     At a guided end M²/EI is even only if EI is, so the weights of a clamped end take the place of the
     mirror's; each EI given as a table or function counts as one that varies.

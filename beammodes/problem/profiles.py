@@ -135,15 +135,16 @@ def mean_reciprocal(profile: Profile, x: ArrayLike, *, smooth: bool = False) -> 
 
 
 def ripple_at_hinges(
-    profile: Profile, hinges: Floats, length: float, moments_at: tuple[bool, bool]
+    profile: Profile, hinges: Floats, length: float, moments_at: tuple[bool, bool], *, degree: int = 3
 ) -> Floats:
     """Return each hinge's share of what a table's lines add to the 1/EI of a curve through its points.
 
         ∫ h_j(x) (1/EI_lines - 1/EI_curve) dx
 
-    h_j interpolates M² by the cubics through its values at the four nearest hinges (Lagrange): 1 on hinge
-    j, 0 on others. At an end without moment, zero is known as well. So what is small, on average h²/12 |EI''|
-    of EI for points a distance h apart, is integrated to order 4.
+    h_j interpolates M² by the cubics through its values at the four nearest hinges (Lagrange), or by lines
+    through the two nearest: 1 on hinge j, 0 on others. At an end without moment, zero is known as well. So
+    what is small, on average h²/12 |EI''| of EI for points a distance h apart, is integrated to order 4, or
+    2.
 
     Parameters
     ----------
@@ -154,6 +155,8 @@ def ripple_at_hinges(
     length : float [m]
     moments_at : (bool, bool)
         Whether the beam's left and right end bear a moment.
+    degree : int
+        3 for cubics, 1 for lines.
 
     Examples
     --------
@@ -172,7 +175,7 @@ def ripple_at_hinges(
     x = (points[:-1, None] + half * (1.0 + node)).ravel()
     bulge, line = table_bulge(profile, x), value_at(profile, x, 1)
     part = (half * weight).ravel() * bulge / line / (line + bulge)
-    degree = min(3, len(known) - 1)
+    degree = min(degree, len(known) - 1)
     first = np.clip(np.searchsorted(known, x) - 1 - degree // 2, 0, len(known) - 1 - degree)
     shares = np.zeros_like(known)
     for one in range(degree + 1):

@@ -43,7 +43,8 @@ class Table:
     Between two breaks the table stands for a smooth property, and the finer it is the better. Breaks are
     steps, and kinks that are meant: give their position twice, or to `Beam` as `breaks`. Chain rules act on
     breaks only (see `chains.rods.profile_weights`), and integrate what kinks add to the flexibility
-    (`chains.rods.hinge_flexibilities`). The exact beam bends as the table says, kink by kink.
+    (`chains.rods.hinge_flexibilities`), but for coarse steep tables, of which hinges take the values there
+    and `Chain` warns. The exact beam bends as the table says, kink by kink.
 
     Of few measured sections, interpolate what was measured, such as a diameter d, and not EI ~ d⁴, which is
     curved between the positions: six diameters of a fishing rod, 12 to 2.2 mm, made a table of EI and one of
