@@ -133,7 +133,7 @@ def test_a_folder_says_what_it_owns_and_holds_nothing_of_its_own(folder: str) ->
 
 
 def test_the_exact_beam_shares_no_code_with_the_chain() -> None:
-    # design.md, "Rooms": the judge imports only beam and ends (and the argument checks) and itself.
+    # design.md, "What holds the house together": the judge imports what a beam is, the checks, and itself.
     assert rooms("exact_beam") <= {*GIVEN, "printed_modes", "wavenumbers"}
     assert rooms("wavenumbers") <= {"ends", "checks"}
 
@@ -295,7 +295,7 @@ def tracked_files() -> list[str]:
 
 
 def test_top_level_of_the_repository() -> None:
-    # design.md, "Top level (fixed)".
+    # design.md, "What holds the house together".
     allowed = {"pyproject.toml", "beammodes", "studies", "tests", "figures", "README.md"}
     allowed |= {"LICENSE", ".ci", ".gitignore"}  # what tools require
     tracked = tracked_files()

@@ -330,7 +330,7 @@ def test_corrected_springs_have_order_three_at_walls(pair: str, p: float) -> Non
 
 
 def test_a_cantilever_at_half_its_buckling_load_is_eighty_times_closer() -> None:
-    # physics.md section 4: "cut the clamped-free error about 80-fold", and -2.6e-4 for plain gregory.
+    # theory.md section 4: "cut that about 80-fold", and -2.6e-4 for plain gregory.
     load, exact = published("clamped-free", 0.5)
     plain, corrected = (
         abs(frequencies("clamped-free", 20, rule, load)[0] / exact[0] - 1)

@@ -23,7 +23,7 @@ PAIRS = [f"{a}-{b}" for a in ENDS for b in ENDS]
 COLUMNS = ("length", "mass", "rotary_inertia")
 EVERY_RULE = pytest.mark.parametrize("rule", RULES)
 EVERY_PAIR = pytest.mark.parametrize("pair", PAIRS)
-# physics.md section 2: N elastic modes, or N - 1 for these pairs, in either order.
+# theory.md section 2: N elastic modes, or N - 1 for these pairs, in either order.
 ONE_FEWER = ("clamped-clamped", "clamped-pinned", "pinned-pinned", "pinned-free", "free-free")
 AT_WALL = [name for name, rule in RULES.items() if rule.stub == 0]
 BAD_SEGMENTS = [0, -3, 2.5, "six", 10**400, True, None, math.nan, math.inf]
@@ -66,7 +66,7 @@ def test_report_springs_in_newton_metres() -> None:
 
 
 def test_rods_in_physical_units() -> None:
-    # physics.md section 2: mass m = ρA ell, central inertia m ell²/12; ell = 0.3, ρA = 0.62.
+    # theory.md section 2: mass m = ρA ell, central inertia m ell²/12; ell = 0.3, ρA = 0.62.
     chain = Chain(BEAM, "clamped-free", segments=4, rule="mitiguy")
     np.testing.assert_allclose(chain.length, [0, 0.3, 0.3, 0.3, 0.3], rtol=1e-15)
     np.testing.assert_allclose(chain.mass, [0, *[0.186] * 4], rtol=1e-15)
@@ -77,7 +77,7 @@ def test_rods_in_physical_units() -> None:
 
 def test_pieces_of_half_a_segment() -> None:
     # By hand: a rod of half the length has half the mass and (1/2)³ of the central inertia, 1/12 for a rod
-    # and 1/4 for point masses at its ends (physics.md section 5: half_stub, hencky).
+    # and 1/4 for point masses at its ends (theory.md section 5: half_stub, hencky).
     for inertia in (Fraction(1, 12), Fraction(1, 4)):
         rule = Rule("made", (), stub="1/2", rotary_inertia=inertia)
         chain = Chain(BEAM, "clamped-free", 2, rule)
@@ -113,7 +113,7 @@ def test_elastic_modes_with_hinges_at_the_walls(rule: str, pair: str) -> None:
 
 @pytest.mark.parametrize("pair", ONE_FEWER)
 def test_one_segment_without_elastic_mode_is_a_chain(pair: str) -> None:
-    # physics.md section 2: N = 1 there is a valid chain without an elastic mode.
+    # theory.md section 2: N = 1 there is a valid chain without an elastic mode.
     chain = Chain(BEAM, pair, segments=1)
     assert chain.elastic_modes == 0
     assert chain.length.sum() == 1.2

@@ -83,7 +83,7 @@ def changed(command: str, option: str, value: str) -> list[str]:
 
 
 def test_error(capsys: pytest.CaptureFixture[str]) -> None:
-    # design.md, "What the user types": -0.0035175...; physics.md section 3: -0.352 %.
+    # theory.md section 3: -0.352 %; more digits by the closed form, which tests/test_errors.py proves.
     answer = Ran([*CALLS["error"], "--json"], capsys).json
     assert answer["relative_error"] == pytest.approx(-0.0035175, abs=5e-8)
     assert {key: answer[key] for key in ("boundary", "rule", "segments", "mode")} == {
@@ -100,7 +100,7 @@ def test_error(capsys: pytest.CaptureFixture[str]) -> None:
 
 @pytest.mark.parametrize(
     ("boundary", "segments", "mode", "percent"),
-    # physics.md section 3.
+    # theory.md section 3.
     [
         ("clamped-free", 1, 1, -14.676),
         ("cantilever/free", 4, 2, -7.446),
@@ -120,13 +120,13 @@ def test_error_of_the_reports_figures(
     assert [remark.strip() for remark in remarks] == answer.get("remarks", [])
     assert bool(remarks) >= (abs(percent) > 10)
     assert float(line.split(" %")[0]) == pytest.approx(100 * answer["relative_error"], rel=1e-5)
-    # physics.md section 7: at N close to the mode number every rule fails: said beside the number.
+    # theory.md section 7: at N close to the mode number every rule fails: said beside the number.
     assert any("coarse" in remark for remark in remarks) == (abs(percent) > 10)
 
 
 def test_error_takes_another_rule(capsys: pytest.CaptureFixture[str]) -> None:
     call = ["error", "clamped-free", "--segments", "10", "--json", "--rule"]
-    # physics.md section 5: C/F mode 1 at N = 10.
+    # theory.md section 5: C/F mode 1 at N = 10.
     for rule, percent, digits in (("mitiguy", -0.126, 3), ("naive", -9.11, 2), ("double_wall", -0.457, 3)):
         answer = Ran([*call, rule], capsys).json
         assert round(100 * answer["relative_error"], digits) == percent
@@ -140,7 +140,7 @@ def test_error_takes_another_rule(capsys: pytest.CaptureFixture[str]) -> None:
 def test_error_of_a_missing_mode(
     boundary: str, segments: int, mode: int, flags: list[str], capsys: pytest.CaptureFixture[str]
 ) -> None:
-    # physics.md section 2: N modes, N - 1 for clamped-clamped and free-free.
+    # theory.md section 2: N modes, N - 1 for clamped-clamped and free-free.
     call = ["error", boundary, f"--segments={segments}", f"--mode={mode}", *flags]
     Ran(call, capsys).refused(f"mode {mode} does not exist", boundary, str(segments))
 
@@ -148,7 +148,7 @@ def test_error_of_a_missing_mode(
 def test_frequencies(capsys: pytest.CaptureFixture[str]) -> None:
     answer = Ran([*CALLS["frequencies"], "--json"], capsys).json
     assert answer["rigid_body_modes"] == 0
-    # physics.md section 3, N = 6.
+    # theory.md section 3, N = 6.
     percent = [100 * row["relative_error"] for row in answer["modes"]]
     assert percent == pytest.approx([-0.352, -3.423, -6.136], abs=6e-4)
     # The first root of cos x cosh x = -1 is 1.87510407.
@@ -170,7 +170,7 @@ def test_frequencies(capsys: pytest.CaptureFixture[str]) -> None:
 
 @pytest.mark.parametrize(
     ("boundary", "segments", "rigid", "elastic"),
-    # physics.md section 2.
+    # theory.md section 2.
     [
         ("free-free", 3, 2, 2),
         ("clamped-clamped", 1, 0, 0),
@@ -210,7 +210,7 @@ def test_springs_of_a_chain_without_hinges(capsys: pytest.CaptureFixture[str]) -
 
 
 def test_segments(capsys: pytest.CaptureFixture[str]) -> None:
-    # design.md, "What the user types": 26.
+    # theory.md section 3: 26.
     answer = Ran([*CALLS["segments"], "--json"], capsys).json
     assert answer["segments"] == 26 and "small vibration" in answer["holds_for"]
     count, case = Ran(CALLS["segments"], capsys).lines
@@ -243,7 +243,7 @@ def test_forces_in_units_need_a_beam_in_units(option: str, capsys: pytest.Captur
 def test_time_step(capsys: pytest.CaptureFixture[str]) -> None:
     call = ["time-step", "clamped-free", "--segments", "10"]
     answer = Ran([*call, "--json"], capsys).json
-    # physics.md section 6: C/F N = 10: 0.00424 for rk4, 2√2/ω_max; leapfrog and semi-implicit Euler 2/ω_max.
+    # theory.md section 6: C/F N = 10: 0.00424 for rk4, 2√2/ω_max; leapfrog and semi-implicit Euler 2/ω_max.
     assert round(answer["time_step"], 5) == 0.00424
     step, highest = answer["time_step"], answer["highest_angular_frequency"]
     assert step * highest == pytest.approx(2 * math.sqrt(2), rel=1e-14)
@@ -481,7 +481,7 @@ def test_a_reader_that_has_seen_enough(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("command", ["error", "segments"])
 def test_lookups_import_numpy_only(command: str, tmp_path: Path) -> None:
-    # design.md, "Rooms": the lookup path needs NumPy only.
+    # design.md, "What holds the house together": the lookup path needs NumPy only.
     program = (
         "import sys\n"
         "from beammodes.__main__ import main\n"

@@ -38,7 +38,7 @@ def hinge_deflections(chain: Chain, moments: list[Fraction]) -> list[Fraction]:
 def test_every_joint_deflects_as_the_beam_under_a_tip_force(segments: int) -> None:
     chain = Chain(Beam.unit(), "clamped-free", segments, rule="mitiguy")
     moments = [Fraction(segments - i) for i in range(segments)]
-    # Euler's F x² (3L - x)/(6 EI) at x = j ell, physics.md section 1; in rationals, without tolerance.
+    # Euler's F x² (3L - x)/(6 EI) at x = j ell, theory.md section 1; in rationals, without tolerance.
     assert hinge_deflections(chain, moments) == [
         Fraction(j**2 * (3 * segments - j), 6) for j in range(1, segments + 1)
     ]
@@ -46,7 +46,7 @@ def test_every_joint_deflects_as_the_beam_under_a_tip_force(segments: int) -> No
 
 @pytest.mark.parametrize("segments", range(1, 9))
 def test_a_tip_moment_asks_for_another_wall_spring(segments: int) -> None:
-    # physics.md section 1: under an end moment the wall that is exact is 2 EI/ell; Euler: M x²/(2 EI).
+    # theory.md section 1: under an end moment the wall that is exact is 2 EI/ell; Euler: M x²/(2 EI).
     moments = [Fraction(1)] * segments
     exact = [Fraction(j**2, 2) for j in range(1, segments + 1)]
     walls = {rule: Chain(Beam.unit(), "clamped-free", segments, rule) for rule in ("double_wall", "mitiguy")}
@@ -54,7 +54,7 @@ def test_a_tip_moment_asks_for_another_wall_spring(segments: int) -> None:
     assert hinge_deflections(walls["mitiguy"], moments) != exact
 
 
-#: physics.md section 3, percent, as printed there.
+#: theory.md section 3, percent, as printed there.
 PRINTED = {
     "clamped-free": {
         1: ("-14.676",),

@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 
 from beammodes.problem.ends import BOUNDARIES, ENDS, Boundary, End, boundary_codes
 
-# physics.md section 2: ten unordered pairs; design.md seam 5: the firmer end first, in the order
+# theory.md section 2: ten unordered pairs; design.md seam 5: the firmer end first, in the order
 # clamped, pinned, guided, free.
 TEN = [
     "clamped-clamped",
@@ -28,9 +28,9 @@ TEN = [
     "guided-free",
     "free-free",
 ]
-# physics.md section 2: free-free 2; free-pinned, free-guided, guided-guided 1; the others 0.
+# theory.md section 2: free-free 2; free-pinned, free-guided, guided-guided 1; the others 0.
 RIGID = {"free-free": 2, "pinned-free": 1, "guided-free": 1, "guided-guided": 1}
-# physics.md section 2: what each word holds; the report's cantilever is clamped.
+# theory.md section 2: what each word holds; the report's cantilever is clamped.
 HELD = {"clamped": (True, True), "pinned": (True, False), "guided": (False, True), "free": (False, False)}
 SIXTEEN = [f"{a}-{b}" for a, b in itertools.product(HELD, HELD)]
 ALIASES = {"cantilever": "clamped", "fixed": "clamped", "hinged": "pinned", "sliding": "guided"}

@@ -22,7 +22,7 @@ PAIRS = [pair.name for pair in BOUNDARIES]
 
 
 def test_lookup_scalar_and_broadcasting() -> None:
-    # physics.md and design.md: C/F, mitiguy, N = 6, mode 1.
+    # theory.md section 3: C/F, mitiguy, N = 6, mode 1.
     error = bm.frequency_error("clamped-free", segments=6, mode=1)
     assert isinstance(error, float)
     assert error == pytest.approx(-0.0035175, abs=5e-8)
@@ -32,7 +32,7 @@ def test_lookup_scalar_and_broadcasting() -> None:
     assert table[0, 0] == table[0, 1] == error
     mixed = bm.frequency_error("clamped-free", segments=6, mode=1, rule=["mitiguy", bm.RULES["naive"]])
     assert mixed[0] == error
-    # physics.md section 4: naive is -1/N to first order.
+    # theory.md section 4: naive is -1/N to first order.
     assert mixed[1] == pytest.approx(-1 / 6, abs=0.03)
 
 
@@ -117,7 +117,7 @@ def test_segments_needed_around_the_answer(boundary: str, rule: str) -> None:
 
 
 def test_segments_needed_as_published() -> None:
-    # design.md: 26; the requirement for one percent in three modes: 16 and 8, 26 and 12.
+    # theory.md section 3: the requirement for one percent in three modes: 16 and 8, 26 and 12.
     for boundary, rule, expected in (
         ("clamped-free", "mitiguy", 16),
         ("clamped-free", "gregory", 8),
@@ -128,7 +128,7 @@ def test_segments_needed_as_published() -> None:
 
 
 def test_an_error_that_changes_sign_is_not_mistaken_for_a_small_one() -> None:
-    # gregory passes through zero near N = 113 and comes back: physics.md section 4.
+    # gregory passes through zero near N = 113 and comes back: theory.md section 4.
     errors = np.abs(bm.frequency_error("clamped-free", segments=np.arange(60, 400), mode=1, rule="gregory"))
     low = int(errors.argmin())
     peak = float(errors[low:].max())

@@ -50,7 +50,7 @@ def test_declared_order_is_derived_and_measured(boundary: str, rule: str) -> Non
 
 
 def test_the_reports_rule() -> None:
-    # physics.md section 4: C/F  (1 - σβ)/(3 N²),  C/C twice that; σβ = |φ'''|/|φ''| at the wall.
+    # theory.md section 4: C/F  (1 - σβ)/(3 N²),  C/C twice that; σβ = |φ'''|/|φ''| at the wall.
     for boundary, walls in (("clamped-free", 1), ("clamped-clamped", 2)):
         for mode in (1, 2, 3):
             beam = euler_bernoulli(Beam.unit(), boundary, mode)
@@ -60,7 +60,7 @@ def test_the_reports_rule() -> None:
 
 
 def test_known_coefficients() -> None:
-    # physics.md section 4: gregory -β⁴/1440; gregory2 -(σβ)²/6 a wall; naive -2 (w₀ - 1/2) = -1 a wall.
+    # theory.md section 4: gregory -β⁴/1440; gregory2 -(σβ)²/6 a wall; naive -2 (w₀ - 1/2) = -1 a wall.
     assert error_law("clamped-free", 1, "gregory").coefficient == pytest.approx(
         -(wavenumber("clamped-free", 1) ** 4) / 1440, rel=1e-10
     )

@@ -90,7 +90,7 @@ def test_shapes_diagonalize_the_assembled_matrices(boundary: str) -> None:
 
 
 def pinned_pinned(segments: int, modes: int) -> np.ndarray:
-    """physics.md section 4: q = n π/N exactly in  ω² = 12 (1 - cos q)²/(2 + cos q),  in half angles."""
+    """theory.md section 4: q = n π/N exactly in  ω² = 12 (1 - cos q)²/(2 + cos q),  in half angles."""
     sine = np.sin(np.arange(1, modes + 1) * np.pi / (2 * segments)) ** 2
     return segments**2 * np.sqrt(12 * (2 * sine) ** 2 / (3 - 2 * sine))
 

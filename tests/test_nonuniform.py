@@ -543,7 +543,7 @@ def test_study_of_axial_force_shows_the_orders_that_it_names() -> None:
                 errors = table.relative_error.sel(boundary=pair, case=case).values
                 found = slope(errors, table.segments.values)
                 assert found == pytest.approx(named[text.split()[-1]], abs=0.15)
-    # physics.md section 4: clamped-free, half the buckling load, N = 20; by Hencky 4 N² sin²(π/(4N)).
+    # theory.md section 4: clamped-free, half the buckling load, N = 20; by Hencky 4 N² sin²(π/(4N)).
     half = {"mitiguy": -1.4e-5, "gregory": -2.6e-4}
     for case, error in half.items():
         at = table.relative_error.sel(boundary="clamped-free", case=case, segments=20)

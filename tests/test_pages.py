@@ -198,6 +198,30 @@ def test_the_layouts_on_the_theory_page_are_the_rules() -> None:
         assert int(order) == bm.error_law("clamped-free", 1, name).order
 
 
+def test_other_numbers_on_the_theory_page_are_computed_ones() -> None:
+    page = " ".join(named("theory").split())
+    pairs = ("clamped-free", "clamped-clamped")
+    ours, best = (
+        [bm.segments_needed(pair, tolerance=0.01, modes=3, rule=rule) for pair in pairs]
+        for rule in ("mitiguy", "gregory")
+    )
+    assert (
+        f"N = {ours[0]} (C/F) and {ours[1]} (C/C); with the springs of `gregory`, N = {best[0]} and {best[1]}"
+        in page
+    )
+    steps = [bm.stable_time_step(bm.Chain(bm.Beam.unit(), pair, n)) for pair in pairs for n in (4, 10)]
+    free, freer, held, firmer = (f"{step:.3g}" for step in steps)
+    assert f"C/F {free} (N = 4) and {freer} (N = 10), C/C {held} and {firmer}" in page
+    half = bm.Load(axial_force=-bm.buckling_load(bm.Beam.unit(), "clamped-free") / 2)
+    given = {"segments": 20, "mode": 1, "load": half, "beam": bm.Beam.unit()}
+    plain = bm.frequency_error("clamped-free", **given, rule="gregory")
+    corrected = bm.frequency_error(
+        "clamped-free", **given, rule=bm.axially_corrected("gregory", half, bm.Beam.unit())
+    )
+    assert f"`gregory` is off by {plain:.1e}".replace("e-04", "e-4") in page
+    assert "cut that about 80-fold" in page and 70 < plain / corrected < 90
+
+
 def test_what_is_left_at_a_wall_on_the_theory_page_is_what_the_law_has() -> None:
     left = {
         name: [tuple(pair) for pair in bm.RULES[name].end_defects("clamped")]
@@ -321,7 +345,7 @@ def test_numbers_in_the_text_about_adams() -> None:
     second, third = (100 * adams_link_errors([10], attachment="flexible", mode=mode)[0] for mode in (2, 3))
     assert f"errs by {second:.3g} % and {third:.3g} % in modes 2 and 3" in page
     assert f"{180 / math.pi:.1f} times smaller" in page
-    # The 8 under whose root the published step should stand: physics.md section 1.
+    # The 8 under whose root the published step should stand: theory.md section 1.
     assert f"{math.sqrt(8):.2f} times too long" in page
 
 

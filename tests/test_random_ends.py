@@ -72,7 +72,8 @@ def test_many_more_of_them(pair: Boundary, tension: float) -> None:
 
 @pytest.mark.parametrize("mass", [1e-6, 0.01, 1.0, 100.0, 1e6])
 def test_a_root_spring_is_a_tip_mass(mass: float) -> None:
-    # physics.md's duality: a root hinged on K_r with a free tip has the roots of a clamped root with tip mass
+    # theory.md section 2, the duality: a root hinged on K_r with a free tip has the roots of
+    # a clamped root with tip mass
     # 1/K_r (K_r in EI/L, mass in ρAL).
     massive = euler_bernoulli(Beam.unit(), ("clamped", End(mass=mass)), 10)
     sprung = euler_bernoulli(Beam.unit(), (End(math.inf, 1 / mass), "free"), 10)

@@ -15,7 +15,7 @@ from studies import figure_3, figure_5, truck
 from studies.compare import study_differs
 
 BLOCKS = {"figure_3": figure_3, "figure_5": figure_5}
-#: Order of each rule; physics.md section 4 has them for free vibration with end bodies too.
+#: Order of each rule; theory.md section 4 has them for free vibration with end bodies too.
 ORDERS = {"mitiguy": 2, "gregory": 4}
 
 

@@ -453,7 +453,7 @@ def test_chains_reach_the_beam_at_the_declared_order(name: str, rule: str) -> No
     order = RULES[rule].declared_order(Boundary.of(pair))
     sizes = np.array([[20], [40], [80], [160]])
     errors = np.abs([lowest(pair, int(n), rule) / exact - 1 for n in sizes[:, 0]])
-    # physics.md section 4: at order 4, β⁴/1440 inside and 113/N times that an end; the report's wall
+    # theory.md section 4: at order 4, β⁴/1440 inside and 113/N times that an end; the report's wall
     # (1 + β)/(3 N²) an end. Section 5: half_stub_corrected has 2.4 times gregory's error; 4 leaves room for
     # bodies. Wavenumbers are below those between two walls.
     beta = np.array([4.7300407, 7.8532046, 10.9956078])

@@ -52,7 +52,7 @@ def test_figures_6_and_7_in_numbers(tables: dict[str, list[list[str]]]) -> None:
         pairs = [(pair, mode) for pair in ("clamped-free", "clamped-clamped") for mode in (1, 2, 3)]
         for (pair, mode), cell in zip(pairs, cells, strict=True):
             same(cell, 100 * bm.frequency_error(pair, segments=int(count), mode=mode))
-    # physics.md section 3, printed there to three decimals: N = 4.
+    # theory.md section 3, printed there to three decimals: N = 4.
     four = next(cells for cells in found if cells[0] == "4")
     known = ["-0.800", "-7.446", "-13.165", "-12.991", "-20.999", "-27.893"]
     for cell, value in zip(four[1:], known, strict=True):
@@ -150,7 +150,7 @@ def test_the_formula_of_the_step_worked(tables: dict[str, list[list[str]]]) -> N
 def test_stable_steps(tables: dict[str, list[list[str]]]) -> None:
     for count, *cells, always in rows(tables, "C for Runge-Kutta"):
         n = int(count)
-        same(always, n**-2.0 / np.sqrt(6))  # physics.md section 6
+        same(always, n**-2.0 / np.sqrt(6))  # theory.md section 6
         for pair, cell in zip(("clamped-free", "clamped-clamped"), cells[::2], strict=True):
             chain = bm.Chain(bm.Beam.unit(), pair, n)
             same(cell, bm.stable_time_step(chain) if chain.elastic_modes else np.nan)

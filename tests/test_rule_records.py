@@ -11,7 +11,7 @@ import beammodes as bm
 
 
 def test_a_tuned_rule_gains_two_orders_in_its_mode() -> None:
-    # physics.md section 4: one wall spring 6N/(3N - σβ) removes the 1/N² error of mode n.
+    # theory.md section 4: one wall spring 6N/(3N - σβ) removes the 1/N² error of mode n.
     segments = np.array([1000, 10_000])
     for mode in (1, 2, 3):
         tuned = bm.frequency_error("clamped-free", segments=segments, mode=mode, rule=bm.mode_tuned(mode))

@@ -70,7 +70,7 @@ def test_rods_and_elements_for_a_thousandth_of_a_percent(by_rule: xarray.Dataset
     needed = by_rule.segments_needed.sel(boundary="clamped-free").to_series().to_dict()
     beta = 7.8547574382  # third root of cos β cosh β = -1
     sigma = (np.sinh(beta) - np.sin(beta)) / (np.cosh(beta) + np.cos(beta))
-    # physics.md section 4: e ~ (1 - σβ)/(3 N²).
+    # theory.md section 4: e ~ (1 - σβ)/(3 N²).
     assert needed["mitiguy", 1e-5] == pytest.approx(((sigma * beta - 1) / 3e-5) ** 0.5, abs=1)
     assert needed["mitiguy", 1e-5] == 478
     # The leading term of test_elements_converge_as_cubic_elements_do asks for 22.7.
@@ -79,7 +79,7 @@ def test_rods_and_elements_for_a_thousandth_of_a_percent(by_rule: xarray.Dataset
 
 
 def test_first_mode_at_ten_segments(costs: xarray.Dataset) -> None:
-    # physics.md section 5, percent in mode 1, which bounds the largest of three modes from below.
+    # theory.md section 5, percent in mode 1, which bounds the largest of three modes from below.
     known = {"mitiguy": 0.126, "naive": 9.11, "double_wall": 0.457, "hencky": 0.84, "half_stub": 0.230}
     for rule, percent in (known | {"rigid_stub": 11.1, "gregory": 0.0005}).items():
         error = 100 * abs(bm.frequency_error("clamped-free", segments=10, mode=1, rule=rule))
@@ -100,7 +100,7 @@ def test_elements_converge_as_cubic_elements_do() -> None:
 def test_better_figures() -> None:
     error = better_figures.data().relative_error
     report = 100 * error.sel(rule="mitiguy", segments=10)
-    # physics.md section 3, the row N = 10.
+    # theory.md section 3, the row N = 10.
     assert report.sel(boundary="clamped-free").values == pytest.approx([-0.126, -1.251, -2.264], abs=6e-4)
     assert report.sel(boundary="clamped-clamped").values == pytest.approx([-2.372, -4.371, -6.233], abs=6e-4)
     better = 100 * error.sel(rule="gregory", segments=10, boundary="clamped-free")

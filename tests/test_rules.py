@@ -26,7 +26,7 @@ PAIRS = [f"{a}-{b}" for a in ENDS for b in ENDS]
 SEGMENTS = (1, 2, 3, 4, 5, 7, 12, 50)
 EVERY_RULE = pytest.mark.parametrize("name", RULES)
 
-# physics.md section 4: third-order Gregory end weights.
+# theory.md section 4: third-order Gregory end weights.
 GREGORY = tuple(Weight(Fraction(a, b)) for a, b in ((3, 8), (7, 6), (23, 24)))
 
 
@@ -116,7 +116,7 @@ def test_weights_are_one_inside_and_at_ends_without_moment(name: str) -> None:
 
 @EVERY_RULE
 def test_clamped_order_is_that_of_the_quadrature(name: str) -> None:
-    # physics.md section 4: the error of a clamped end is the end error of a quadrature of M², all of whose
+    # theory.md section 4: the error of a clamped end is the end error of a quadrature of M², all of whose
     # derivatives there depend on the mode; order p needs the first p - 1 terms to vanish.
     rule = RULES[name]
     vanishing = vanishing_end_terms(rule, rule.clamped)
@@ -126,7 +126,7 @@ def test_clamped_order_is_that_of_the_quadrature(name: str) -> None:
 
 @EVERY_RULE
 def test_guided_order_is_one_unless_constants_are_integrated(name: str) -> None:
-    # physics.md section 4, "any end with its rotation held".
+    # theory.md section 4, "any end with its rotation held".
     rule = RULES[name]
     assert (rule.order["guided"] == 1) == (not vanishing_end_terms(rule, rule.guided)[0])
 
@@ -162,19 +162,19 @@ def test_declared_order_is_the_smallest(pair: str) -> None:
 
 
 def test_report_examples() -> None:
-    # report, N = 4: 24/11 EI/ell at a cantilevered interface, EI/ell elsewhere (physics.md section 1).
+    # report, N = 4: 24/11 EI/ell at a cantilevered interface, EI/ell elsewhere (theory.md section 1).
     springs = [1 / w for w in RULES["mitiguy"].hinge_weights(Boundary.of("cantilever/free"), 4)]
     assert springs == [Fraction(24, 11), 1, 1, 1]
     springs = [1 / w for w in RULES["mitiguy"].hinge_weights(Boundary.of("cantilever/cantilever"), 4)]
     assert springs == [Fraction(24, 11), 1, 1, 1, Fraction(24, 11)]
-    # physics.md section 5.
+    # theory.md section 5.
     assert RULES["double_wall"].hinge_weights(Boundary.of("clamped-free"), 4) == [Fraction(1, 2), 1, 1, 1]
     assert RULES["naive"].hinge_weights(Boundary.of("clamped-free"), 4) == [1, 1, 1, 1]
 
 
 @pytest.mark.parametrize("name", ["mitiguy", "double_wall"])
 def test_guided_wall_takes_twice_the_inner_spring(name: str) -> None:
-    # physics.md section 2: mirror symmetry, exact statics.
+    # theory.md section 2: mirror symmetry, exact statics.
     assert RULES[name].hinge_weights(Boundary.of("guided-free"), 3) == [Fraction(1, 2), 1, 1]
 
 
@@ -243,7 +243,7 @@ def test_third_order_end_weights_integrate_squares(segments: int) -> None:
 )
 def test_three_layouts_of_three_segments(stub: Any, pair: str, lengths: list[Any]) -> None:
     # design.md seam 1: an outer piece's length may be zero (hinge at the wall), half (stub) or whole;
-    # physics.md section 5: half_stub ends in a half segment at the far end too.
+    # theory.md section 5: half_stub ends in a half segment at the far end too.
     assert made(stub=Fraction(stub)).piece_lengths(Boundary.of(pair), 3) == lengths
 
 

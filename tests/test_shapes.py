@@ -90,7 +90,7 @@ def test_dataset_against_its_definition(boundary: str, rule: str) -> None:
         assert table.largest_deviation.values[n] == pytest.approx(deviation, rel=1e-9, abs=1e-13)
 
 
-# physics.md section 4: pinned-pinned is exactly q = n π/N, a sine at the nodes; a guided end with weight 1/2
+# theory.md section 4: pinned-pinned is exactly q = n π/N, a sine at the nodes; a guided end with weight 1/2
 # is a mirror. `naive` has another weight there.
 @pytest.mark.parametrize(
     ("boundary", "rule"),
@@ -129,7 +129,7 @@ def test_shapes_are_of_order_two_at_best(rule: str) -> None:
 def test_gregory_trades_shape_for_frequency() -> None:
     table = shape_dataset(boundary="clamped-free", segments=10, modes=1, rule=["mitiguy", "gregory"])
     mitiguy, gregory = table.largest_deviation.values.ravel()
-    # physics.md section 5, N = 10: its frequency is 250 times better. Its shape is worse, though below 0.4 %.
+    # theory.md section 5, N = 10: its frequency is 250 times better. Its shape is worse, though below 0.4 %.
     assert 4 < gregory / mitiguy < 6 and gregory < 0.004
 
 

@@ -19,7 +19,7 @@ from studies.compare import study_differs
 from studies.tool_layouts import TOOLS, adams_link_errors, flex_errors
 
 RULED = {tool.name: tool.springs for tool in TOOLS if tool.springs}
-# physics.md section 5: percent in mode 1 at N = 10, and the order.
+# theory.md section 5: percent in mode 1 at N = 10, and the order.
 KNOWN = {
     "MuJoCo 3 cable": (11.1, 1),
     "URDF or SDF by hand": (-9.11, 1),

@@ -28,7 +28,7 @@ def runge_kutta_amplification(z: complex) -> float:
 def test_published_constants_have_the_reports_digits() -> None:
     # The report's table "Number of Modes / Constant K".
     assert published_constants().tolist() == [0.357, 0.130, 0.066, 0.040, 0.027]
-    # physics.md section 1: with exact roots the first entry would print 0.358, the others as published.
+    # theory.md section 1: with exact roots the first entry would print 0.358, the others as published.
     assert np.round(exact_constants(5), 3).tolist() == [0.358, 0.130, 0.066, 0.040, 0.027]
 
 
@@ -36,7 +36,7 @@ def test_the_eight_is_a_missing_square_root() -> None:
     limit = stability_limit("rk4")
     assert limit**2 == pytest.approx(8)
     assert runge_kutta_amplification(0.999 * limit * 1j) < 1 < runge_kutta_amplification(1.001 * limit * 1j)
-    # physics.md section 1: |R(8i)| = 160 per step at the published step.
+    # theory.md section 1: |R(8i)| = 160 per step at the published step.
     assert runge_kutta_amplification(8j) == pytest.approx(160, rel=0.01)
 
 
@@ -64,7 +64,7 @@ def test_published_step_scales_as_the_report_says(modes: int, constant: float) -
 
 @pytest.mark.parametrize(
     ("boundary", "segments", "constant"),
-    # physics.md section 6.
+    # theory.md section 6.
     [
         ("clamped-free", 4, 0.0305),
         ("clamped-free", 10, 0.00424),
@@ -83,7 +83,7 @@ def test_a_chains_own_constant(boundary: str, segments: int, constant: float) ->
 @pytest.mark.parametrize("boundary", [pair.name for pair in BOUNDARIES])
 @pytest.mark.parametrize("rule", ["mitiguy", "naive", "double_wall"])
 def test_no_chain_exceeds_the_band_edge(boundary: str, rule: str) -> None:
-    # physics.md section 6: ω_max ≤ √48 N², equal for guided-guided with its 2 EI/ell.
+    # theory.md section 6: ω_max ≤ √48 N², equal for guided-guided with its 2 EI/ell.
     for segments in (1, 2, 3, 8, 40):
         highest = highest_angular_frequency(Chain(Beam.unit(), boundary, segments, rule))
         assert highest <= math.sqrt(48) * segments**2 * (1 + 1e-12)

@@ -145,7 +145,7 @@ def test_chain_is_that_of_its_stiffness_matrix_exactly(boundary: str, rule: str)
 
 
 def test_mitiguy_tip_force_is_exact_at_every_length() -> None:
-    # physics.md section 1: every hinge deflects by F j² (3N - j) ell³/6EI; j = N is the tip, j = N/2 midspan.
+    # theory.md section 1: every hinge deflects by F j² (3N - j) ell³/6EI; j = N is the tip, j = N/2 midspan.
     for segments in range(1, 41):
         found = chain_statics(Chain(UNIT, "clamped-free", segments, "mitiguy"), "tip_force").own
         assert found.deflection == Fraction(segments**3, 3)

@@ -49,7 +49,7 @@ def chain(boundary: str, segments: int) -> Chain:
 
 @pytest.mark.parametrize(
     ("boundary", "segments", "constant"),
-    # physics.md section 6.
+    # theory.md section 6.
     [
         ("clamped-free", 4, 0.0305),
         ("clamped-free", 10, 0.00424),

@@ -56,7 +56,7 @@ def test_committed_c_table() -> None:
     for row in rows:
         assert float(row["C_single_mode"]) * np.sqrt(8) == pytest.approx(float(row["C_exact"]), rel=RELATIVE)
     chains = {(row["boundary"], row["segments"]): float(row["C_chain"]) for row in read("c_table_chains.csv")}
-    # physics.md section 6.
+    # theory.md section 6.
     assert float(f"{chains['clamped-free', '10']:.3g}") == 0.00424
 
 

@@ -24,7 +24,7 @@ ends = st.builds(End, stiffness, stiffness, amount, amount, st.floats(allow_nan=
 
 
 def test_the_four_words_hold_what_their_names_say() -> None:
-    # physics.md section 2: clamped holds both, pinned the deflection, guided the rotation, free neither.
+    # theory.md section 2: clamped holds both, pinned the deflection, guided the rotation, free neither.
     held = {"clamped": (INF, INF), "pinned": (INF, 0.0), "guided": (0.0, INF), "free": (0.0, 0.0)}
     for word, (deflection, rotation) in held.items():
         assert ENDS[word] == End(deflection, rotation)

@@ -187,7 +187,7 @@ def test_equations_equal_kanes_method_at_random_states() -> None:
 
 
 def test_clamped_free_coefficients_are_those_of_the_theory() -> None:
-    # physics.md section 2: a_ij = m ell² (N - max(i, j) + 1/2) off the diagonal, (N - i + 1/3) on it.
+    # theory.md section 2: a_ij = m ell² (N - max(i, j) + 1/2) off the diagonal, (N - i + 1/3) on it.
     segments = 7
     mass = equations_of_motion(Chain(Beam.unit(), "clamped-free", segments)).linearize().in_unit_segments()
     for i, j in itertools.product(range(1, segments + 1), repeat=2):
