@@ -145,7 +145,7 @@ def test_hinges_keep_the_whole_of_a_table_or_take_its_own_values_and_say_so(
             assert np.abs(give / curve - 1).max() <= 2 / 3 + 1e-12
             fine = np.linspace(0, 1, 200_001)
             smooth = mean_reciprocal(beam.bending_stiffness, fine, smooth=True)
-            ripple = whole - np.trapezoid(smooth, fine)
+            ripple = whole - scipy.integrate.trapezoid(smooth, fine)
             assert give.sum() - curve.sum() == pytest.approx(ripple, rel=1e-5, abs=1e-7 * whole)
     # Points are two segments apart of ten, and ten of fifty; only steep tables are left to themselves.
     assert own < 20

@@ -48,10 +48,10 @@ def mode_start(chain: Chain, mode: int, amplitude: float, *, load: Load | None =
     array([0.0558, 0.1   ])
     """
     model = linearize(chain, load=load)
-    whole_number("mode", mode, most=model.elastic_modes)
+    number = whole_number("mode", mode, most=model.elastic_modes)
     real("amplitude", amplitude)
-    modes = solve_modes(model, mode)
-    rotation, deflection = modes.rotation[mode - 1], modes.deflection[mode - 1]
+    modes = solve_modes(model, number)
+    rotation, deflection = modes.rotation[number - 1], modes.deflection[number - 1]
     scale = amplitude / np.abs(rotation).max()
     tips = {"x_0": 0.0, "y_0": deflection[0]}
     q = [*(tips[name] for name in tip_names(chain)), *rotation[~np.array(chain.held_angles)]]
