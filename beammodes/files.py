@@ -13,7 +13,7 @@ from typing import BinaryIO
 
 from beammodes.checks import shown
 
-__all__ = ["file_target", "ordinary_bytes", "write_atomically"]
+__all__ = ["file_target", "named_path", "ordinary_bytes", "write_atomically"]
 
 _KINDS = {
     stat.S_IFDIR: "folder",
@@ -122,6 +122,21 @@ def write_atomically(path: str | Path, write: Callable[[BinaryIO], object], *, n
         raise
 
 
+def named_path(path: str | os.PathLike[str]) -> Path:
+    """Return a path that can name a file, or raise TypeError or ValueError.
+
+    Examples
+    --------
+    >>> named_path("a.txt").name
+    'a.txt'
+    """
+    if not isinstance(path, str | os.PathLike) or isinstance(os.fspath(path), bytes):
+        raise TypeError(f"path must be a str or a Path, got {shown(path)}")
+    if "\0" in os.fspath(path):
+        raise ValueError(f"path must be without a null character, got {shown(path)}")
+    return Path(path)
+
+
 def ordinary_bytes(path: str | os.PathLike[str], most: int) -> bytes:
     """Return the content of an ordinary file of at most so many bytes.
 
@@ -139,11 +154,7 @@ def ordinary_bytes(path: str | os.PathLike[str], most: int) -> bytes:
     ...     ordinary_bytes(file.name, 10)
     b''
     """
-    if not isinstance(path, str | os.PathLike) or isinstance(os.fspath(path), bytes):
-        raise TypeError(f"path must be a str or a Path, got {shown(path)}")
-    if "\0" in os.fspath(path):
-        raise ValueError(f"path must be without a null character, got {shown(path)}")
-    place = Path(path)
+    place = named_path(path)
     mode = place.stat().st_mode
     if stat.S_ISDIR(mode):
         raise IsADirectoryError(f"{place} is a folder, not a file")

@@ -10,7 +10,7 @@ from typing import Any, NoReturn
 from xml.parsers import expat
 
 from beammodes.checks import shown
-from beammodes.files import ordinary_bytes
+from beammodes.files import named_path, ordinary_bytes
 
 __all__ = [
     "MAX_BYTES",
@@ -129,13 +129,12 @@ def bounded_bytes(path: str | os.PathLike[str]) -> bytes:
     ...     bounded_bytes(file.name)
     b''
     """
+    place = named_path(path)
     try:
-        return ordinary_bytes(path, MAX_BYTES)
+        return ordinary_bytes(place, MAX_BYTES)
     except UnicodeError:
         raise
     except ValueError as error:
-        if "null" in str(error):
-            raise
         raise BadModel(str(error)) from None
 
 

@@ -234,9 +234,11 @@ def timoshenko(
 
 
 def _uniform(beam: Beam, pair: Boundary, count: int) -> tuple[Floats, int, _Shapes]:
+    # Numbers, as the beam is uniform.
     assert isinstance(beam.shear_stiffness, float)
+    assert isinstance(beam.rotary_inertia_per_length, float)
     with localcontext(LONG):
-        unit = UnitBeam.of(beam, pair, 0.0, float(beam.rotary_inertia_per_length))  # type: ignore[arg-type]
+        unit = UnitBeam.of(beam, pair, 0.0, beam.rotary_inertia_per_length)
         stiffness = Decimal(beam.mean_bending_stiffness) / Decimal(beam.length) ** 2
         stout = ShearBeam(unit, stiffness / Decimal(beam.shear_stiffness))
         squares = shear_squares(stout, pair.rigid_body_modes, count)
