@@ -67,11 +67,11 @@ _HOME = {
     "DivergedWarning": "dynamics.simulation",
     "UnsavedMotion": "dynamics.simulation",
     "UnstableStepWarning": "dynamics.simulation",
-    "ENDS": "problem.supports",
-    "End": "problem.supports",
+    "ENDS": "problem.ends",
+    "End": "problem.ends",
     "Equilibrium": "equilibrium.equilibria",
     "EquilibriumNotFound": "equilibrium.equilibria",
-    "GivenSection": "problem.given_section",
+    "GivenSection": "problem.sections",
     "INTEGRATORS": "vibration.integrators",
     "ISection": "problem.sections",
     "Integrator": "vibration.integrators",
@@ -80,32 +80,32 @@ _HOME = {
     "Load": "problem.loading",
     "MODULI": "problem.materials",
     "Modes": "vibration.modes",
-    "Normal": "batch.distributions",
+    "Normal": "batch.study_axes",
     "RULES": "chains.rules",
     "Rectangle": "problem.sections",
     "Rule": "chains.rules",
-    "SlendernessWarning": "accuracy.comparison",
-    "SpectralBeamModes": "exact.spectral_shapes",
+    "SlendernessWarning": "accuracy.error_table",
+    "SpectralBeamModes": "exact.spectral_beam",
     "Study": "batch.study",
     "SupportedBeamModes": "exact.supported_beam",
     "Table": "problem.profiles",
     "TimoshenkoModes": "exact.timoshenko_beam",
-    "Tolerance": "accuracy.tolerances",
+    "Tolerance": "accuracy.uncertainty",
     "Tube": "problem.sections",
-    "Uniform": "batch.distributions",
+    "Uniform": "batch.study_axes",
     "Weight": "chains.rules",
     "animate": "views.animation",
     "audit_chain": "auditing.audit",
     "audit_file": "auditing.audit_model",
-    "axially_corrected": "chains.axial_rule",
+    "axially_corrected": "chains.rules",
     "beam_statics": "accuracy.statics",
     "buckling_dataset": "accuracy.buckling",
     "buckling_load": "accuracy.buckling",
-    "chain_errors": "accuracy.comparison",
+    "chain_errors": "accuracy.error_table",
     "chain_frequency": "closed_form.dispersion",
     "chain_statics": "accuracy.statics",
     "compile_equations": "equations.numeric",
-    "damped_modes": "dynamics.damping_ratio",
+    "damped_modes": "vibration.damping",
     "draw_chain": "views.schematic",
     "elastic_modulus": "problem.materials",
     "equations_of_motion": "equations.symbolic",
@@ -117,35 +117,35 @@ _HOME = {
     "find_equilibrium": "equilibrium.equilibria",
     "frequency_error": "accuracy.errors",
     "frequency_spread": "accuracy.uncertainty",
-    "from_sectionproperties": "problem.given_section",
+    "from_sectionproperties": "problem.sections",
     "harmonic": "dynamics.base_motion",
-    "joint_dampers": "dynamics.damping_ratio",
+    "joint_dampers": "vibration.damping",
     "law_holds_from": "accuracy.law",
     "linearize": "vibration.linear",
     "match_springs": "springs.inverse",
     "matched": "springs.inverse",
     "modal_assurance": "accuracy.shapes",
     "modal_response": "dynamics.superposition",
-    "mode_start": "dynamics.initial_state",
+    "mode_start": "dynamics.simulation",
     "mode_tuned": "springs.tuning",
-    "open_study": "batch.study_run",
+    "open_study": "batch.study",
     "published_time_step": "vibration.stability",
     "read_chain_csv": "exporters.chain_csv",
     "recommend": "accuracy.advice",
     "segments_needed": "accuracy.errors",
-    "segments_within_spread": "accuracy.enough_segments",
+    "segments_within_spread": "accuracy.uncertainty",
     "shape_dataset": "accuracy.shapes",
     "simulate": "dynamics.simulation",
     "solve_modes": "vibration.modes",
     "spin_up": "dynamics.base_motion",
     "stable_time_step": "vibration.stability",
-    "static_dataset": "accuracy.static_errors",
+    "static_dataset": "accuracy.statics",
     "stiffness_from_deflection": "identification",
     "stiffness_from_frequency": "identification",
     "symbolic_energies": "equations.symbolic",
-    "theory_errors": "accuracy.comparison",
+    "theory_errors": "accuracy.error_table",
     "timoshenko": "exact.timoshenko_beam",
-    "wavenumber": "exact.wavenumbers",
+    "wavenumber": "exact.exact_beam",
 }
 
 __all__ = sorted([*_HOME, "__version__"])
@@ -154,11 +154,10 @@ if TYPE_CHECKING:
     from beammodes.accuracy.advice import recommend as recommend
     from beammodes.accuracy.buckling import buckling_dataset as buckling_dataset
     from beammodes.accuracy.buckling import buckling_load as buckling_load
-    from beammodes.accuracy.comparison import SlendernessWarning as SlendernessWarning
-    from beammodes.accuracy.comparison import chain_errors as chain_errors
-    from beammodes.accuracy.comparison import theory_errors as theory_errors
-    from beammodes.accuracy.enough_segments import segments_within_spread as segments_within_spread
+    from beammodes.accuracy.error_table import SlendernessWarning as SlendernessWarning
+    from beammodes.accuracy.error_table import chain_errors as chain_errors
     from beammodes.accuracy.error_table import error_dataset as error_dataset
+    from beammodes.accuracy.error_table import theory_errors as theory_errors
     from beammodes.accuracy.errors import frequency_error as frequency_error
     from beammodes.accuracy.errors import segments_needed as segments_needed
     from beammodes.accuracy.law import error_law as error_law
@@ -166,36 +165,35 @@ if TYPE_CHECKING:
     from beammodes.accuracy.remarks import error_remarks as error_remarks
     from beammodes.accuracy.shapes import modal_assurance as modal_assurance
     from beammodes.accuracy.shapes import shape_dataset as shape_dataset
-    from beammodes.accuracy.static_errors import static_dataset as static_dataset
     from beammodes.accuracy.statics import beam_statics as beam_statics
     from beammodes.accuracy.statics import chain_statics as chain_statics
-    from beammodes.accuracy.tolerances import Tolerance as Tolerance
+    from beammodes.accuracy.statics import static_dataset as static_dataset
+    from beammodes.accuracy.uncertainty import Tolerance as Tolerance
     from beammodes.accuracy.uncertainty import frequency_spread as frequency_spread
+    from beammodes.accuracy.uncertainty import segments_within_spread as segments_within_spread
     from beammodes.auditing.audit import Audit as Audit
     from beammodes.auditing.audit import audit_chain as audit_chain
     from beammodes.auditing.audit_model import audit_file as audit_file
     from beammodes.batch.cases import Case as Case
-    from beammodes.batch.distributions import Normal as Normal
-    from beammodes.batch.distributions import Uniform as Uniform
     from beammodes.batch.study import Study as Study
-    from beammodes.batch.study_run import open_study as open_study
-    from beammodes.chains.axial_rule import axially_corrected as axially_corrected
+    from beammodes.batch.study import open_study as open_study
+    from beammodes.batch.study_axes import Normal as Normal
+    from beammodes.batch.study_axes import Uniform as Uniform
     from beammodes.chains.chain import Chain as Chain
     from beammodes.chains.rods import MissedFeatureWarning as MissedFeatureWarning
     from beammodes.chains.rules import RULES as RULES
     from beammodes.chains.rules import Layout as Layout
     from beammodes.chains.rules import Rule as Rule
     from beammodes.chains.rules import Weight as Weight
+    from beammodes.chains.rules import axially_corrected as axially_corrected
     from beammodes.closed_form.dispersion import chain_frequency as chain_frequency
     from beammodes.dynamics.base_motion import BaseMotion as BaseMotion
     from beammodes.dynamics.base_motion import harmonic as harmonic
     from beammodes.dynamics.base_motion import spin_up as spin_up
-    from beammodes.dynamics.damping_ratio import damped_modes as damped_modes
-    from beammodes.dynamics.damping_ratio import joint_dampers as joint_dampers
-    from beammodes.dynamics.initial_state import mode_start as mode_start
     from beammodes.dynamics.simulation import DivergedWarning as DivergedWarning
     from beammodes.dynamics.simulation import UnsavedMotion as UnsavedMotion
     from beammodes.dynamics.simulation import UnstableStepWarning as UnstableStepWarning
+    from beammodes.dynamics.simulation import mode_start as mode_start
     from beammodes.dynamics.simulation import simulate as simulate
     from beammodes.dynamics.superposition import modal_response as modal_response
     from beammodes.equations.numeric import compile_equations as compile_equations
@@ -207,35 +205,37 @@ if TYPE_CHECKING:
     from beammodes.equilibrium.equilibria import find_equilibrium as find_equilibrium
     from beammodes.exact.beam_theory import euler_bernoulli as euler_bernoulli
     from beammodes.exact.exact_beam import BeamModes as BeamModes
-    from beammodes.exact.spectral_shapes import SpectralBeamModes as SpectralBeamModes
+    from beammodes.exact.exact_beam import wavenumber as wavenumber
+    from beammodes.exact.spectral_beam import SpectralBeamModes as SpectralBeamModes
     from beammodes.exact.supported_beam import SupportedBeamModes as SupportedBeamModes
     from beammodes.exact.timoshenko_beam import TimoshenkoModes as TimoshenkoModes
     from beammodes.exact.timoshenko_beam import timoshenko as timoshenko
-    from beammodes.exact.wavenumbers import wavenumber as wavenumber
     from beammodes.exporters.chain_csv import read_chain_csv as read_chain_csv
     from beammodes.exporters.export import export_chain as export_chain
     from beammodes.identification import stiffness_from_deflection as stiffness_from_deflection
     from beammodes.identification import stiffness_from_frequency as stiffness_from_frequency
     from beammodes.problem.beam import Beam as Beam
     from beammodes.problem.ends import BOUNDARIES as BOUNDARIES
+    from beammodes.problem.ends import ENDS as ENDS
     from beammodes.problem.ends import Boundary as Boundary
-    from beammodes.problem.given_section import GivenSection as GivenSection
-    from beammodes.problem.given_section import from_sectionproperties as from_sectionproperties
+    from beammodes.problem.ends import End as End
     from beammodes.problem.loading import Load as Load
     from beammodes.problem.materials import MODULI as MODULI
     from beammodes.problem.materials import elastic_modulus as elastic_modulus
     from beammodes.problem.profiles import Table as Table
     from beammodes.problem.sections import Box as Box
     from beammodes.problem.sections import Circle as Circle
+    from beammodes.problem.sections import GivenSection as GivenSection
     from beammodes.problem.sections import ISection as ISection
     from beammodes.problem.sections import Rectangle as Rectangle
     from beammodes.problem.sections import Tube as Tube
-    from beammodes.problem.supports import ENDS as ENDS
-    from beammodes.problem.supports import End as End
+    from beammodes.problem.sections import from_sectionproperties as from_sectionproperties
     from beammodes.springs.inverse import match_springs as match_springs
     from beammodes.springs.inverse import matched as matched
     from beammodes.springs.tuning import mode_tuned as mode_tuned
     from beammodes.vibration.damping import Damping as Damping
+    from beammodes.vibration.damping import damped_modes as damped_modes
+    from beammodes.vibration.damping import joint_dampers as joint_dampers
     from beammodes.vibration.integrators import INTEGRATORS as INTEGRATORS
     from beammodes.vibration.integrators import Integrator as Integrator
     from beammodes.vibration.linear import LinearModel as LinearModel

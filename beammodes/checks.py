@@ -12,6 +12,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from beammodes.numerics.arrays import Floats
+
 __all__ = [
     "MAX_ITEMS",
     "bounded",
@@ -230,7 +232,7 @@ def _is_real(item: object) -> bool:
     return isinstance(item, numbers.Real) and not isinstance(item, bool)
 
 
-def real_numbers(name: str, value: Any, *, finite: bool = True) -> NDArray[np.float64]:
+def real_numbers(name: str, value: Any, *, finite: bool = True) -> Floats:
     """Return real numbers, finite unless said otherwise, as an array of floats, of the shape that they have.
 
     Raises

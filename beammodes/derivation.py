@@ -13,7 +13,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 import scipy.linalg
 import sympy
-from numpy.typing import NDArray
 
 from beammodes.accuracy.error_table import labelled_errors
 from beammodes.chains.chain import Chain
@@ -22,6 +21,7 @@ from beammodes.checks import whole_number
 from beammodes.equations.numeric import compile_equations
 from beammodes.equations.symbolic import equations_of_motion
 from beammodes.exact.exact_beam import wavenumber
+from beammodes.numerics.arrays import Floats
 from beammodes.problem.beam import Beam
 from beammodes.problem.ends import Boundary, BoundaryLike
 from beammodes.vibration.linear import linearize
@@ -34,8 +34,6 @@ __all__ = ["derived_error_dataset", "wall_spring_weight"]
 
 #: Relative disagreement of two routes that cannot be rounding.
 ROUTES_AGREE = 1e-10
-
-Array = NDArray[np.float64]
 
 
 def derived_error_dataset(
@@ -99,7 +97,7 @@ def derived_error_dataset(
     return table.assign_attrs(disagreement=worst)
 
 
-def _point(chain: Chain, modes: int) -> tuple[Array, float]:
+def _point(chain: Chain, modes: int) -> tuple[Floats, float]:
     """Return the chain's first frequencies, NaN beyond its last, and the routes' largest disagreement."""
     assert chain.segments is not None
     rigid = chain.boundary.rigid_body_modes

@@ -5,8 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 
-from beammodes.accuracy.loads import LOADS
-from beammodes.accuracy.statics import beam_statics
+from beammodes.accuracy.statics import LOADS, beam_statics
 from beammodes.checks import choice, positive_real, real, shown, whole_number
 from beammodes.exact.beam_theory import euler_bernoulli
 from beammodes.problem.beam import Beam

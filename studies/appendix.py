@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 import beammodes as bm
-from beammodes.dynamics.plucked_beam import pinned_shape, plucked
+from beammodes.dynamics.superposition import pinned_shape, plucked
 from beammodes.exact.exact_beam import plain_modes
 from beammodes.views.plots import COLOURS, GREY, STYLE, label_along, label_line
 from beammodes.views.tables import csv_table, tidy_rows

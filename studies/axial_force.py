@@ -13,9 +13,8 @@ from matplotlib.lines import Line2D
 
 import beammodes as bm
 from beammodes.accuracy.buckling import buckling_dataset, buckling_load
-from beammodes.accuracy.comparison import chain_errors
-from beammodes.chains.axial_rule import axially_corrected
-from beammodes.chains.rules import AnyRule
+from beammodes.accuracy.error_table import chain_errors
+from beammodes.chains.rules import AnyRule, axially_corrected
 from beammodes.problem.loading import Load
 from beammodes.views.plots import COLOURS, GREY, STYLE, label_along, mark_point, method_style
 from beammodes.views.tables import csv_table, tidy_rows

@@ -19,8 +19,7 @@ from numpy.typing import NDArray
 
 import beammodes as bm
 from beammodes.dynamics.base_motion import BaseMotion
-from beammodes.dynamics.runge_kutta import runge_kutta
-from beammodes.dynamics.runs import Rate, Run
+from beammodes.dynamics.runs import Rate, Run, runge_kutta
 from beammodes.problem.loading import Load
 from beammodes.vibration.damping import Damping
 from beammodes.views.tables import markdown_table

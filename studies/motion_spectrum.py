@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 import beammodes as bm
-from beammodes.dynamics.initial_state import mode_start
+from beammodes.dynamics.simulation import mode_start
 from beammodes.views.plots import COLOURS, GREY, STYLE, label_along
 from beammodes.views.tables import csv_table, tidy_rows
 from studies import Progress

@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 import beammodes as bm
-from beammodes.accuracy.comparison import chain_errors
+from beammodes.accuracy.error_table import chain_errors
 from beammodes.problem.profiles import Table, value_at
 from beammodes.views.plots import COLOURS, GREY, STYLE, label_along, method_style
 from beammodes.views.tables import csv_table, tidy_rows

@@ -21,8 +21,8 @@ import matplotlib
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
-from beammodes.blas import one_thread
 from beammodes.files import write_atomically
+from beammodes.numerics.blas import one_thread
 from beammodes.views.plots import STYLE
 from studies import SLOWEST
 

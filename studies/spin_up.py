@@ -11,8 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 import beammodes as bm
-from beammodes.views.film import film_bytes, film_of
-from beammodes.views.motion_picture import plot_motion, seen_from
+from beammodes.views.animation import film_bytes, film_of, plot_motion, seen_from
 from beammodes.views.plots import COLOURS, STYLE
 from beammodes.views.tables import csv_table, tidy_rows
 from studies import Progress

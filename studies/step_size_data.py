@@ -9,8 +9,8 @@ import numpy as np
 import xarray
 
 import beammodes as bm
-from beammodes.dynamics.initial_state import mode_start
-from beammodes.dynamics.runge_kutta import Stepper, runge_kutta
+from beammodes.dynamics.runs import Stepper, runge_kutta
+from beammodes.dynamics.simulation import mode_start
 from beammodes.dynamics.step_trials import equal_start, largest_angles, modal_motion, variable_step_cost
 from beammodes.vibration.integrators import accuracy_limit
 from beammodes.vibration.stability import SAFE_CONSTANT, published_constants, step_constants

@@ -18,7 +18,7 @@ import mpmath
 import pytest
 
 from beammodes.chains.chain import Chain
-from beammodes.vibration.nodal import nodal_matrices
+from beammodes.vibration.linear import nodal_matrices
 
 # A loaded machine is slow, not wrong; a continuous check should fail for the change it checks only.
 hypothesis.settings.register_profile("beammodes", deadline=None, derandomize=bool(os.environ.get("CI")))

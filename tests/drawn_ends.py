@@ -6,7 +6,7 @@ import math
 
 from hypothesis import strategies as st
 
-from beammodes.problem.supports import End
+from beammodes.problem.ends import End
 
 #: Frozen, so that random tests draw what they drew when another rule is registered. Tests over every rule are
 #: parametrized by `RULES` instead.

@@ -15,11 +15,9 @@ from PIL import Image
 
 from beammodes.chains.chain import Chain
 from beammodes.dynamics.base_motion import BaseMotion, spin_up
-from beammodes.dynamics.initial_state import mode_start
-from beammodes.dynamics.simulation import simulate
+from beammodes.dynamics.simulation import mode_start, simulate
 from beammodes.problem.beam import Beam
-from beammodes.views.animation import animate
-from beammodes.views.motion_picture import plot_motion, seen_from
+from beammodes.views.animation import animate, plot_motion, seen_from
 
 BASE = BaseMotion(angle=spin_up(2.0, 1.0), hub_radius=0.3)
 

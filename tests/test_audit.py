@@ -9,10 +9,9 @@ import numpy as np
 import pytest
 
 import beammodes as bm
-from beammodes.accuracy.comparison import chain_errors
+from beammodes.accuracy.error_table import chain_errors
 from beammodes.accuracy.errors import frequency_error
-from beammodes.auditing.audit import UNKNOWN, Audit, audit_chain
-from beammodes.auditing.better_springs import _by_all_modes, _by_search
+from beammodes.auditing.audit import UNKNOWN, Audit, _by_all_modes, _by_search, audit_chain
 from beammodes.auditing.judged_pieces import JudgedPieces
 from beammodes.chains.chain import Chain
 from beammodes.chains.rules import RULES

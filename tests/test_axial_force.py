@@ -15,16 +15,14 @@ from hypothesis import assume, example, given, settings
 from hypothesis import strategies as st
 
 from beammodes.accuracy.buckling import buckling_dataset, buckling_load
-from beammodes.chains.axial_rule import axially_corrected
 from beammodes.chains.chain import Chain
-from beammodes.chains.rules import RULES
+from beammodes.chains.rules import RULES, axially_corrected
 from beammodes.equations.symbolic import equations_of_motion, symbolic_energies
 from beammodes.problem.beam import Beam
 from beammodes.problem.ends import ENDS, Boundary, End
 from beammodes.problem.loading import Load
-from beammodes.vibration.linear import linearize
+from beammodes.vibration.linear import linearize, nodal_matrices
 from beammodes.vibration.modes import solve_modes
-from beammodes.vibration.nodal import nodal_matrices
 
 INF, F = math.inf, Fraction
 UNIT = Beam.unit()

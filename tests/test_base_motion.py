@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from beammodes.dynamics.base_motion import BaseMotion, Course, at_rest, harmonic, spin_up
-from beammodes.dynamics.chain_state import base_vector
+from beammodes.dynamics.forward_dynamics import base_vector
 
 
 def assert_derivatives(course: Course, time: np.ndarray, scale: float) -> None:

@@ -15,13 +15,13 @@ from typing import Any
 import pytest
 
 from beammodes.__main__ import main
-from beammodes.accuracy.comparison import chain_errors
+from beammodes.accuracy.error_table import chain_errors
 from beammodes.chains.chain import Chain
 from beammodes.command_line.command_list import COMMANDS
-from beammodes.dynamics.damping_ratio import joint_dampers
 from beammodes.exporters.export import export_chain
 from beammodes.problem.beam import Beam
 from beammodes.problem.loading import Load
+from beammodes.vibration.damping import joint_dampers
 from beammodes.vibration.stability import stable_time_step
 
 BEAM = ["--length", "1.2", "--ei", "85", "--rho-a", "0.62", "--units", "SI"]

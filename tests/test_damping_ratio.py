@@ -13,12 +13,10 @@ from hypothesis import strategies as st
 
 from beammodes.chains.chain import Chain
 from beammodes.checks import shown
-from beammodes.dynamics.damping_ratio import damped_modes, joint_dampers
-from beammodes.dynamics.initial_state import mode_start
-from beammodes.dynamics.simulation import DivergedWarning, UnstableStepWarning, simulate
+from beammodes.dynamics.simulation import DivergedWarning, UnstableStepWarning, mode_start, simulate
 from beammodes.problem.beam import Beam
 from beammodes.problem.loading import Load
-from beammodes.vibration.damping import Damping
+from beammodes.vibration.damping import Damping, damped_modes, joint_dampers
 from beammodes.vibration.integrators import INTEGRATORS, stability_limit
 from beammodes.vibration.linear import linearize
 from beammodes.vibration.modes import solve_modes

@@ -14,7 +14,7 @@ import pytest
 from beammodes.chains.rules import RULES, Rule, Weight
 from beammodes.closed_form.discretization import relative_error
 from beammodes.closed_form.dispersion import chain_frequency
-from beammodes.closed_form.lookup import MAX_SEGMENTS
+from beammodes.closed_form.uniform import MAX_SEGMENTS
 from beammodes.problem.ends import BOUNDARIES, Boundary, End
 
 HALF = Fraction(1, 2)

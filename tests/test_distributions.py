@@ -9,7 +9,7 @@ import pytest
 import scipy.stats
 
 import beammodes as bm
-from beammodes.batch.distributions import uniform_samples
+from beammodes.batch.study_axes import uniform_samples
 
 COUNT = 20_000
 

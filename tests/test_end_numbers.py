@@ -10,10 +10,9 @@ import numpy as np
 import pytest
 
 import beammodes as bm
-from beammodes.accuracy.comparison import chain_errors
-from beammodes.accuracy.end_numbers import NUMBERS, in_beam_units
-from beammodes.accuracy.error_table import error_dataset
+from beammodes.accuracy.error_table import chain_errors, error_dataset
 from beammodes.accuracy.errors import frequency_error, segments_needed
+from beammodes.accuracy.grids import NUMBERS, in_beam_units
 from beammodes.chains.chain import Chain
 from beammodes.exact.beam_theory import euler_bernoulli
 from beammodes.problem.beam import Beam

@@ -14,12 +14,11 @@ import pytest
 import scipy.optimize
 
 from beammodes.chains.chain import Chain
-from beammodes.dynamics.damping_ratio import joint_dampers
 from beammodes.exporters.export import export_chain
 from beammodes.problem.beam import Beam
 from beammodes.problem.ends import BoundaryLike, End
 from beammodes.problem.loading import Load
-from beammodes.vibration.damping import Damping
+from beammodes.vibration.damping import Damping, joint_dampers
 from beammodes.vibration.linear import linearize
 from beammodes.vibration.modes import solve_modes
 from beammodes.vibration.stability import stable_time_step

@@ -18,7 +18,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from beammodes import __version__
-from beammodes.auditing.urdf_springs import read_springs
+from beammodes.auditing.read_urdf import read_springs
 from beammodes.chains.chain import Chain
 from beammodes.chains.rules import RULES
 from beammodes.exporters.chain_csv import csv_lines, read_chain_csv

@@ -13,10 +13,8 @@ import sympy
 from beammodes.chains.chain import Chain
 from beammodes.chains.rules import RULES
 from beammodes.dynamics.base_motion import BaseMotion, harmonic
-from beammodes.dynamics.chain_state import base_vector
-from beammodes.dynamics.forward_dynamics import forward_dynamics
-from beammodes.equations.coordinates import coordinate_names, moving_pieces, tip_names
-from beammodes.equations.mechanics import Algebra, energies
+from beammodes.dynamics.forward_dynamics import base_vector, forward_dynamics
+from beammodes.equations.mechanics import Algebra, coordinate_names, energies, moving_pieces, tip_names
 from beammodes.equations.numeric import compile_equations
 from beammodes.problem.beam import Beam
 from beammodes.problem.ends import ENDS

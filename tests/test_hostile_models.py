@@ -18,7 +18,7 @@ from hypothesis import strategies as st
 from beammodes.__main__ import main
 from beammodes.auditing.audit_model import audit_file
 from beammodes.auditing.bounded_xml import MAX_BYTES, MAX_DEPTH, MAX_ELEMENTS, read_xml
-from beammodes.auditing.urdf_springs import read_springs
+from beammodes.auditing.read_urdf import read_springs
 from beammodes.chains.chain import Chain
 from beammodes.exporters.export import export_chain
 from beammodes.problem.beam import Beam

@@ -11,9 +11,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from beammodes.chains.axial_rule import axially_corrected
 from beammodes.chains.chain import Chain
-from beammodes.chains.rules import RULES
+from beammodes.chains.rules import RULES, axially_corrected
 from beammodes.chains.units import ExactUnits
 from beammodes.equations.numeric import compile_equations
 from beammodes.equations.symbolic import equations_of_motion, symbolic_energies

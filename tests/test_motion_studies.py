@@ -12,8 +12,7 @@ from PIL import Image
 
 import beammodes as bm
 from beammodes.dynamics.base_motion import BaseMotion, harmonic, spin_up
-from beammodes.dynamics.plucked_beam import pinned_shape, plucked
-from beammodes.dynamics.superposition import modal_response
+from beammodes.dynamics.superposition import modal_response, pinned_shape, plucked
 from beammodes.exact.exact_beam import plain_modes
 from studies import motion_spectrum
 from studies.compare import rows_of

@@ -14,9 +14,8 @@ from beammodes.chains.chain import Chain
 from beammodes.exact.beam_theory import euler_bernoulli
 from beammodes.exact.spectral_beam import spectral_modes
 from beammodes.problem.beam import Beam
-from beammodes.problem.ends import Boundary
+from beammodes.problem.ends import Boundary, End
 from beammodes.problem.loading import Load
-from beammodes.problem.supports import End
 from beammodes.vibration.linear import linearize
 from beammodes.vibration.modes import solve_modes
 

@@ -19,7 +19,7 @@ from beammodes.accuracy.buckling import buckling_load
 from beammodes.accuracy.errors import frequency_error
 from beammodes.chains.chain import Chain
 from beammodes.chains.rules import RULES
-from beammodes.equations.coordinates import coordinate_names
+from beammodes.equations.mechanics import coordinate_names
 from beammodes.equations.numeric import compile_equations
 from beammodes.equations.symbolic import equations_of_motion, symbolic_energies
 from beammodes.exact.beam_theory import euler_bernoulli
@@ -27,9 +27,8 @@ from beammodes.problem.beam import Beam
 from beammodes.problem.ends import ENDS, Boundary, End
 from beammodes.problem.loading import Load
 from beammodes.vibration import modes as modes_module
-from beammodes.vibration.linear import linearize
+from beammodes.vibration.linear import linearize, nodal_deflections, nodal_matrices
 from beammodes.vibration.modes import Modes, solve_modes
-from beammodes.vibration.nodal import nodal_deflections, nodal_matrices
 from beammodes.vibration.stability import highest_angular_frequency
 
 INF, F = math.inf, Fraction

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from beammodes.chains.repeated import each_once, floats
+from beammodes.chains.pieces import each_once, floats
 
 RUNS = st.lists(st.tuples(st.fractions(-9, 9), st.integers(1, 50)), min_size=1, max_size=12)
 

@@ -17,8 +17,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import beammodes as bm
-from beammodes.chains.quadrature import end_defects
-from beammodes.chains.rules import RULES, Rule, Weight, rule_named
+from beammodes.chains.rules import RULES, Rule, Weight, end_defects, rule_named
 from beammodes.closed_form.discretization import relative_error
 from beammodes.problem.ends import BOUNDARIES, ENDS, Boundary
 

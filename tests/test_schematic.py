@@ -22,10 +22,9 @@ from matplotlib.patches import Circle, Polygon
 from matplotlib.text import Text
 
 import beammodes as bm
-from beammodes.views.end_symbols import body_of
 from beammodes.views.pose import pose_of
-from beammodes.views.spring_labels import spring_texts, support_texts
-from beammodes.views.symbols import GROUND_SPRING, SPRING
+from beammodes.views.schematic import spring_texts, support_texts
+from beammodes.views.symbols import GROUND_SPRING, SPRING, body_of
 from studies import schematics
 from studies.compare import study_differs
 

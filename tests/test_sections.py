@@ -18,15 +18,22 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.integrate import quad
 
-from beammodes.accuracy.comparison import SlendernessWarning, chain_errors, theory_errors
+from beammodes.accuracy.error_table import SlendernessWarning, chain_errors, theory_errors
 from beammodes.accuracy.statics import beam_statics
 from beammodes.chains.chain import Chain
 from beammodes.checks import shown
 from beammodes.exact.beam_theory import euler_bernoulli
 from beammodes.problem.beam import Beam
-from beammodes.problem.given_section import GivenSection, from_sectionproperties
 from beammodes.problem.materials import MODULI, elastic_modulus
-from beammodes.problem.sections import Box, Circle, ISection, Rectangle, Tube
+from beammodes.problem.sections import (
+    Box,
+    Circle,
+    GivenSection,
+    ISection,
+    Rectangle,
+    Tube,
+    from_sectionproperties,
+)
 from beammodes.vibration.linear import linearize
 from beammodes.vibration.modes import solve_modes
 

@@ -225,7 +225,7 @@ def interrupted(ran: subprocess.CompletedProcess[bytes]) -> None:
         "argparse",
         "numpy",
         "numpy.linalg",
-        "beammodes.closed_form.lookup",
+        "beammodes.closed_form.uniform",
         "beammodes.problem.ends",
     ],
 )

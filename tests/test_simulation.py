@@ -24,18 +24,17 @@ from scipy.special import ellipk
 from beammodes.chains.chain import Chain
 from beammodes.dynamics import runs
 from beammodes.dynamics.base_motion import BaseMotion, harmonic, spin_up
-from beammodes.dynamics.chain_state import base_vector
-from beammodes.dynamics.initial_state import mode_start
-from beammodes.dynamics.midpoint import implicit_midpoint, momentum_map
-from beammodes.dynamics.runge_kutta import runge_kutta
+from beammodes.dynamics.forward_dynamics import base_vector
+from beammodes.dynamics.runs import implicit_midpoint, momentum_map, runge_kutta
 from beammodes.dynamics.simulation import (
     METHODS,
     DivergedWarning,
     UnstableStepWarning,
     _check_memory,
+    mode_start,
     simulate,
 )
-from beammodes.equations.coordinates import coordinate_names
+from beammodes.equations.mechanics import coordinate_names
 from beammodes.problem.beam import Beam
 from beammodes.problem.loading import Load
 from beammodes.vibration.damping import Damping

@@ -18,8 +18,7 @@ from beammodes.exact.spectral_beam import SpectralBeamModes, spectral_buckling, 
 from beammodes.problem.beam import Beam
 from beammodes.problem.ends import BOUNDARIES, ENDS, Boundary, End
 from beammodes.problem.loading import Load
-from beammodes.problem.profiles import Table
-from beammodes.problem.smooth_parts import SAMPLES
+from beammodes.problem.profiles import SAMPLES, Table
 
 UNIT = Beam.unit()
 BEAM = Beam(length=1.7, bending_stiffness=83.0, mass_per_length=0.45)

@@ -13,17 +13,15 @@ import sympy
 from beammodes.accuracy.errors import frequency_error
 from beammodes.chains.chain import Chain
 from beammodes.chains.rules import RULES
-from beammodes.equations.coordinates import coordinate_names
+from beammodes.equations.mechanics import coordinate_names
 from beammodes.equations.numeric import compile_equations
 from beammodes.equations.symbolic import equations_of_motion, symbolic_energies
 from beammodes.exact.beam_theory import euler_bernoulli
 from beammodes.problem.beam import Beam
-from beammodes.problem.ends import Boundary
+from beammodes.problem.ends import Boundary, End
 from beammodes.problem.loading import Load
-from beammodes.problem.supports import End
-from beammodes.vibration.linear import linearize
+from beammodes.vibration.linear import linearize, nodal_deflections, nodal_matrices
 from beammodes.vibration.modes import solve_modes
-from beammodes.vibration.nodal import nodal_deflections, nodal_matrices
 
 UNIT = Beam.unit()
 HUB = ("clamped", End(mass=Fraction(1, 2), rotary_inertia=Fraction(1, 50), offset=Fraction(1, 10)))

@@ -12,15 +12,14 @@ import pytest
 import sympy
 from scipy.integrate import quad
 
-from beammodes.accuracy.static_errors import static_dataset
-from beammodes.accuracy.statics import LOADS, Response, Statics, beam_statics, chain_statics
+from beammodes.accuracy.statics import LOADS, Response, Statics, beam_statics, chain_statics, static_dataset
 from beammodes.chains.chain import Chain
 from beammodes.chains.rules import RULES, Rule, Weight
 from beammodes.problem.beam import Beam
 from beammodes.problem.ends import BOUNDARIES, ENDS, Boundary
 from beammodes.springs.inverse import match_springs, matched
 from beammodes.springs.tuning import mode_tuned
-from beammodes.vibration.nodal import nodal_deflections, nodal_matrices
+from beammodes.vibration.linear import nodal_deflections, nodal_matrices
 
 UNIT = Beam.unit()
 STEEL = Beam(length=1.2, bending_stiffness=85.0, mass_per_length=0.62)

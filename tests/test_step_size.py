@@ -14,8 +14,8 @@ import xarray
 from beammodes.chains.chain import Chain
 from beammodes.dynamics.base_motion import BaseMotion
 from beammodes.dynamics.forward_dynamics import forward_dynamics
-from beammodes.dynamics.initial_state import mode_start
-from beammodes.dynamics.runge_kutta import runge_kutta
+from beammodes.dynamics.runs import runge_kutta
+from beammodes.dynamics.simulation import mode_start
 from beammodes.dynamics.step_trials import equal_start, largest_angles, modal_motion, variable_step_cost
 from beammodes.problem.beam import Beam
 from beammodes.vibration.damping import Damping

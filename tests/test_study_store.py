@@ -18,8 +18,7 @@ import pytest
 
 import beammodes as bm
 import beammodes.files
-from beammodes.batch.evaluated import Evaluated, evaluate
-from beammodes.batch.store import difference, locked
+from beammodes.batch.store import Evaluated, difference, evaluate, locked
 
 GRID: dict[str, Any] = {
     "boundary": ["clamped-free", "clamped-clamped"],

@@ -16,19 +16,15 @@ from numpy.typing import NDArray
 from beammodes.chains.chain import Chain
 from beammodes.chains.rules import RULES, Rule, Weight
 from beammodes.closed_form import supported_chain
-from beammodes.closed_form.carried_planes import block_of, carried, closed
-from beammodes.closed_form.counted_brackets import CLOSEST, Counted, roots_between
+from beammodes.closed_form.carried_planes import block_of, carried, closed, row_of_rods
 from beammodes.closed_form.dispersion import chain_frequency
-from beammodes.closed_form.joined_blocks import joined
-from beammodes.closed_form.rod_row import row_of_rods
-from beammodes.closed_form.shortened_chain import shortened
-from beammodes.closed_form.supported_chain import supported_chain_frequencies
+from beammodes.closed_form.supported_chain import joined, shortened, supported_chain_frequencies
+from beammodes.numerics.counted_brackets import CLOSEST, Counted, roots_between
 from beammodes.problem.beam import Beam
 from beammodes.problem.ends import BOUNDARIES, Boundary, End
 from beammodes.problem.loading import Load
-from beammodes.vibration.linear import LinearModel, linearize
+from beammodes.vibration.linear import LinearModel, linearize, nodal_matrices
 from beammodes.vibration.modes import solve_modes
-from beammodes.vibration.nodal import nodal_matrices
 
 HALF = Fraction(1, 2)
 

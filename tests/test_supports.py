@@ -13,8 +13,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from beammodes.problem.ends import BOUNDARIES, ENDS, Boundary, End
-from beammodes.problem.supports import end_from_text
+from beammodes.problem.ends import BOUNDARIES, ENDS, Boundary, End, end_from_text
 
 INF = math.inf
 NAMES = ("translational_stiffness", "rotational_stiffness", "mass", "rotary_inertia", "offset")

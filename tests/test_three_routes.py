@@ -12,12 +12,12 @@ from sympy.physics import mechanics as sympy_mechanics
 
 from beammodes.chains.chain import Chain
 from beammodes.chains.rules import RULES
-from beammodes.equations.coordinates import coordinate_names
+from beammodes.equations.mechanics import coordinate_names
 from beammodes.equations.numeric import compile_equations
 from beammodes.equations.symbolic import EquationsOfMotion, equations_of_motion, symbolic_energies
 from beammodes.problem.beam import Beam
 from beammodes.problem.ends import BOUNDARIES, ENDS, Boundary
-from beammodes.vibration.nodal import nodal_deflections, nodal_matrices
+from beammodes.vibration.linear import nodal_deflections, nodal_matrices
 
 BOTH_ORDERS = [f"{left}-{right}" for left, right in itertools.product(ENDS, ENDS)]
 

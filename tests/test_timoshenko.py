@@ -14,10 +14,9 @@ import pytest
 import scipy.linalg
 
 import beammodes as bm
-from beammodes.exact.long_decimals import LONG
-from beammodes.exact.shear_beam import ShearBeam, shear_squares
-from beammodes.exact.timoshenko_beam import theory_error_of, timoshenko
+from beammodes.exact.timoshenko_beam import ShearBeam, shear_squares, theory_error_of, timoshenko
 from beammodes.exact.unit_beam import UnitBeam
+from beammodes.numerics.long_decimals import LONG
 from beammodes.problem.ends import BOUNDARIES, Boundary
 from beammodes.problem.loading import Load
 

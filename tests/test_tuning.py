@@ -20,11 +20,10 @@ from beammodes.problem.beam import Beam
 from beammodes.problem.ends import BOUNDARIES, Boundary
 from beammodes.springs.inverse import Matched, match_springs, matched
 from beammodes.springs.matched_springs import MatchedSprings, NoPositiveSprings
-from beammodes.springs.spring_conditions import Conditions, spring_state, symmetric_basis
+from beammodes.springs.matching import Conditions, spring_state, symmetric_basis
 from beammodes.springs.tuning import ModeTuned, mode_tuned
-from beammodes.vibration.linear import linearize
+from beammodes.vibration.linear import linearize, nodal_matrices
 from beammodes.vibration.modes import solve_modes
-from beammodes.vibration.nodal import nodal_matrices
 from beammodes.vibration.spectrum import flexibility_form
 from beammodes.vibration.stability import highest_angular_frequency, stable_time_step
 

@@ -16,7 +16,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import beammodes as bm
-from beammodes.accuracy.enough_segments import EnoughSegments
+from beammodes.accuracy.uncertainty import EnoughSegments
 from studies import uncertainty
 from studies.compare import study_differs
 

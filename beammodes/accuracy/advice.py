@@ -8,7 +8,6 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from beammodes.accuracy.errors import (
     MAX_MODES_SOUGHT,
@@ -23,14 +22,13 @@ from beammodes.chains.chain import Chain
 from beammodes.chains.rules import RULES, AnyRule, Layout, layout_of
 from beammodes.checks import bounded, shown, small_fraction, whole_number
 from beammodes.exact.beam_theory import euler_bernoulli
+from beammodes.numerics.arrays import Floats
 from beammodes.problem.beam import Beam
 from beammodes.problem.ends import Boundary, BoundaryLike
 from beammodes.vibration.integrators import INTEGRATORS, find_integrator, stability_limit
 from beammodes.vibration.linear import linearize
 from beammodes.vibration.modes import solve_modes
 from beammodes.vibration.stability import highest_angular_frequency
-
-Array = NDArray[np.float64]
 
 __all__ = ["Recommendation", "recommend"]
 
@@ -75,7 +73,7 @@ class Recommendation:
 
     rule: str
     segments: int
-    joint_stiffness: NDArray[np.float64]
+    joint_stiffness: Floats
     largest_error: float
     static_error: dict[str, float]
     highest_angular_frequency: float
@@ -178,7 +176,7 @@ class _Judge(NamedTuple):
     beam: Beam
     boundary: Boundary
     tolerance: float
-    exact: Array
+    exact: Floats
     theory_error: float
 
     @classmethod
@@ -195,7 +193,7 @@ class _Judge(NamedTuple):
         """How many modes are wanted."""
         return len(self.exact)
 
-    def errors(self, record: Layout, segments: int) -> Array:
+    def errors(self, record: Layout, segments: int) -> Floats:
         """Return the chain's errors, NaN where it has no such mode or the rule no springs."""
         if self.beam.is_uniform and not self.beam.has_rotary_inertia:
             mode = np.arange(1, self.modes + 1)

@@ -7,13 +7,13 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, overload
 
 import numpy as np
-from numpy.typing import NDArray
 
 from beammodes.accuracy.grids import ChainGrid
 from beammodes.chains.chain import Chain
 from beammodes.chains.pieces import MAX_PIECES
 from beammodes.chains.rules import AnyRule
 from beammodes.checks import shown
+from beammodes.numerics.arrays import Floats
 from beammodes.problem.beam import Beam
 from beammodes.problem.ends import Boundary, BoundaryLike
 from beammodes.vibration.modes import MAX_DENSE
@@ -176,7 +176,7 @@ def _iterated_steepest(form: FlexibilityForm) -> float:
 
     size = len(form.flexibility_root)
 
-    def steepness(w: NDArray[np.float64]) -> NDArray[np.float64]:
+    def steepness(w: Floats) -> Floats:
         return form.allowed(form.geometric(form.allowed(w.reshape(size, -1))))
 
     operator = LinearOperator((size, size), matvec=steepness, matmat=steepness, dtype=np.float64)

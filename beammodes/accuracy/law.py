@@ -39,13 +39,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from beammodes.accuracy.grids import last_failing, segment_grid
-from beammodes.chains.quadrature import CANCELLED, HIGHEST_ORDER
-from beammodes.chains.rules import RuleLike, RuleMaker, rule_named
+from beammodes.chains.rules import CANCELLED, HIGHEST_ORDER, RuleLike, RuleMaker, rule_named
 from beammodes.checks import positive_real, whole_number
 from beammodes.closed_form.discretization import relative_error
-from beammodes.closed_form.lookup import MAX_SEGMENTS
-from beammodes.exact.exact_beam import BeamModes, plain_modes
-from beammodes.exact.wavenumbers import whole_numbers
+from beammodes.closed_form.uniform import MAX_SEGMENTS
+from beammodes.exact.exact_beam import BeamModes, plain_modes, whole_numbers
+from beammodes.numerics.arrays import Floats
 from beammodes.problem.beam import Beam
 from beammodes.problem.ends import Boundary, BoundaryLike
 
@@ -67,7 +66,7 @@ class ErrorLaw:
     order: int
     coefficient: float
 
-    def at(self, segments: int | NDArray[np.integer]) -> NDArray[np.float64]:
+    def at(self, segments: int | NDArray[np.integer]) -> Floats:
         """Return  coefficient / N**order.
 
         Examples

@@ -8,8 +8,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from beammodes.accuracy.errors import frequency_error
-from beammodes.chains.axial_rule import axially_corrected
-from beammodes.chains.rules import RULES, AnyRule, Layout, Rule, RuleMaker, layout_of
+from beammodes.chains.rules import RULES, AnyRule, Layout, Rule, RuleMaker, axially_corrected, layout_of
 from beammodes.checks import whole_number
 from beammodes.problem.ends import Boundary, BoundaryLike, End
 from beammodes.problem.loading import Load, checked_load

@@ -11,13 +11,14 @@ from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from beammodes.accuracy.grids import ChainGrid
 from beammodes.chains.chain import MAX_PIECES, Chain
 from beammodes.chains.rules import AnyRule
 from beammodes.checks import real_numbers, shown, whole_number
 from beammodes.exact.beam_theory import euler_bernoulli
+from beammodes.numerics.arrays import Floats
 from beammodes.problem.ends import BoundaryLike
 from beammodes.vibration.linear import linearize
 from beammodes.vibration.modes import solve_modes
@@ -37,10 +38,8 @@ _LABELS = {
     "largest_deviation": "largest deviation of the chain's mode over the beam's largest deflection",
 }
 
-Array = NDArray[np.float64]
 
-
-def modal_assurance(a: ArrayLike, b: ArrayLike, mass: ArrayLike | None = None) -> Array:
+def modal_assurance(a: ArrayLike, b: ArrayLike, mass: ArrayLike | None = None) -> Floats:
     """Return the modal assurance criterion of every pair of two sets of mode shapes.
 
     MAC = |aᵀ M b|² / ((aᵀ M a) (bᵀ M b))
@@ -154,7 +153,7 @@ def shape_dataset(
     )
 
 
-def _deviations(chain: Chain, modes: int) -> Array:
+def _deviations(chain: Chain, modes: int) -> Floats:
     """Return assurance deficit and largest deviation of the modes that the chain has, shape (2, modes)."""
     found = solve_modes(linearize(chain), modes)
     has_length = chain.length > 0
@@ -172,7 +171,7 @@ def _deviations(chain: Chain, modes: int) -> Array:
     return np.array([apart**2 @ weight / norm, largest])
 
 
-def _array(name: str, value: ArrayLike, *dimensions: int) -> Array:
+def _array(name: str, value: ArrayLike, *dimensions: int) -> Floats:
     array = real_numbers(name, value)
     if array.ndim not in dimensions or not array.size:
         allowed = " or ".join(map(str, dimensions))
@@ -182,7 +181,7 @@ def _array(name: str, value: ArrayLike, *dimensions: int) -> Array:
     return array
 
 
-def _mass(mass: ArrayLike | None, nodes: int) -> Array:
+def _mass(mass: ArrayLike | None, nodes: int) -> Floats:
     weight = np.ones(nodes) if mass is None else _array("mass", mass, 1, 2)
     if set(weight.shape) != {nodes}:
         raise ValueError(f"mass must have shape ({nodes},) or ({nodes}, {nodes}), got {weight.shape}")
@@ -192,12 +191,12 @@ def _mass(mass: ArrayLike | None, nodes: int) -> Array:
     return weight / largest if largest else weight
 
 
-def _weighed(shapes: Array, weight: Array) -> Array:
+def _weighed(shapes: Floats, weight: Floats) -> Floats:
     """Return M aᵀ, shape (nodes, modes)."""
     return np.asarray(weight @ shapes.T if weight.ndim == 2 else weight[:, None] * shapes.T)
 
 
-def _of_unit_modal_mass(name: str, shapes: Array, weight: Array) -> Array:
+def _of_unit_modal_mass(name: str, shapes: Floats, weight: Floats) -> Floats:
     largest = np.abs(shapes).max(axis=1, keepdims=True)
     scaled = shapes / np.where(largest, largest, 1.0)
     modal_mass = np.einsum("ij,ji->i", scaled, _weighed(scaled, weight))

@@ -17,23 +17,152 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
 from fractions import Fraction
 from itertools import accumulate
-from typing import Any
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from beammodes.accuracy.loads import LOADS, Loads, Response, Statics, at_tip, unit_loads, without_rigid_motion
-from beammodes.chains.chain import Chain, Number, Units
+from beammodes.accuracy.grids import ChainGrid
+from beammodes.chains.chain import MAX_PIECES, Chain, Number, Units
+from beammodes.chains.rules import AnyRule
 from beammodes.checks import choice, shown
+from beammodes.numerics.arrays import Floats
 from beammodes.problem.beam import Beam
-from beammodes.problem.ends import Boundary, BoundaryLike
+from beammodes.problem.ends import BOUNDARIES, Boundary, BoundaryLike
 from beammodes.problem.profiles import profile_parts, value_at
 
-Array = NDArray[np.float64]
+if TYPE_CHECKING:
+    import xarray
 
-__all__ = ["LOADS", "Response", "Statics", "beam_statics", "chain_statics"]
+__all__ = [
+    "LENGTHS",
+    "LOADS",
+    "STATIC_QUANTITIES",
+    "Loads",
+    "Response",
+    "Statics",
+    "at_tip",
+    "beam_statics",
+    "chain_static_errors",
+    "chain_statics",
+    "static_dataset",
+    "unit_loads",
+    "without_rigid_motion",
+]
+
+
+# Static loads and the response to one of them: what the beam's and the chain's statics have in common.
+#
+# Both are seen with the firmer end at x = 0 and the *tip*, the less firm end, at x = L; deflections, forces
+# and
+# distributed load point up, rotations and moments are counter-clockwise. Loads are of unit size.
+
+Loads = tuple[Fraction, Fraction, Fraction]
+
+
+# The power of a length in the rotation that a load causes; deflections have one more.
+LENGTHS = MappingProxyType({"tip_force": 1, "tip_moment": 0, "uniform_load": 2})
+
+
+#: The loads: a force or a moment at the tip, or a load spread evenly over the whole length.
+LOADS: tuple[str, ...] = tuple(LENGTHS)
+
+
+class Response(NamedTuple):
+    """Deflection and rotation at the tip, NaN where the tip is held, and deflection at midspan."""
+
+    deflection: Number
+    rotation: Number
+    midspan_deflection: Number
+
+
+@dataclass(frozen=True, slots=True, repr=False)
+class Statics:
+    """Response to a load of unit size, 1 N, 1 N m or 1 N/m; `beam_statics` and `chain_statics` make it.
+
+    Parameters
+    ----------
+    load : str
+        One of `LOADS`.
+    units : Units
+        What one stands for in `own`: L and EI/L of a beam, the chain's own units of a chain.
+    own : Response
+        The response in these units, in which a beam and a chain made by a rule are exact fractions.
+
+    Examples
+    --------
+    >>> from beammodes.problem.beam import Beam
+    >>> from beammodes.accuracy.statics import beam_statics
+    >>> beam = Beam(length=2.0, bending_stiffness=80.0, mass_per_length=1.0)
+    >>> sag = beam_statics(beam, "clamped-free", "tip_force")
+    >>> sag.own.deflection, sag.deflection                          # F L³ / (3 EI)
+    (Fraction(1, 3), 0.03333333333333333)
+    >>> print(sag)
+    Statics(tip_force of 1 N: deflection 0.0333333 m, rotation 0.025 rad, midspan deflection 0.0104167 m)
+    """
+
+    load: str
+    units: Units
+    own: Response
+
+    @property
+    def deflection(self) -> float:
+        """Deflection of the tip [m]; NaN where the tip's deflection is held."""
+        return self._physical(self.own.deflection, 1)
+
+    @property
+    def rotation(self) -> float:
+        """Rotation of the tip [rad]; NaN where the tip's rotation is held."""
+        return self._physical(self.own.rotation, 0)
+
+    @property
+    def midspan_deflection(self) -> float:
+        """Deflection half way between the ends [m]."""
+        return self._physical(self.own.midspan_deflection, 1)
+
+    def __repr__(self) -> str:
+        one = {"tip_force": "1 N", "tip_moment": "1 N m", "uniform_load": "1 N/m"}[self.load]
+        values = (
+            ("deflection", self.deflection, "m"),
+            ("rotation", self.rotation, "rad"),
+            ("midspan deflection", self.midspan_deflection, "m"),
+        )
+        told = (f"{name} {value:.6g} {unit}" for name, value, unit in values if not math.isnan(value))
+        return f"Statics({self.load} of {one}: {', '.join(told)})"
+
+    def _physical(self, value: Number, lengths: int) -> float:
+        # A product leaves the range of doubles as inf, where a power would raise an unhelpful error.
+        scale = math.prod([self.units.length] * (LENGTHS[self.load] + lengths))
+        return float(value) * scale / self.units.stiffness
+
+
+def without_rigid_motion(boundary: Boundary) -> Boundary:
+    """Return `boundary`, or raise ValueError if it has elastic supports or lets the beam move."""
+    if boundary.left.is_elastic or boundary.right.is_elastic:
+        raise ValueError(f"boundary must hold its ends or leave them free, not on springs, got {boundary}")
+    if boundary.rigid_body_modes:
+        firm = ", ".join(pair.name for pair in BOUNDARIES if not pair.rigid_body_modes)
+        raise ValueError(f"boundary must hold the beam still ({firm}), got {shown(boundary.name)}")
+    return boundary
+
+
+def unit_loads(load: str) -> Loads:
+    """Return tip force, tip moment and load per length."""
+    force, moment, spread = (Fraction(name == load) for name in LOADS)
+    return force, moment, spread
+
+
+def at_tip(boundary: Boundary, deflection: Number, rotation: Number, midspan: Number) -> Response:
+    """Return the response of a beam or chain, leaving out what its tip holds."""
+    tip = boundary.right
+    return Response(
+        math.nan if tip.holds_deflection else deflection,
+        math.nan if tip.holds_rotation else rotation,
+        midspan,
+    )
 
 
 def beam_statics(beam: Beam, boundary: BoundaryLike, load: str) -> Statics:
@@ -160,7 +289,7 @@ def _integrated_response(beam: Beam, pair: Boundary, load: str) -> Response:
     )
 
 
-def _gauss_points(edges: Array, points: int) -> tuple[Array, Array]:
+def _gauss_points(edges: Floats, points: int) -> tuple[Floats, Floats]:
     """Return positions and weights on 0 to 1, so many between any two edges."""
     node, plain = np.polynomial.legendre.leggauss(points)
     half = 0.5 * np.diff(edges)
@@ -247,3 +376,87 @@ def _solved(rows: Sequence[Sequence[Any]], rest: Sequence[Any]) -> list[Any]:
             if i != k:
                 table[i] = [value - row[k] * pivot for value, pivot in zip(row, table[k], strict=True)]
     return [row[-1] for row in table]
+
+
+# Static errors of chains as one labelled table.
+
+#: What bends under a static load, as datasets name its relative error with "_error" after it.
+STATIC_QUANTITIES = ("tip_deflection", "tip_rotation", "midspan_deflection")
+
+
+def static_dataset(
+    *,
+    boundary: BoundaryLike | Iterable[BoundaryLike],
+    segments: int | Iterable[int],
+    rule: AnyRule | Iterable[AnyRule] = "mitiguy",
+) -> xarray.Dataset:
+    """Return static errors of chains as one labelled table; they need no beam, its numbers scale out.
+
+    e = y_chain / y_beam - 1
+
+    Parameters
+    ----------
+    boundary : boundary, or iterable of boundaries
+        Without rigid-body motion.
+    segments : int, or iterable of int
+    rule : rule, or iterable of rules
+
+    Returns
+    -------
+    xarray.Dataset
+        Dimensions rule, boundary, segments, static_load; variables tip_deflection_error, tip_rotation_error
+        and midspan_deflection_error, signed and relative; NaN where the tip is held, where the load moves
+        no beam, and where a rule gives no positive springs.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If an argument is not of its kind or outside its range.
+
+    Examples
+    --------
+    >>> table = static_dataset(boundary="clamped-free", segments=[4, 10], rule=["mitiguy", "naive"])
+    >>> table.tip_deflection_error.sel(static_load="tip_force").squeeze().values
+    array([[0.     , 0.     ],
+           [0.40625, 0.155  ]])
+    """
+    import xarray
+
+    from beammodes import __version__
+
+    grid = ChainGrid.of(boundary, segments, rule, MAX_PIECES)
+    for pair in grid.boundaries:
+        without_rigid_motion(pair)
+    errors = np.full((3, *grid.shape, len(LOADS)), np.nan)
+    for index, chain in grid.chains():
+        errors[:, *index, :] = np.transpose([chain_static_errors(chain, load) for load in LOADS])
+    dims = ("rule", "boundary", "segments", "static_load")
+    labels = {
+        name: f"relative error of the chain's static {name.replace('_', ' ')}" for name in STATIC_QUANTITIES
+    }
+    return xarray.Dataset(
+        {
+            f"{name}_error": (dims, error, {"long_name": label, "units": "1"})
+            for (name, label), error in zip(labels.items(), errors, strict=True)
+        },
+        coords={**grid.coordinates(), "static_load": list(LOADS)},
+        attrs={"source": f"beammodes {__version__}", "route": "equilibrium in exact fractions"},
+    )
+
+
+def chain_static_errors(chain: Chain, load: str) -> list[float]:
+    """Return the error of each of `STATIC_QUANTITIES` of a rule's chain, rounded once from its exact value.
+
+    Examples
+    --------
+    >>> chain_static_errors(Chain(Beam.unit(), "clamped-free", 4, "naive"), "tip_force")[0]
+    0.40625
+    """
+    assert chain.segments is not None  # A rule made it.
+    scale = Fraction(chain.segments) ** (LENGTHS[load] + 1)
+    exact = beam_statics(Beam.unit(), chain.boundary, load).own
+    factors = (scale * chain.segments, scale, scale * chain.segments)
+    return [
+        float(ours / (theirs * factor) - 1) if theirs else math.nan
+        for ours, theirs, factor in zip(chain_statics(chain, load).own, exact, factors, strict=True)
+    ]

@@ -6,35 +6,164 @@ beam's frequencies differ from computed ones; they are not counted here.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from beammodes.accuracy.end_numbers import in_beam_units
-from beammodes.accuracy.tolerances import Tolerance, dimensions_of, given_tolerances
-from beammodes.checks import bounded, positive_real, real, shown, whole_number
+from beammodes.accuracy.errors import frequency_error, segments_needed
+from beammodes.accuracy.grids import in_beam_units
+from beammodes.chains.rules import AnyRule, layout_of
+from beammodes.checks import bounded, choice, positive_real, real, shown, whole_number
 from beammodes.exact.beam_theory import euler_bernoulli
+from beammodes.numerics.arrays import Floats
 from beammodes.problem.beam import Beam
 from beammodes.problem.ends import Boundary, BoundaryLike
-from beammodes.problem.section_shape import Section
+from beammodes.problem.sections import Section, Tube
 
 if TYPE_CHECKING:
     import xarray
 
-__all__ = ["MAX_MODES", "MAX_SAMPLES", "frequency_spread"]
+__all__ = [
+    "MAX_MODES",
+    "MAX_SAMPLES",
+    "EnoughSegments",
+    "Tolerance",
+    "dimensions_of",
+    "frequency_spread",
+    "given_tolerances",
+    "segments_within_spread",
+]
+
+
+# Tolerances of a beam's material and dimensions: how they are distributed, and of what they may be.
+
+#: Wider ones would make beams of no thickness, or of a negative one.
+_WIDEST = {"uniform": 1.0, "normal": 0.1}
+
+
+@dataclass(frozen=True, slots=True)
+class Tolerance:
+    """How far a number may be from its nominal value, as a fraction of it.
+
+    Parameters
+    ----------
+    size : float
+        Half the width of a uniform distribution, less than 1, or the standard deviation of a normal one, at
+        most 0.1.
+    distribution : str
+        "uniform" or "normal".
+
+    Raises
+    ------
+    TypeError, ValueError
+        If `size` is no real number greater than 0 and within its limit, or the distribution is unknown.
+
+    Examples
+    --------
+    >>> Tolerance(0.03).standard_deviation == 0.03 / math.sqrt(3)
+    True
+    """
+
+    size: float
+    distribution: str = "uniform"
+
+    def __post_init__(self) -> None:
+        choice("distribution", self.distribution, _WIDEST)
+        size, widest = positive_real("size", self.size), _WIDEST[self.distribution]
+        if size > widest or size == 1.0:
+            raise ValueError(
+                f"size must be {'less than 1' if widest == 1.0 else f'at most {widest}'} "
+                f"for a {self.distribution} distribution, got {shown(self.size)}"
+            )
+        object.__setattr__(self, "size", size)
+
+    @property
+    def standard_deviation(self) -> float:
+        """σ over the nominal value."""
+        return self.size / math.sqrt(3) if self.distribution == "uniform" else self.size
+
+    def factors(self, generator: np.random.Generator, count: int) -> Floats:
+        """Return random multiples of the nominal value, shape (count,)."""
+        if self.distribution == "uniform":
+            return generator.uniform(1 - self.size, 1 + self.size, count)
+        return generator.normal(1.0, self.size, count)
+
+    def __str__(self) -> str:
+        return (
+            f"{self.distribution} {'±' if self.distribution == 'uniform' else 'σ = '}{100 * self.size:.3g} %"
+        )
+
+
+def dimensions_of(section: Section) -> dict[str, float]:
+    """Return a section's dimensions by name, as its class takes them; none of one from elsewhere.
+
+    Raises
+    ------
+    TypeError
+        If it lacks an area or a second moment.
+
+    Examples
+    --------
+    >>> dimensions_of(Tube(0.05, wall=0.002))
+    {'outer': 0.05, 'wall': 0.002}
+    """
+    for name in ("area", "second_moment"):
+        if not hasattr(section, name):
+            raise TypeError(f"section must have its {name}, got {shown(section)}")
+    if not hasattr(section, "__dataclass_fields__"):
+        return {}
+    # A tube takes two of its three numbers; its wall keeps the digits of a thin one.
+    kept: Any = section
+    return {f.name: float(getattr(kept, f.name)) for f in fields(kept) if not _redundant(section, f.name)}
+
+
+def _redundant(section: Section, name: str) -> bool:
+    return isinstance(section, Tube) and name == "inner"
+
+
+def given_tolerances(given: Any, values: Mapping[str, float]) -> dict[str, Tolerance]:
+    """Return the tolerances that a mapping gives, each of one of the named values.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If it is no mapping, empty, or names or sizes are not allowed.
+    """
+    if not isinstance(given, Mapping):
+        raise TypeError(f"tolerances must map names to numbers, got {shown(given)}")
+    if not given:
+        raise ValueError(f"tolerances must name at least one of {', '.join(values)}, got none")
+    found = {}
+    for name, part in given.items():
+        choice("name of a tolerance", name, values)
+        try:
+            found[name] = part if isinstance(part, Tolerance) else Tolerance(part)
+        except (TypeError, ValueError) as error:
+            raise type(error)(f"tolerance of {name}: {error}") from None
+    return found
+
 
 #: More samples than this would be a mistake: the third digit of a band takes a hundredth of them.
 MAX_SAMPLES = 1_000_000
+
+
 MAX_MODES = 100
+
+
 MAX_QUANTILES = 10_000
+
+
 #: Relative step of the differences that give the sensitivities.
 _STEP = 1e-4
-_BAND = (0.025, 0.975)
-_MATERIAL = ("elastic_modulus", "density", "length")
 
-Array = NDArray[np.float64]
+
+_BAND = (0.025, 0.975)
+
+
+_MATERIAL = ("elastic_modulus", "density", "length")
 
 
 def frequency_spread(
@@ -114,7 +243,7 @@ def frequency_spread(
         raise TypeError(f"progress must be a function or None, got {shown(progress)}")
     factors = {name: part.factors(generator, count) for name, part in given.items()}
 
-    def frequencies(changed: dict[str, float]) -> Array:
+    def frequencies(changed: dict[str, float]) -> Floats:
         return euler_bernoulli(_beam(section, values | changed), ends, wanted).frequency
 
     centre = frequencies({})
@@ -151,15 +280,15 @@ def _levels(quantiles: Any) -> list[float]:
     return levels
 
 
-def _sensitivity(frequencies: Callable[[dict[str, float]], Array], name: str, value: float) -> Array:
+def _sensitivity(frequencies: Callable[[dict[str, float]], Floats], name: str, value: float) -> Floats:
     low, high = (np.log(frequencies({name: value * factor})) for factor in (1 - _STEP, 1 + _STEP))
     return np.asarray((high - low) / np.log((1 + _STEP) / (1 - _STEP)))
 
 
 def _labelled(
-    centre: Array,
-    drawn: Array,
-    steep: Array,
+    centre: Floats,
+    drawn: Floats,
+    steep: Floats,
     levels: list[float],
     given: Mapping[str, Tolerance],
     attributes: dict[str, Any],
@@ -198,3 +327,91 @@ def _labelled(
         },
         attrs={"source": f"beammodes {__version__}", **attributes},
     )
+
+
+# How many segments are enough for a beam whose own frequencies are known only so well.
+#
+# A chain's error well inside what the beam's tolerances leave open is not worth more segments.
+
+
+@dataclass(frozen=True)
+class EnoughSegments:
+    """How many segments keep a chain's error inside the spread of the beam itself; `str` says it.
+
+    Attributes
+    ----------
+    rule : str
+    segments : int
+    modes : int
+    largest_error : float
+        Largest |e| of those modes with that many segments.
+    half_width : float
+        Of the beam's own 95 % band, in the mode in which it is narrowest.
+    fraction : float
+        What part of that the error may be.
+    """
+
+    rule: str
+    segments: int
+    modes: int
+    largest_error: float
+    half_width: float
+    fraction: float
+
+    def __str__(self) -> str:
+        which = "mode 1" if self.modes == 1 else f"modes 1 to {self.modes}"
+        return (
+            f"{self.segments} segments by rule {self.rule} are enough: their error in {which}, at most "
+            f"{100 * self.largest_error:.2g} %, stays below {100 * self.fraction:.0f} % of what the beam "
+            f"itself leaves open, ±{100 * self.half_width:.2g} % (95 %)"
+        )
+
+
+def segments_within_spread(
+    spread: xarray.Dataset, rule: AnyRule = "mitiguy", *, fraction: float = 1 / 3
+) -> EnoughSegments:
+    """Return the fewest segments whose error stays below a fraction of the beam's own spread.
+
+        N = min { n : |e_k(n')| ≤ fraction · U for all n' ≥ n and every mode k }
+
+    U is half the width of the 95 % band, of the narrowest mode. At a third of it the error, added as an
+    independent one, widens the band by 5 %: √(1 + 1/9).
+
+    Parameters
+    ----------
+    spread : xarray.Dataset
+        From `frequency_spread`, whose modes and ends count.
+    rule : str or Rule
+    fraction : float
+        Greater than 0 and at most 1.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If an argument is not of its kind, or no chain of up to 10⁹ segments is that good.
+
+    Examples
+    --------
+    >>> from beammodes.accuracy.uncertainty import frequency_spread
+    >>> from beammodes.problem.sections import Rectangle
+    >>> spread = frequency_spread(Rectangle(0.06, 0.02), "clamped-free", {"height": 0.025}, samples=1000,
+    ...                           elastic_modulus=207e9, density=7850.0, length=1.0)
+    >>> print(segments_within_spread(spread, "gregory"))
+    9 segments by rule gregory are enough: their error in modes 1 to 3, at most 0.41 %, stays below 33 % of
+    what the beam itself leaves open, ±2.4 % (95 %)
+    """
+    import xarray
+
+    if not isinstance(spread, xarray.Dataset) or "half_width" not in spread or "boundary" not in spread.attrs:
+        raise TypeError(
+            f"spread must be a Dataset from frequency_spread(), got {shown(type(spread).__name__)}"
+        )
+    part = positive_real("fraction", fraction)
+    if not 1e-12 <= part <= 1.0:
+        raise ValueError(f"fraction must be at least 1e-12 and at most 1, got {shown(fraction)}")
+    width, modes = float(spread.half_width.min()), spread.sizes["mode"]
+    boundary: str = spread.attrs["boundary"]
+    count = segments_needed(boundary, part * width, modes, rule)
+    mode = np.arange(1, modes + 1)
+    error = np.abs(frequency_error(boundary, segments=count, mode=mode, rule=rule))
+    return EnoughSegments(layout_of(rule).name, count, modes, float(error.max()), width, part)

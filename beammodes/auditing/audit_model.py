@@ -9,38 +9,38 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
-from beammodes.auditing.audit import UNKNOWN, Audit, StepVerdict, audit_chain
-from beammodes.auditing.better_springs import listed_errors
+from beammodes.auditing.audit import UNKNOWN, Audit, StepVerdict, audit_chain, listed_errors
 from beammodes.auditing.body_tree import FileStep, Model
 from beammodes.auditing.bounded_xml import BadModel, read_xml
-from beammodes.auditing.far_ties import far_end
-from beammodes.auditing.file_dynamics import longest_step
-from beammodes.auditing.hinge_line import (
-    Frame,
-    RootSupport,
-    bending_carrier,
-    floats,
-    frame_of,
-    root_support,
-    shared_hub,
+from beammodes.auditing.judged_pieces import longest_step
+from beammodes.auditing.model_ends import (
+    JudgedChain,
+    Piece,
+    PlanarChain,
+    Spring,
+    judged_chains,
+    with_wall_hinges,
 )
-from beammodes.auditing.model_ends import JudgedChain, judged_chains
-from beammodes.auditing.planar_chain import planar_chain
+from beammodes.auditing.planar_chain import far_end, planar_chain
 from beammodes.auditing.read_mjcf import read_mjcf, with_includes
 from beammodes.auditing.read_sdf import read_sdf
-from beammodes.auditing.read_urdf import read_urdf
-from beammodes.auditing.rigid_pieces import Piece, PlanarChain, Spring, with_wall_hinges
+from beammodes.auditing.read_urdf import read_springs, read_urdf
 from beammodes.auditing.serial_chains import (
+    Frame,
     HingePath,
+    RootSupport,
     about_one_axis,
+    bending_carrier,
     chosen_path,
+    floats,
+    frame_of,
     hinge_paths,
+    root_support,
+    shared_hub,
     shown_axes,
     with_inner_motors_held,
 )
-from beammodes.auditing.urdf_springs import read_springs
 from beammodes.chains.chain import Chain
 from beammodes.checks import choice, shown, small_fraction
 from beammodes.exporters.chain_csv import read_chain_csv
@@ -50,7 +50,6 @@ from beammodes.problem.loading import Load
 
 __all__ = ["audit_file"]
 
-Array = NDArray[np.float64]
 
 _LISTED = 5
 #: Longer chains take minutes.

@@ -11,34 +11,132 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from beammodes.auditing.file_dynamics import damping_ratios, with_armature
+from beammodes.auditing.body_tree import FileStep
 from beammodes.chains.chain import Chain, Number
 from beammodes.chains.pieces import piece_numbers
 from beammodes.chains.rules import RULES, Rule
 from beammodes.checks import shown, whole_number
 from beammodes.exact.beam_theory import euler_bernoulli
+from beammodes.numerics.arrays import Floats
 from beammodes.problem.beam import Beam
 from beammodes.problem.ends import Boundary
+from beammodes.problem.loading import Load
 from beammodes.problem.profiles import mean_over
+from beammodes.vibration.damping import Damping, ModalDamping, damped_eigenvalues, damped_pairs
+from beammodes.vibration.integrators import fixed_step_integrator
 from beammodes.vibration.linear import linearize
-from beammodes.vibration.modes import solve_modes
+from beammodes.vibration.modes import MAX_DENSE, solve_modes
+from beammodes.vibration.stability import modal_time_step, stable_time_step, taut_load
 
-__all__ = ["UNKNOWN", "Found", "JudgedPieces", "percent"]
+__all__ = ["UNKNOWN", "Found", "JudgedPieces", "damping_ratios", "longest_step", "percent", "with_armature"]
+
+
+# How a chain swings in its file: with the armature and dampers of its hinges, at the file's time step.
+#
+# In undamped modes of unit modal mass hinges turn by  r = R p, and with their armature a and damping d
+#
+#     (1 + Rᵀ a R) p'' + Rᵀ d R p' + Ω² p = 0.
+#
+# Rigid-body motions turn no hinge, so they take no part.
+
+
+def with_armature(
+    chain: Chain, armature: Floats, damping: Floats | None = None, load: Load | None = None
+) -> ModalDamping:
+    """Return a chain's modes with the armature and the damping of its hinges.
+
+    Parameters
+    ----------
+    chain : Chain
+        Of at most 500 hinges.
+    armature, damping : ndarray, shape (hinges,) [kg m²], [N m s/rad]
+        Of hinges as given: one that is in series with a support's spring must have neither.
+    load : Load, optional
+        One that leaves the chain straight.
+
+    Raises
+    ------
+    ValueError
+        If the chain is longer, or a hinge with armature is in series with a support's spring.
+    """
+    if len(armature) > MAX_DENSE:
+        raise ValueError(f"armature must be 0 in chains of more than {MAX_DENSE} hinges, got {len(armature)}")
+    modes = solve_modes(linearize(chain, load=load))
+    turns, omega = np.diff(modes.rotation, axis=1), modes.angular_frequency
+    own, drag = (of_coordinates(chain, column) for column in (armature, damping))
+    if np.any(own):
+        # The compliance keeps the digits of the lowest modes.
+        scaled = turns / omega[:, None]
+        square, shapes = np.linalg.eigh(np.diag(1 / omega**2) + (scaled * own) @ scaled.T)
+        new = 1 / np.sqrt(square[::-1])
+        turns, omega = (shapes[:, ::-1] / omega[:, None] * new).T @ turns, new
+    return ModalDamping(omega, (turns * drag) @ turns.T, np.zeros((len(omega), len(omega))), 0.0)
+
+
+def of_coordinates(chain: Chain, column: Floats | None) -> Floats:
+    """Return numbers of hinges without those of hinges that a chain has put in series with its supports."""
+    count = chain.pieces - 1
+    if column is None or not np.any(column):
+        return np.zeros(count)
+    if len(column) != count:
+        raise ValueError(
+            "armature and damping must be 0 at the hinges of a chain where one is in series with a "
+            "support's spring"
+        )
+    return column
+
+
+def damping_ratios(chain: Chain, armature: Floats, damping: Floats, count: int) -> Floats:
+    """Return ζ of the first pairs of eigenvalues, by size; a pair of 1 and more does not swing."""
+    if len(damping) <= MAX_DENSE:
+        modal = with_armature(chain, armature, damping)
+        return damped_pairs(damped_eigenvalues(modal.angular_frequency, modal.coupling))[1][:count]
+    # All modes of a long chain are too many: each mode by itself, as light damping leaves it.
+    modes = solve_modes(linearize(chain), count)
+    turns = np.diff(modes.rotation, axis=1) ** 2
+    return np.asarray(turns @ of_coordinates(chain, damping) / (2 * modes.angular_frequency))
+
+
+def longest_step(chain: Chain, armature: Floats, damping: Floats, step: FileStep, load: Load) -> float:
+    """Return the longest stable step of a file's integrator for this chain under its load [s].
+
+    It is that of `stable_time_step`, with the armature in the modes: of a load that bends or pushes the chain
+    a lower bound.
+    """
+    if not np.any(armature):
+        own = of_coordinates(chain, damping)
+        return stable_time_step(
+            chain, step.record, load=load, damping=Damping(joint=tuple(own.tolist())) if own.any() else None
+        )
+    record = fixed_step_integrator(step.record)
+    if record.springs == "implicit":
+        return float("inf")
+    return modal_time_step(record, with_armature(chain, armature, damping, taut_load(chain, load)))
+
 
 #: What an audit calls a chain whose hinges or springs are those of no rule.
 UNKNOWN = "no known layout"
 
-Array = NDArray[np.float64]
-Columns = Sequence[Number] | Array
+
+Columns = Sequence[Number] | Floats
+
+
 #: A rule, and N.
 Found = tuple[Rule, int]
 
+
 #: Relative differences up to which hinges, springs and rods are those of a rule: files round their numbers.
 _SAME_CUT, _SAME_SPRING, _SAME_ROD = 1e-3, 1e-3, 1e-3
+
+
 #: How near J/(m l²) is to that of masses at two tips where these are meant.
 _KIND = 0.01
+
+
 #: A rotary inertia this far off a rod's is reported.
 _NOTED = 1e-3
+
+
 #: Less is the rounding of numbers in files.
 _ROUNDING = 1e-5
 
@@ -62,10 +160,10 @@ class JudgedPieces:
     beam: Beam
     boundary: Boundary
     pieces: dict[str, Any]
-    springs: Array
-    exact: Array
-    armature: Array
-    damping: Array
+    springs: Floats
+    exact: Floats
+    armature: Floats
+    damping: Floats
 
     @classmethod
     def of(
@@ -96,17 +194,17 @@ class JudgedPieces:
         return cls(beam, boundary, pieces, stiffness, exact, *own)
 
     @cached_property
-    def length(self) -> Array:
+    def length(self) -> Floats:
         """Of each piece [m]."""
         return np.array(self.pieces["length"], dtype=np.float64)
 
     @cached_property
-    def mass(self) -> Array:
+    def mass(self) -> Floats:
         """Of each piece [kg]."""
         return np.array(self.pieces["mass"], dtype=np.float64)
 
     @property
-    def hinge_position(self) -> Array:
+    def hinge_position(self) -> Floats:
         """Distance of each hinge from the left end [m]."""
         return np.asarray(np.cumsum(self.length)[:-1])
 
@@ -119,30 +217,30 @@ class JudgedPieces:
         )
         return left, right
 
-    def chain(self, springs: Array) -> Chain:
+    def chain(self, springs: Floats) -> Chain:
         """Return the chain with these springs."""
         return Chain.from_pieces(**self.pieces, joint_stiffness=springs, boundary=self.boundary)
 
-    def errors(self, springs: Array, modes: int | None = None) -> Array:
+    def errors(self, springs: Floats, modes: int | None = None) -> Floats:
         """Return the relative errors of the frequencies with these springs, NaN for missing modes."""
         chain, count = self.chain(springs), modes or len(self.exact)
         if np.any(self.armature):
             return self._against_exact(with_armature(chain, self.armature).angular_frequency)
         return self._against_exact(solve_modes(linearize(chain), count).angular_frequency)
 
-    def _against_exact(self, omega: Array) -> Array:
+    def _against_exact(self, omega: Floats) -> Floats:
         count = min(len(omega), len(self.exact))
         errors = np.full(len(self.exact), np.nan)
         errors[:count] = omega[:count] / self.exact[:count] - 1
         return errors
 
     @cached_property
-    def errors_without_armature(self) -> Array:
+    def errors_without_armature(self) -> Floats:
         """Errors of the chain with its springs, if its hinges had no inertia of their own."""
         return replace(self, armature=np.zeros_like(self.armature)).errors(self.springs)
 
     @cached_property
-    def damping_ratio(self) -> Array:
+    def damping_ratio(self) -> Floats:
         """ζ of each mode by its hinges' dampers; NaN for missing modes."""
         if not np.any(self.damping):
             return np.where(np.isnan(self.errors(self.springs)), np.nan, 0.0)
@@ -150,7 +248,7 @@ class JudgedPieces:
         return np.append(found, np.full(len(self.exact) - len(found), np.nan))
 
     @cached_property
-    def errors_with_rods(self) -> Array:
+    def errors_with_rods(self) -> Floats:
         """Errors of the same springs, without armature, between rods that are pieces of the beam."""
         mass = self.beam.mean_mass_per_length * self.length
         inertia = self._rod_ratio * mass * self.length**2 + self._section * self.length
@@ -213,7 +311,7 @@ class JudgedPieces:
         return mean_over(self.beam.rotary_inertia_per_length, self.beam.length)
 
     @cached_property
-    def _gyration(self) -> Array:
+    def _gyration(self) -> Floats:
         """J/(m l²) of the pieces that turn, without what the beam's section has."""
         on = self._moving
         own = np.array(self.pieces["rotary_inertia"], dtype=np.float64)[on] - self._section * self.length[on]
@@ -249,7 +347,7 @@ class JudgedPieces:
         return float(np.abs(self.mass[on] / self._share[on] - 1).max(initial=0.0))
 
     @property
-    def _share(self) -> Array:
+    def _share(self) -> Floats:
         # Held pieces do not move, so their mass does not count.
         on = self._moving
         whole = self.mass[on].sum() / self.length[on].sum() if on.any() else 1.0
@@ -347,7 +445,7 @@ class JudgedPieces:
         return f"{part}, as of a section with a radius of gyration of {math.sqrt(rest):.3g} m"
 
 
-def _of_hinges(name: str, values: Columns | None, springs: Array) -> Array:
+def _of_hinges(name: str, values: Columns | None, springs: Floats) -> Floats:
     if values is None:
         return np.zeros_like(springs)
     found = np.array(piece_numbers(name, values), dtype=np.float64)

@@ -7,11 +7,17 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from beammodes.auditing.body_tree import Model, ModelBody, ModelJoint
+from beammodes.auditing.body_tree import Inertial, Model, ModelBody, ModelJoint, Pose, from_rpy
 from beammodes.auditing.bounded_xml import XmlElement
-from beammodes.auditing.read_urdf import inertial_of, shape_ends, tree_order
-from beammodes.auditing.robot_extras import by_name, check_added, why_driven, why_not_free
-from beammodes.auditing.spatial import Inertial, Pose, from_rpy
+from beammodes.auditing.read_urdf import (
+    by_name,
+    check_added,
+    inertial_of,
+    shape_ends,
+    tree_order,
+    why_driven,
+    why_not_free,
+)
 from beammodes.checks import shown
 
 __all__ = ["read_sdf"]

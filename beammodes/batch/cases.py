@@ -12,20 +12,20 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from beammodes.accuracy.end_numbers import NUMBERS, in_beam_units, load_in_beam_units, with_numbers
 from beammodes.accuracy.error_table import exact_frequencies
 from beammodes.accuracy.errors import errors_in_multiples
+from beammodes.accuracy.grids import NUMBERS, in_beam_units, load_in_beam_units, with_numbers
 from beammodes.batch.study_axes import SECTIONS, dimensions_of
 from beammodes.chains.chain import Chain
 from beammodes.chains.rules import AnyRule
 from beammodes.checks import shown
+from beammodes.numerics.arrays import Floats
 from beammodes.problem.beam import Beam
 from beammodes.problem.ends import Boundary
 from beammodes.problem.loading import Load
 
 __all__ = ["MATERIAL", "UNIFORM_BEAM", "Case", "Cases"]
 
-Floats = NDArray[np.float64]
 
 #: What counts as the answer that a point has none. A TypeError, a NameError and their like are faults of a
 #: function's text, not of a point, and stop the study.

@@ -11,23 +11,28 @@ from dataclasses import dataclass
 from typing import Any
 
 from beammodes.batch.cases import Cases
-from beammodes.batch.evaluated import THIS_PROCESS, Evaluated, evaluate, evaluate_elsewhere
 from beammodes.batch.quantities import Quantity
+from beammodes.batch.store import THIS_PROCESS, Evaluated, evaluate, evaluate_elsewhere
 from beammodes.checks import choice, shown, whole_number
 
 __all__ = ["ENGINES", "computed", "executor_of"]
 
+
 #: The engines known by name; a Dask client or an executor is one itself.
 ENGINES = ("serial", "processes")
+
 
 # More workers are surely a mistake.
 _MOST_WORKERS = 1024
 
+
 # How often a worker looks whether its parent is alive [s].
 _LOOK = 0.5
 
+
 # Chunks handed out at a time: enough for hundreds of workers, few enough to hold in memory.
 _WINDOW = 512
+
 
 Task = tuple[int, Cases]
 

@@ -11,19 +11,18 @@ from types import MappingProxyType
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from beammodes.accuracy.buckling import buckling_load
-from beammodes.accuracy.static_errors import STATIC_QUANTITIES, chain_static_errors
+from beammodes.accuracy.statics import STATIC_QUANTITIES, chain_static_errors
 from beammodes.batch.cases import Case, Cases
 from beammodes.batch.running_code import running_code
 from beammodes.batch.study_axes import AXES
 from beammodes.checks import bounded, choice, shown
+from beammodes.numerics.arrays import Floats
 from beammodes.vibration.stability import highest_angular_frequency, stable_time_step
 
 __all__ = ["DIMENSIONS", "QUANTITIES", "REASON", "Quantity", "quantities_of"]
 
-Floats = NDArray[np.float64]
 
 #: More quantities of one study are a mistake.
 MAX_QUANTITIES = 1000

@@ -3,29 +3,129 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+import warnings
+from collections.abc import Callable, Container, Iterable, Iterator, Mapping
+from contextlib import closing
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from beammodes.batch.cases import Cases
-from beammodes.batch.distributions import Normal, Uniform
-from beammodes.batch.quantities import Quantity, quantities_of
-from beammodes.batch.store import definition_digest
-from beammodes.batch.study_axes import Axis, axis_values
-from beammodes.batch.study_inputs import all_plain, canonical, check_complete, grid_axes, random_axis
-from beammodes.checks import shown, whole_number
+from beammodes.accuracy.grids import NUMBERS
+from beammodes.batch.cases import MATERIAL, UNIFORM_BEAM, Cases
+from beammodes.batch.executors import computed, executor_of
+from beammodes.batch.quantities import QUANTITIES, REASON, Quantity, quantities_of
+from beammodes.batch.store import BadChunk, Evaluated, Store, definition_digest, locked, made_ready
+from beammodes.batch.study_axes import AXES, SECTIONS, Axis, Normal, Uniform, axis_values, dimensions_of
+from beammodes.checks import choice, shown, whole_number
+from beammodes.numerics.arrays import Floats
+from beammodes.progress import ProgressLine, progress_of
 
 if TYPE_CHECKING:
     import xarray
 
-__all__ = ["Study"]
+__all__ = [
+    "Study",
+    "all_plain",
+    "canonical",
+    "check_complete",
+    "grid_axes",
+    "open_study",
+    "random_axis",
+    "run_study",
+    "study_dataset",
+]
+
+
+# What a study is given, checked as a whole.
+
+
+def grid_axes(axes: Mapping[str, Any]) -> tuple[Axis, ...]:
+    """Return axes of one value each, or of several along a dimension of the axis's own name.
+
+    Examples
+    --------
+    >>> [axis.dimension for axis in grid_axes({"segments": [1, 2], "mode": 1})]
+    ['segments', None]
+    """
+    found = []
+    for name, value in axes.items():
+        values, several = axis_values(name, value)
+        found.append(Axis(name, name if several else None, values))
+    return tuple(found)
+
+
+def random_axis(name: str, distribution: Normal | Uniform, seed: int, count: int) -> Axis:
+    """Return an axis of samples; raises as its values would, at the ends of the distribution."""
+    if not AXES[choice("axis", name, AXES)].is_number:
+        raise TypeError(f"{name} must be values, not a distribution, got {shown(distribution)}")
+    for bound in distribution.bounds:
+        AXES[name].read(bound)
+    return Axis(name, "sample", (), distribution, seed, count)
+
+
+def canonical(axes: tuple[Axis, ...]) -> tuple[Axis, ...]:
+    """Return the axes with the firmer end first, where nothing else tells the left end from the right."""
+    if any(axis.name in (*NUMBERS, "plane") for axis in axes):
+        return axes
+    return tuple(
+        replace(axis, values=tuple(pair.canonical for pair in axis.values))
+        if axis.name == "boundary"
+        else axis
+        for axis in axes
+    )
+
+
+def all_plain(named: Mapping[str, Axis]) -> bool:
+    """Return whether no point has springs, bodies or loads."""
+    return not set(named) & {*NUMBERS, "plane"} and all(pair.is_plain for pair in named["boundary"].values)
+
+
+def check_complete(named: Mapping[str, Axis], quantities: tuple[Quantity, ...]) -> None:
+    """Raise ValueError if an axis that another or a quantity needs is missing, or one is not counted."""
+    for quantity in quantities:
+        for name in quantity.uncounted:
+            if name in named:
+                raise ValueError(
+                    f"axes must leave out {name} with {quantity.name}, which does not count it, "
+                    f"got {', '.join(named)}"
+                )
+    needed = {"boundary", "segments"} | ({"mode"} if any(q.per_mode for q in quantities) else set())
+    beam = {*UNIFORM_BEAM, *MATERIAL, *_all_dimensions()} & set(named)
+    used, always = set(UNIFORM_BEAM), set(UNIFORM_BEAM) if beam else set()
+    if "section" in named:
+        sections = named["section"].values
+        used = {*MATERIAL, *(size for kind in sections for size in dimensions_of(kind))}
+        always = {*MATERIAL, *(size for kind in sections for size in dimensions_of(kind, optional=False))}
+        for kind in sections:
+            _check_one_of_two(kind, set(named))
+    if beam - used:
+        raise ValueError(
+            f"axes must leave out {min(beam - used)} without a section that has it, got {', '.join(named)}"
+        )
+    missing = [name for name in AXES if name in (needed | always) - set(named)]
+    if missing:
+        raise ValueError(f"axes must include {missing[0]} here, got {', '.join(named)}")
+
+
+def _check_one_of_two(section: str, given: set[str]) -> None:
+    """Raise ValueError unless just one of a section's dimensions that stand for each other is given."""
+    needed = dimensions_of(section, optional=False)
+    either = [size for size in dimensions_of(section) if size not in needed]
+    if either and len(given.intersection(either)) != 1:
+        got = ", ".join(sorted(given.intersection(either))) or "none"
+        raise ValueError(f"axes must include one of {' and '.join(either)} for a {section}, got {got}")
+
+
+def _all_dimensions() -> set[str]:
+    return {size for name in SECTIONS for size in dimensions_of(name)}
+
 
 #: Points of one chunk, and numbers: enough for the closed form to run at its speed, or few where each takes
 #: milliseconds.
 CLOSED_FORM_CHUNK, SOLVED_CHUNK = (5000, 25_000), (100, 500)
+
 
 #: More points are surely a mistake: at a microsecond each they would take a month.
 MAX_CASES = 10**12
@@ -285,7 +385,6 @@ class Study:
         ...     study.run(store=folder).identical(first)                   # reads what is there
         True
         """
-        from beammodes.batch.study_run import run_study
 
         return run_study(self, store, engine=engine, workers=workers, progress=progress)
 
@@ -316,3 +415,227 @@ def _default_chunk(named: Mapping[str, Axis], quantities: tuple[Quantity, ...]) 
     mode = named.get("mode")
     modes = mode.size if mode is not None and mode.dimension == "mode" else 1
     return max(1, min(points, numbers // modes))
+
+
+# Chunks put together again: one labelled table, with NaN for what is not there.
+
+#: Different messages that the attribute has; the variable has that of every case.
+MAX_REASONS = 3
+
+
+def study_dataset(definition: Mapping[str, Any], chunks: Iterable[tuple[int, Evaluated]]) -> xarray.Dataset:
+    """Return the finished chunks of a study as one table.
+
+    Parameters
+    ----------
+    definition : mapping
+        As `Study.definition`.
+    chunks : iterable of (int, Evaluated)
+        In the order of their numbers.
+
+    Returns
+    -------
+    xarray.Dataset
+        The study's dimensions, modes last; a variable for each quantity; if some cases have no answer,
+        variable `reason` with what was said of each. Attributes: `cases`, `finished_cases` and
+        `failed_cases`, not counting modes; `complete`, 1 or 0; `reasons`, the first few.
+    """
+    import xarray
+
+    axes = [Axis.from_definition(name, written) for name, written in definition["axes"].items()]
+    sizes = {axis.dimension: axis.size for axis in axes if axis.dimension}
+    modes = sizes.pop("mode", 0)
+    arrays, done, reasons = _filled(definition, math.prod(sizes.values()), modes or 1, chunks)
+    own = not any(axis.name == "length" for axis in axes)
+    variables = {}
+    for name, array in arrays.items():
+        spread = sizes | ({"mode": modes} if modes and array.ndim == 2 else {})
+        variables[name] = (tuple(spread), array.reshape(tuple(spread.values())), _attributes(name, own))
+    if reasons:
+        said = np.full(math.prod(sizes.values()), "", dtype=object)
+        said[list(reasons)] = list(reasons.values())
+        long_name = {"long_name": "why numbers are NaN"}
+        variables[REASON] = (tuple(sizes), said.reshape(tuple(sizes.values())), long_name)
+    total = math.prod(sizes.values())
+    return xarray.Dataset(
+        variables,
+        coords={axis.name: _coordinate(axis, own) for axis in axes},
+        attrs={
+            "source": f"beammodes {definition['beammodes']}",
+            "route": "study in chunks",
+            "cases": total,
+            "finished_cases": done,
+            "complete": int(done == total),
+            "failed_cases": len(reasons),
+            "reasons": "; ".join(list(dict.fromkeys(reasons.values()))[:MAX_REASONS]),
+        },
+    )
+
+
+def _filled(
+    definition: Mapping[str, Any], total: int, modes: int, chunks: Iterable[tuple[int, Evaluated]]
+) -> tuple[dict[str, Floats], int, dict[int, str]]:
+    """Return an array of every quantity, shape (cases, modes) or (cases,), how many cases are there, and by
+    the places of cases why they are NaN.
+    """
+    step, compute = definition["chunk"], definition["compute"]
+    arrays = {
+        name: np.full((total, modes) if kind["per_mode"] else (total,), np.nan)
+        for name, kind in compute.items()
+    }
+    done, reasons = 0, {}
+    for number, chunk in chunks:
+        for name, array in arrays.items():
+            array[number * step : (number + 1) * step] = chunk.values[name]
+        done += min(step, total - number * step)
+        reasons.update({number * step + place: reason for place, reason in chunk.reasons.items()})
+    return arrays, done, reasons
+
+
+def _attributes(name: str, own: bool) -> dict[str, str]:
+    if name not in QUANTITIES:
+        return {"long_name": name.replace("_", " ")}
+    quantity = QUANTITIES[name]
+    return {"long_name": quantity.long_name, "units": quantity.own_units if own else quantity.units}
+
+
+def _coordinate(axis: Axis, own: bool) -> tuple[Any, ...]:
+    kind, labels = AXES[axis.name], axis.labels()
+    attributes = {"long_name": kind.long_name}
+    if kind.is_number:
+        attributes["units"] = kind.own_units if own else kind.units
+    elif not isinstance(labels[0], str):
+        attributes["units"] = "1"
+    return (axis.dimension, labels, attributes) if axis.dimension else ((), labels[0], attributes)
+
+
+# Running a study: what is missing in its store is computed, saved as it comes, and read back.
+
+Report = Callable[[int, int], None]
+
+
+def run_study(
+    study: Study, store: str | Path | None, *, engine: Any, workers: int | None, progress: Any
+) -> xarray.Dataset:
+    """Compute what is not in the store, and return everything; see `Study.run`."""
+    report = progress_of(progress, "study", "chunks")
+    if store is None:
+        found: dict[int, Evaluated] = {}
+        _compute(study, found, engine, workers, report, found.__setitem__)
+        return _closed(study_dataset(study.definition, sorted(found.items())), report)
+    folder = _folder("store", store)
+    made_ready(folder)
+    with locked(folder) as alone:
+        kept = Store.of(folder, study.definition)
+        if alone:
+            kept.clean()
+        whole = kept.sound()
+        try:
+            _compute(study, whole, engine, workers, report, kept.save)
+        except BaseException as error:
+            count = f"{len({number for number, _ in kept.finished()})} of {study.chunks} chunks"
+            error.add_note(f"{count} are stored in {folder}; the same call goes on from there")
+            if study.chunk > 1:
+                error.add_note(
+                    f"a chunk is {study.chunk} points: give a study of slow points a smaller chunk="
+                )
+            raise
+        return _closed(study_dataset(kept.definition, _sound(kept)), report)
+
+
+def _closed(found: xarray.Dataset, report: Report) -> xarray.Dataset:
+    """Say on the line of progress, if there is one, how many cases have no answer, and return the dataset."""
+    if isinstance(report, ProgressLine) and found.failed_cases:
+        report.say(f"{found.failed_cases} of {found.cases} cases have no answer: {found.reasons}")
+    return found
+
+
+def open_study(path: str | Path) -> xarray.Dataset:
+    """Return what is finished of a stored study, also while it is being computed.
+
+    Parameters
+    ----------
+    path : str or Path
+        The folder that `Study.run` was given as its store.
+
+    Returns
+    -------
+    xarray.Dataset
+        As `Study.run` returns, with NaN for what is not there yet; attributes `finished_cases` of `cases`
+        and `complete` say how much there is. All of it is read into memory; of a study too large for that,
+        each chunk-*.nc is a netCDF file by itself, of consecutive points.
+
+    Raises
+    ------
+    FileNotFoundError
+        If no study is stored there.
+    TypeError, ValueError
+        If `path` is no path, or the definition there cannot be read or does not have its digest.
+
+    Warns
+    -----
+    UserWarning
+        If a chunk's file is damaged, or of another study or chunk: it is left out.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from beammodes import Study
+    >>> study = Study.grid(boundary="clamped-free", segments=[5, 10], mode=1, compute="relative_error")
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     _ = study.run(store=folder)
+    ...     found = open_study(folder)
+    >>> found.relative_error.values.round(6), found.finished_cases, found.cases
+    (array([-0.005085, -0.001259]), 2, 2)
+    """
+    store = Store.read(_folder("path", path))
+    return study_dataset(store.definition, _sound(store))
+
+
+def _folder(name: str, path: object) -> Path:
+    if not isinstance(path, str | Path):
+        raise TypeError(f"{name} must be a folder's name or Path, got {shown(path)}")
+    if path == "" or "\0" in str(path):
+        raise ValueError(f"{name} must be a folder's name or Path, got {shown(path)}")
+    return Path(path).expanduser()
+
+
+def _compute(
+    study: Study,
+    done: Container[int],
+    engine: Any,
+    workers: int | None,
+    report: Report,
+    save: Callable[[int, Evaluated], object],
+) -> None:
+    """Compute the chunks that are not among `done`, and save each as it comes."""
+    missing = [number for number in range(study.chunks) if number not in done]
+    count = study.chunks - len(missing)
+    report(count, study.chunks)
+    if not missing:
+        return
+    tasks = ((number, study.cases(number)) for number in missing)
+    with (
+        executor_of(engine, workers) as executor,
+        closing(computed(tasks, study.quantities, executor)) as results,
+    ):
+        for number, chunk in results:
+            save(number, chunk)
+            count += 1
+            report(count, study.chunks)
+
+
+def _sound(store: Store) -> Iterator[tuple[int, Evaluated]]:
+    """Yield the finished chunks, each once; what is under a chunk's name and is not it, is warned of."""
+    seen = set()
+    for number, path in store.finished():
+        try:
+            chunk = store.load(number, path)
+        except FileNotFoundError:
+            continue  # set aside by a run that is at work
+        except BadChunk as fault:
+            warnings.warn(f"{path.name} {fault}", stacklevel=4)
+            continue
+        if number not in seen:
+            seen.add(number)
+            yield number, chunk

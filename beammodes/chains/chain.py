@@ -31,11 +31,17 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from beammodes.chains.chain_numbers import ChainNumbers
-from beammodes.chains.pieces import MAX_PIECES, Number, Pieces, check_pieces, check_turning, piece_numbers
-from beammodes.chains.repeated import each_once
+from beammodes.chains.pieces import (
+    MAX_PIECES,
+    Number,
+    Pieces,
+    check_pieces,
+    check_turning,
+    each_once,
+    floats,
+    piece_numbers,
+)
 from beammodes.chains.rods import (
     MissedFeatureWarning,
     hinge_flexibilities,
@@ -47,10 +53,110 @@ from beammodes.chains.rods import (
 from beammodes.chains.rules import AnyRule, Layout, Rule, layout_of
 from beammodes.chains.units import ExactUnits, Units
 from beammodes.checks import shown, whole_number
+from beammodes.numerics.arrays import Floats
 from beammodes.problem.beam import Beam
 from beammodes.problem.ends import Boundary, BoundaryLike
 
-__all__ = ["MAX_PIECES", "Chain", "Number", "Units"]
+__all__ = ["MAX_PIECES", "Chain", "ChainNumbers", "Number", "Units"]
+
+
+# The numbers of a chain: in its own units, where they may be exact, and in physical ones, as arrays.
+
+
+@dataclass(frozen=True)
+class ChainNumbers:
+    """Pieces, springs and supports of a chain, and the units in which they are kept."""
+
+    pieces_and_springs: Pieces
+    units: Units
+
+    @property
+    def piece_length(self) -> tuple[Number, ...]:
+        """Length of every piece, in own units."""
+        return self.pieces_and_springs.length
+
+    @property
+    def piece_mass(self) -> tuple[Number, ...]:
+        """Mass of every piece, its end body included, in own units."""
+        return self.pieces_and_springs.mass
+
+    @property
+    def piece_centre(self) -> tuple[Number, ...]:
+        """Centre of mass of every piece, from its left tip, in own units."""
+        return self.pieces_and_springs.centre
+
+    @property
+    def piece_rotary_inertia(self) -> tuple[Number, ...]:
+        """Rotary inertia of every piece about its centre of mass, in own units."""
+        return self.pieces_and_springs.rotary_inertia
+
+    @property
+    def hinge_stiffness(self) -> tuple[Number, ...]:
+        """Spring of every hinge, in own units."""
+        return self.pieces_and_springs.joint_stiffness
+
+    @property
+    def supports(self) -> tuple[tuple[Number, Number], tuple[Number, Number]]:
+        """(K_t, K_r) of the left and the right end on its outer piece, in own units; inf where it holds.
+
+        K_r is the end's own, or that in series with the hinge of an outer piece that had nothing to move.
+        """
+        return self.pieces_and_springs.supports
+
+    @property
+    def pieces(self) -> int:
+        """How many pieces the chain has, zero-length outer ones included."""
+        return len(self.piece_length)
+
+    @cached_property
+    def joint_stiffness(self) -> Floats:
+        """Rotational stiffness of every hinge, left to right, shape (hinges,) [N m/rad]."""
+        return _scaled(self.hinge_stiffness, self.units.stiffness)
+
+    @cached_property
+    def support_stiffness(self) -> Floats:
+        """Stiffness of the ends' supports on the outer pieces, inf where held, shape (2, 2) [N/m, N m/rad].
+
+        Rows are the left and the right end. A rotational one is the end's own, in series with the wall's
+        hinge where nothing in between has inertia: that hinge is then missing among `joint_stiffness`.
+        """
+        unit = np.array([self.units.stiffness / self.units.length**2, self.units.stiffness])
+        stiffness: Floats = np.array([[float(k) for k in end] for end in self.supports]) * unit
+        stiffness.flags.writeable = False
+        return stiffness
+
+    @cached_property
+    def length(self) -> Floats:
+        """Length of every piece, shape (pieces,) [m]."""
+        return _scaled(self.piece_length, self.units.length)
+
+    @cached_property
+    def mass(self) -> Floats:
+        """Mass of every piece, shape (pieces,) [kg]."""
+        return _scaled(self.piece_mass, self.units.mass)
+
+    @cached_property
+    def centre(self) -> Floats:
+        """Centre of mass of every piece, from its left tip, shape (pieces,) [m]."""
+        return _scaled(self.piece_centre, self.units.length)
+
+    @cached_property
+    def rotary_inertia(self) -> Floats:
+        """Rotary inertia of every piece about its centre of mass, shape (pieces,) [kg m²]."""
+        return _scaled(self.piece_rotary_inertia, self.units.mass * self.units.length**2)
+
+    @cached_property
+    def hinge_position(self) -> Floats:
+        """Distance of every hinge from the left end, shape (hinges,) [m]."""
+        position = np.cumsum(self.length)[:-1]
+        position.flags.writeable = False
+        return position
+
+
+def _scaled(values: Sequence[Number], unit: float) -> Floats:
+    array = floats(values) * unit
+    array.flags.writeable = False
+    return array
 
 
 @dataclass(frozen=True, init=False)
@@ -128,12 +234,12 @@ class Chain(ChainNumbers):
     def from_pieces(
         cls,
         *,
-        length: Sequence[Number] | NDArray[np.float64],
-        mass: Sequence[Number] | NDArray[np.float64],
-        rotary_inertia: Sequence[Number] | NDArray[np.float64],
-        joint_stiffness: Sequence[Number] | NDArray[np.float64],
+        length: Sequence[Number] | Floats,
+        mass: Sequence[Number] | Floats,
+        rotary_inertia: Sequence[Number] | Floats,
+        joint_stiffness: Sequence[Number] | Floats,
         boundary: BoundaryLike,
-        centre: Sequence[Number] | NDArray[np.float64] | None = None,
+        centre: Sequence[Number] | Floats | None = None,
     ) -> Chain:
         """Return the chain of given pieces and springs; numbers are kept as given, in consistent units.
 
@@ -210,7 +316,7 @@ class Chain(ChainNumbers):
         return max(0, tips + self.held_angles.count(False) - self.boundary.rigid_body_modes)
 
     @cached_property
-    def node_position(self) -> NDArray[np.float64]:
+    def node_position(self) -> Floats:
         """Distance of the left tip, every hinge and the right tip from the left end, shape (nodes,) [m]."""
         position = np.concatenate([[0.0], np.cumsum(self.length)])
         if self.beam is not None:

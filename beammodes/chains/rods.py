@@ -11,12 +11,11 @@ from fractions import Fraction
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from beammodes.chains.pieces import Number
-from beammodes.chains.repeated import each_once
+from beammodes.chains.pieces import Number, each_once
 from beammodes.chains.rules import Layout, Rule
 from beammodes.chains.units import ExactUnits
+from beammodes.numerics.arrays import Floats
 from beammodes.problem.beam import Beam
 from beammodes.problem.ends import Boundary
 from beammodes.problem.profiles import (
@@ -143,7 +142,7 @@ def hinge_flexibilities(
 
 def _ripple(
     beam: Beam, boundary: Boundary, lengths: Sequence[Fraction], weights: Sequence[Number], units: ExactUnits
-) -> NDArray[np.float64] | None:
+) -> Floats | None:
     """Return what each hinge's flexibility is corrected by, or None if that is too much of one of them."""
     position, mean = _positions(lengths, units)[1:-1], beam.mean_bending_stiffness
     if not isinstance(beam.bending_stiffness, Table):
@@ -190,9 +189,7 @@ def missed_by_samples(
     return part if abs(part) > LEAST_MISSED else None
 
 
-def _nearest_to_hinges(
-    beam: Beam, lengths: Sequence[Fraction], units: ExactUnits
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def _nearest_to_hinges(beam: Beam, lengths: Sequence[Fraction], units: ExactUnits) -> tuple[Floats, Floats]:
     """Return the edges of what is nearer to a hinge than to any other, and the hinges' positions."""
     places = np.clip(_positions(lengths, units)[1:-1], 0.0, beam.length)
     return np.concatenate(([0.0], 0.5 * (places[1:] + places[:-1]), [beam.length])), places
@@ -293,6 +290,6 @@ def _step_weights(
                 yield hinge, weight.constant - Fraction(1, 1 if k or rule.stub else 2)
 
 
-def _positions(lengths: Sequence[Fraction], units: ExactUnits) -> NDArray[np.float64]:
+def _positions(lengths: Sequence[Fraction], units: ExactUnits) -> Floats:
     edges = itertools.accumulate(lengths, initial=Fraction(0))
     return np.array([float(edge * units.length) for edge in edges])

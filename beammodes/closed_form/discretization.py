@@ -28,13 +28,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from beammodes.closed_form.departures import Parts, inside, parts
 from beammodes.closed_form.dispersion import frequencies
-from beammodes.closed_form.lookup import Boundaries, Floats, Rules, looked_up
-from beammodes.closed_form.reflection import amplitude
 from beammodes.closed_form.series import enough_powers
-from beammodes.closed_form.uniform import UniformChains
-from beammodes.exact.wavenumbers import wavenumber_of_code
+from beammodes.closed_form.uniform import Boundaries, Floats, Rules, UniformChains, looked_up
+from beammodes.closed_form.waves import Parts, amplitude, inside, parts
+from beammodes.exact.exact_beam import wavenumber_of_code
 
 __all__ = ["relative_error"]
 

@@ -9,6 +9,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from beammodes.numerics.arrays import Floats
+
 __all__ = [
     "SERIES_TERMS",
     "Table",
@@ -21,7 +23,6 @@ __all__ = [
     "quotient",
 ]
 
-Floats = NDArray[np.float64]
 
 #: Terms of a series in s. All of them converge for s < 1; at q = 0.8, s = 0.39, the last is below 1e-20.
 SERIES_TERMS = 52
@@ -88,7 +89,7 @@ def in_powers_of_s(table: NDArray[Any]) -> NDArray[Any]:
     return spread
 
 
-def powers_of(s: Any, terms: int) -> NDArray[np.float64]:
+def powers_of(s: Any, terms: int) -> Floats:
     """Return 1, s, s², ..., shape (terms, *s.shape)."""
     if np.ndim(s) == 0:
         return np.asarray(s ** np.arange(terms))

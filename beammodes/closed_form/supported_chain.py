@@ -18,28 +18,150 @@ from fractions import Fraction
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from beammodes.chains.rules import RuleLike, rule_named
+from beammodes.chains.chain import Chain
+from beammodes.chains.rules import Rule, RuleLike, rule_named
+from beammodes.chains.units import ExactUnits
 from beammodes.checks import real, shown, whole_number
-from beammodes.closed_form.carried_planes import Block, as_decimal, block_of, carried, closed
-from beammodes.closed_form.counted_brackets import Counted, roots_between
-from beammodes.closed_form.joined_blocks import joined
-from beammodes.closed_form.rod_row import row_of_rods
-from beammodes.closed_form.shortened_chain import shortened
-from beammodes.problem.ends import Boundary, BoundaryLike
+from beammodes.closed_form.carried_planes import (
+    Block,
+    Plane,
+    Row,
+    as_decimal,
+    block_of,
+    carried,
+    closed,
+    row_of_rods,
+)
+from beammodes.numerics.arrays import Floats
+from beammodes.numerics.counted_brackets import Counted, roots_between
+from beammodes.problem.beam import Beam
+from beammodes.problem.ends import Boundary, BoundaryLike, End
 from beammodes.problem.loading import Load, checked_load
 from beammodes.vibration.linear import LinearModel, linearize
 
-__all__ = ["supported_chain_frequencies"]
+__all__ = ["joined", "shortened", "supported_chain_frequencies"]
+
+
+# A uniform chain without the row of equal rods in its middle: what tells it from others of its length.
+
+# Unmodified hinges between the two ends' corrections: the cut is at one of them.
+_BETWEEN = 6
+
+
+def shortened(
+    boundary: Boundary, segments: int, rule: Rule, section: Fraction = Fraction(0)
+) -> tuple[Chain, int] | None:
+    """Return a short chain and how many rods, an even number, belong into its middle hinge.
+
+    None if a spring would not be positive.
+
+    Parameters
+    ----------
+    boundary : Boundary
+        The two ends of a unit beam.
+    segments : int
+        N of the whole chain, whose weights, supports and bodies the short one has, in units of a segment.
+    rule : Rule
+    section : Fraction
+        Rotary inertia of the beam's sections, ρI/(ρA L²).
+
+    Examples
+    --------
+    >>> from beammodes.chains.rules import RULES
+    >>> chain, rods = shortened(Boundary.of("clamped-free"), 1000, RULES["mitiguy"])
+    >>> chain.hinge_stiffness[0], chain.pieces - 1 + rods           # 6 N/(3 N - 1) at the wall
+    (Fraction(6000, 2999), 1000)
+    """
+    kept = 2 * max(map(len, (rule.clamped, rule.guided, rule.carried))) + _BETWEEN
+    kept = min(segments, kept + (segments - kept) % 2)
+    units = ExactUnits.of(Beam.unit(), segments)
+    length = rule.piece_lengths(boundary, kept)
+    turning = {value: (rule.rotary_inertia * value**2 + section * segments**2) * value for value in length}
+    weights = rule.hinge_weights(boundary, kept, size=segments)
+    if min(weights, default=1) <= 0:
+        return None
+    chain = Chain.from_pieces(
+        length=length,
+        mass=length,
+        rotary_inertia=[turning[value] for value in length],
+        joint_stiffness=[1 / weight for weight in weights],
+        boundary=Boundary(_in_units(boundary.left, units), _in_units(boundary.right, units)),
+    )
+    return chain, segments - kept
+
+
+def _in_units(end: End, units: ExactUnits) -> End:
+    return End(
+        units.support(end.translational_stiffness, 2),
+        units.support(end.rotational_stiffness, 0),
+        *units.body(*end.moving_body),
+    )
+
+
+# A long chain put together from its two ends' blocks and the row of rods between them, modes counted.
+#
+# The modes below a squared frequency w are as many as those of the three parts with their cuts held and the
+# negative eigenvalues of the parts' common stiffness at the cuts, together: elimination of K - w M in the
+# parts
+# first and at the cuts last has these pivots (Sylvester's law of inertia).
+
+
+def joined(planes: list[Plane], row: Row) -> tuple[int, Decimal]:
+    """Return the count and the determinant of two blocks with a row of rods between them.
+
+    Coordinates are y and θ where the left block ends, y and -θ where the right one does: equal in symmetric
+    motion, opposite in antisymmetric.
+
+    Examples
+    --------
+    >>> from fractions import Fraction
+    >>> from beammodes.closed_form.carried_planes import block_of, carried
+    >>> from beammodes.chains.pieces import Pieces
+    >>> from beammodes.closed_form.carried_planes import row_of_rods
+    >>> rod = Pieces((1.0,), (1.0,), (0.5,), (1 / 12,), (), ((0.0, 0.0), (0.0, 0.0)))
+    >>> w, none = Decimal("0.01"), Decimal(0)
+    >>> end = carried(block_of(rod, 1, Fraction(1, 2)), w, none)
+    >>> joined([end, end], row_of_rods(8, 1 / Decimal(12), none, w))[0]  # free, √w N² = 10 < 22.4
+    2
+    """
+    pairs = list(zip(row.symmetric, row.antisymmetric, strict=True))
+    own, other = ([(a + sign * b) / 2 for a, b in pairs] for sign in (1, -1))
+    (a, b, c), (d, e, f) = ([x + y for x, y in zip(plane.stiffness(), own, strict=True)] for plane in planes)
+    (p, q, r) = other
+    matrix = [[a, b, p, q], [b, c, q, r], [p, q, d, e], [q, r, e, f]]
+    count, value = _eliminated(matrix)
+    for plane in planes:
+        count += plane.below
+        value *= plane.minor(0, 1)
+    return count + row.clamped, value * row.determinant
+
+
+def _eliminated(matrix: list[list[Decimal]]) -> tuple[int, Decimal]:
+    """Return how many eigenvalues of a symmetric matrix are negative, and its determinant."""
+    count, determinant = 0, Decimal(1)
+    while matrix:
+        (pivot, *row), *rest = matrix
+        count += pivot < 0
+        determinant *= pivot
+        factors = [value / pivot for value in row]
+        matrix = [
+            [value - factor * above for value, above in zip(below[1:], row, strict=True)]
+            for factor, below in zip(factors, rest, strict=True)
+        ]
+    return count, determinant
+
 
 # As `dispersion` has it for plain ends.
 _MOST_SEGMENTS = 10**9
 
+
 # Digits beyond those that small and large numbers cost.
 _DIGITS = 50
 
+
 _HALF = Fraction(1, 2)
+
 
 # Where a part is singular at a place, one so much further is sampled: far less than roots are closed in.
 _NUDGE, _NUDGES = Decimal("1e-40"), 3
@@ -52,7 +174,7 @@ def supported_chain_frequencies(
     rule: RuleLike = "mitiguy",
     load: Load | None = None,
     rotary_inertia: float | Fraction = 0.0,
-) -> NDArray[np.float64]:
+) -> Floats:
     """Return the lowest elastic natural frequencies of a uniform chain with any ends.
 
         M u'' + K u = 0     as `linear.nodal_matrices` has it for Chain(Beam.unit(), boundary, segments, rule)

@@ -20,6 +20,7 @@ the pair alone. Cancellation between an end's corrections is therefore exact, to
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property, lru_cache
@@ -30,32 +31,65 @@ import numpy as np
 from numpy.typing import NDArray
 
 from beammodes.chains.rules import Rule
-from beammodes.closed_form.series import SERIES_TERMS, binomial, in_powers_of_s, powers_of, product
+from beammodes.closed_form.series import (
+    SERIES_TERMS,
+    Table,
+    binomial,
+    in_powers_of_s,
+    integral,
+    powers_of,
+    product,
+    quotient,
+)
 from beammodes.closed_form.transfer import Poly, State, admitted, expanded, is_hinged, term
+from beammodes.numerics.arrays import Floats
 from beammodes.problem.ends import End
 
-__all__ = ["PAIRS", "EndWaves", "Minors", "end_waves"]
+__all__ = [
+    "PAIRS",
+    "SHORT",
+    "EndWaves",
+    "Minors",
+    "Parts",
+    "Swing",
+    "amplitude",
+    "end_waves",
+    "exchange",
+    "inside",
+    "parts",
+    "phase",
+    "swing",
+]
+
 
 _HALF, _ONE = Fraction(1, 2), Fraction(1)
+
 
 # States of the four waves, each over a factor of its own:
 #   in the hinge at x = 0:  cos 1,  sin 2 s t,  cosh 1,       sinh 2 s R;
 #   in that at x = 1/2:     cos t,  sin s,      cosh R / √d,  sinh s / √d  (the common 1/√d is dropped),
 # with t = cos(q/2) = √(1 - x) and R = √(1 + (1 - p) x), that is cosh(χ/2) = R / √d, R² = d + x.
 _R2 = term(1, d=1) + term(1, x=1)
+
+
 _T2 = term(1) + term(-1, x=1)
+
+
 _AT_HINGE: dict[str, State] = {
     "c": (term(1), term(0), term(-4, x=1), term(0)),
     "s": (term(0), term(1), term(0), term(-4, x=1, d=-1)),
     "C": (term(1), term(0), term(4, x=1, d=-1), term(0)),
     "S": (term(0), term(1, d=-1), term(0), term(4, x=1, d=-1)),
 }
+
+
 _AT_HALF: dict[str, State] = {
     "c": (term(1), term(-2, x=1), term(-4, x=1), term(8, x=2, d=-1)),
     "s": (term(1), term(2) * _T2, term(-4, x=1), term(-8, x=1, d=-1) * _T2),
     "C": (term(1), term(2, x=1, d=-1), term(4, x=1, d=-1), term(8, x=2, d=-1)),
     "S": (term(1), term(2, d=-1) * _R2, term(4, x=1, d=-1), term(8, x=1, d=-1) * _R2),
 }
+
 
 #: Pairs of waves, in the order of `_minors` and of what is made from it.
 PAIRS = tuple(combinations("csCS", 2))
@@ -122,7 +156,7 @@ class EndWaves:
         return expanded(_minors(self.rule, self.end, back=True), self.p)
 
     @cached_property
-    def _coefficients(self) -> list[NDArray[np.float64]]:
+    def _coefficients(self) -> list[Floats]:
         """Polynomials at `reach`, in floats: for each power of u a matrix, shape (pairs, powers of x).
 
         Not at the end itself: carried back there, a decaying wave has grown and drowns what is left of it.
@@ -200,3 +234,149 @@ def end_waves(rule: Rule, end: End) -> EndWaves:
     True
     """
     return EndWaves(rule, end)
+
+
+# How an end reflects the wave of a uniform chain, and what both ends' exponentials do to each other.
+
+#: Shorter chains are cheap in exact arithmetic.
+SHORT = 8
+
+
+def amplitude(end: Minors) -> Any:
+    """Return what an end's two decaying determinants have in common."""
+    return np.hypot(end.cos_decaying, end.sin_decaying)
+
+
+def phase(end: EndWaves, minors: Minors, q: Any, middle: float = 0.0) -> Any:
+    """Return the phase at which an end reflects a wave, less the beam's, within π of `middle`."""
+    c, s = minors.cos_decaying, minors.sin_decaying
+    c0, s0 = end.beam.cos_decaying, end.beam.sin_decaying
+    num, den = c * s0 - s * c0, s * s0 + c * c0
+    # The determinants were taken at `reach`, where the wave is q reach ahead.
+    ahead = middle + q * end.reach
+    cos, sin = np.cos(ahead), np.sin(ahead)
+    return middle + np.arctan2(num * cos - den * sin, den * cos + num * sin)
+
+
+def exchange(kappa: Any, decay: Any, left: Minors, right: Minors) -> Any:
+    """Return X of the equation at the head of `dispersion`; E = e^(-decay).
+
+    It is Laplace's expansion, by the left end's two rows, of the determinant
+
+        amplitudes of     cos qj        sin qj      e^(-χj)     e^(-χ(N-j))
+        left end       [  cos           sin         decaying    E growing   ]   2 rows
+        right end      [  cos and sin turned by κ   E growing   decaying    ]   2 rows
+
+    whose terms without E make up sin(κ + Φ) times the two ends' amplitudes, here divided out. Places other
+    than the ends serve as well: then κ, E and the determinants are those of the chain between them.
+    """
+    c, s, c2, s2 = left.cos_growing, left.sin_growing, right.cos_growing, right.sin_growing
+    far = np.sin(kappa) * (s * s2 - c * c2) + np.cos(kappa) * (c * s2 + s * c2)
+    near = left.cos_sin * right.decaying_growing + left.decaying_growing * right.cos_sin
+    fade = np.exp(-decay)
+    return fade * (fade * far + near) / (amplitude(left) * amplitude(right))
+
+
+class Swing(NamedTuple):
+    """Middle of the range of an end's phase, less the beam's, and its steepest fall -dΦ/dq.
+
+    The fall is infinite where an end turns waves by nearly a whole turn or more.
+    """
+
+    middle: float
+    descent: float
+
+
+@lru_cache(maxsize=1024)
+def swing(end: EndWaves) -> Swing:
+    """Measure an end's phase on a grid over the band, for long chains and for short ones."""
+    q = np.linspace(1e-3, 3.1, 800)
+    low = high = descent = 0.0
+    for u in np.linspace(0.0, 1.0 - 1e-6, 5) * _largest_u(end):
+        minors = end.minors(np.sin(0.5 * q), np.cos(0.5 * q), float(u))
+        curve = np.unwrap(phase(end, minors, q))
+        low, high = min(low, float(curve.min())), max(high, float(curve.max()))
+        descent = max(descent, -float(np.diff(curve).min()) / (q[1] - q[0]))
+    if high - low > 6.0:
+        # Which phase belongs to which mode is then not known.
+        return Swing(0.0, math.inf)
+    # A mode about to leave the band may still turn the phase by -π between q = 3.1 and π.
+    within = max(high, -low) < 0.85 * math.pi
+    return Swing(0.0 if within else 0.5 * (low + high), descent)
+
+
+def _largest_u(end: EndWaves) -> float:
+    """Return the largest 1/N of interest: of chains not too short, and with positive springs."""
+    falling = [w for w in end.rule.end_weights(end.end) if w.per_segment < 0 < w.constant]
+    return min([1.0 / SHORT, *(float(-w.constant / w.per_segment) for w in falling)])
+
+
+# What a chain's ends and its inside do to waves beyond what the beam's do, as series exact at any size.
+
+
+class Parts(NamedTuple):
+    """An end's determinants over the length of its own (cos, sin) pair, less the beam's."""
+
+    turn: Any  # Φ - Φ⁰
+    growing: Any  # of the pair for the growing exponential, complex, over the beam's
+    cos_sin: Any  # of the determinant of cos and sin, exponentials scaled as `_end_table` says
+
+
+def parts(end: EndWaves, powers: Floats, u: Any) -> Parts:
+    """Return what an end does to waves beyond what the beam's does, to full relative accuracy."""
+    rows = _end_table(end).at(powers)
+    total = rows[-5:]
+    for first in range(len(rows) - 10, -1, -5):
+        total = total * u + rows[first : first + 5]
+    num, den, den2, num2, cos_sin = total
+    length = np.hypot(num, den)
+    shorter = -num * num / (length * (length + den))  # den/length - 1
+    return Parts(
+        np.arctan2(num, den),
+        (den2 + 1j * num2) / length + shorter,
+        cos_sin / length + end.beam.cos_sin * shorter,
+    )
+
+
+@lru_cache(maxsize=1024)
+def _end_table(end: EndWaves) -> Table:
+    """Return the rows num, den, den₊ - den, num₊, f cs - cs⁰ den, for each power of u in turn.
+
+    den + i num is the pair (sin, cos) of the decaying exponential over the beam's, den₊ + i num₊ that of
+    the growing one. An end that does no work has cs and the determinant of the two exponentials in one
+    ratio f², whatever the end: f² = R/(d t) over the beam's, with R, d and t as in `waves`, and R/t where
+    its half-stub waves have dropped √d. So one of the two is enough, and with the exponentials scaled by f
+    none of these rows is larger than the end's own error.
+    """
+    c, s, c2, s2, cos_sin, _ = end.series
+    c0, s0, c20, s20, cos_sin0, _ = end.series[:, 0, 0]
+    size = c0 * c0 + s0 * s0
+    num, den = (c * s0 - s * c0) / size, (c * c0 + s * s0) / size
+    num2, den2 = (c2 * s20 - s2 * c20) / size, (c2 * c20 + s2 * s20) / size
+    quarter, p = Fraction(1, 4), end.p
+    scale = product(binomial(1 - p, quarter), binomial(-1, -quarter))
+    if not end.half:
+        scale = product(scale, binomial(-p, -2 * quarter))
+    scaled = product(cos_sin, scale)
+    rows = np.array([num, den, den2 - den, num2, scaled - cos_sin0 * den])
+    return Table.of(np.concatenate([rows[:, u] for u in range(c.shape[0])]))
+
+
+@lru_cache(maxsize=1024)
+def inside(end: EndWaves) -> Table:
+    """Return `_inside_table`; an end is looked up faster than a fraction."""
+    return _inside_table(end.p)
+
+
+@lru_cache(maxsize=64)
+def _inside_table(p: Fraction) -> Table:
+    """Return the rows ω/q² - 1 and χ/q - 1.
+
+    q = 2 ∫ ds/√(1 - s²), χ = 2 ∫ ds/((1 - p s²) √(1 + (1 - p) s²)), ω = 4 s²/√(1 - p s²).
+    """
+    minus_half, minus_one = Fraction(-1, 2), Fraction(-1)
+    q_over_2s = integral(binomial(-1, minus_half))
+    chi_over_2s = integral(product(binomial(-p, minus_one), binomial(1 - p, minus_half)))
+    one = binomial(0, minus_one)
+    omega = quotient(quotient(binomial(-p, minus_half), q_over_2s), q_over_2s) - one
+    return Table.of(np.array([omega, quotient(chi_over_2s, q_over_2s) - one])[:, :SERIES_TERMS])

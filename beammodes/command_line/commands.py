@@ -361,7 +361,7 @@ def damping_of(options: argparse.Namespace, chain: Any) -> Any:
     from beammodes.vibration.damping import Damping
 
     if options.damping_ratio is not None:
-        from beammodes.dynamics.damping_ratio import joint_dampers
+        from beammodes.vibration.damping import joint_dampers
 
         if options.stiffness_damping:
             raise ValueError("--damping-ratio must be given without --stiffness-damping, which it sets")

@@ -7,13 +7,13 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from beammodes.checks import positive_real, real, real_numbers, shown
+from beammodes.numerics.arrays import Floats
 
 __all__ = ["BaseMotion", "Course", "at_rest", "harmonic", "spin_up"]
 
-Floats = NDArray[np.float64]
 
 #: Position, rate and acceleration at times t, each of the shape of t.
 Course = Callable[[Floats], tuple[Floats, Floats, Floats]]

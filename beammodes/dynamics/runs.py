@@ -5,30 +5,325 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any
 
+import casadi
 import numpy as np
-from numpy.typing import NDArray
 
 from beammodes.chains.chain import Chain
 from beammodes.dynamics.base_motion import BaseMotion
-from beammodes.dynamics.chain_state import base_vector
-from beammodes.dynamics.forward_dynamics import forward_dynamics
-from beammodes.dynamics.midpoint import implicit_midpoint, momentum_map
-from beammodes.dynamics.runge_kutta import Stepper, projection, runge_kutta
-from beammodes.interrupts import pause
-from beammodes.problem.loading import Load
+from beammodes.dynamics.forward_dynamics import ChainState, base_vector, checked_system, forward_dynamics
+from beammodes.equations.mechanics import Algebra, coordinate_names, piece_energies, tip_names
+from beammodes.numerics.arrays import Floats
+from beammodes.problem.loading import Load, checked_load
+from beammodes.progress import pause
 from beammodes.vibration.damping import Damping
 from beammodes.vibration.integrators import INTEGRATORS
 
-__all__ = ["Rate", "Run", "Runner", "midpoint_run", "runge_kutta_run", "runner", "variable_run"]
+__all__ = [
+    "MAX_PIECES",
+    "Rate",
+    "Run",
+    "Runner",
+    "Stepper",
+    "closure",
+    "implicit_midpoint",
+    "midpoint_run",
+    "momentum_map",
+    "projection",
+    "runge_kutta",
+    "runge_kutta_run",
+    "runner",
+    "variable_run",
+]
 
-Array = NDArray[np.float64]
+
+# One step of an explicit Runge-Kutta method, compiled, from the stages that its record gives.
+#
+# A state is (q, q'). `Stepper.steps` maps it over many steps at once, so that a run spends its time in
+# compiled
+# code. Chains whose right end is held are projected back onto their closure after each Runge-Kutta step, with
+# the least change of q and of q'; the midpoint rule meets it by a multiplier.
+
+
+@dataclass(frozen=True)
+class Stepper:
+    """One step as a CasADi function of (state, step, base), base at `stages` times within the step.
+
+    Attributes
+    ----------
+    function : casadi.Function
+        New state from state, step and the base's nine numbers at each of the times, in one column.
+    times : tuple of float
+        Those times, as fractions of the step.
+    """
+
+    function: casadi.Function
+    times: tuple[float, ...]
+
+    def steps(self, state: Floats, step: float, start: float, count: int, base: BaseMotion) -> Floats:
+        """Return the states after each of `count` steps from time `start`, shape (count, size)."""
+        at = start + step * (np.arange(count)[None, :] + np.array(self.times)[:, None])
+        course = base.at(at)  # (3, 3, stages, count)
+        columns = np.moveaxis(course, 2, 0).reshape(-1, count)
+        mapped = _repeated(self.function, count)
+        return np.asarray(mapped(state, np.full((1, count), step), columns).full().T)
+
+
+# Runs are cut into chunks of equal length, so the last few functions are asked for again and again.
+@lru_cache(maxsize=4)
+def _repeated(function: casadi.Function, count: int) -> casadi.Function:
+    return function.mapaccum(count)
+
+
+def runge_kutta(
+    chain: Chain,
+    *,
+    load: Load | None = None,
+    damping: Damping | None = None,
+    base: BaseMotion | None = None,
+    integrator: str = "rk4",
+) -> Stepper:
+    """Return one step of an explicit Runge-Kutta method, of states (q, q').
+
+        k_i = f(t + c_i h, x + h Σ_j a_ij k_j),   x + h Σ_i b_i k_i
+
+    Parameters
+    ----------
+    chain, load, damping, base
+        As `forward_dynamics` takes them.
+    integrator : str
+        One of `INTEGRATORS` with stages.
+
+    Examples
+    --------
+    >>> from beammodes.problem.beam import Beam
+    >>> stepper = runge_kutta(Chain(Beam.unit(), "clamped-free", segments=1))        # q'' = -9 q
+    >>> stepper.steps(np.array([1.0, 0.0]), 0.01, 0.0, 2, BaseMotion())[:, 0].round(4)
+    array([0.9996, 0.9982])
+    """
+    method = INTEGRATORS[integrator]
+    dynamics = forward_dynamics(chain, load=load, damping=damping, base=base)
+    pause()
+    size = len(dynamics.coordinates)
+    # The last time is that of the new state's closure.
+    nodes = [sum(row) for row in method.stages]
+    times = tuple(sorted({*nodes, 1.0}))
+    state, step, course = (
+        casadi.SX.sym(n, k) for n, k in (("x", 2 * size), ("h", 1), ("base", 9 * len(times)))
+    )
+    at = dict(zip(times, casadi.vertsplit(course, 9), strict=True))
+    rates: list[Any] = []
+    for node, row in zip(nodes, method.stages, strict=True):
+        x = state
+        for weight, rate in zip(row, rates, strict=False):
+            x = x + (step * weight) * rate if weight else x
+        rates.append(casadi.vertcat(x[size:], dynamics.acceleration(x[:size], x[size:], at[node])))
+    # In multiples of the least weight, as the method is written in books: h/6 (k_1 + 2 k_2 + 2 k_3 + k_4).
+    least = min(weight for weight in method.weights if weight)
+    terms = [weight / least * rate for weight, rate in zip(method.weights, rates, strict=True) if weight]
+    new = state + step / (1 / least) * sum(terms[1:], terms[0])
+    if chain.boundary.right.holds_deflection:
+        new = projection(chain)(new, at[1.0])
+    return Stepper(casadi.Function("runge_kutta", [state, step, course], [new]), times)
+
+
+def closure(chain: Chain, q: Any, base: Any) -> Any:
+    """Return the right tip's deflection relative to the base, which a held end keeps at zero."""
+    parts = casadi.vertsplit(q)
+    state = ChainState.of(chain, parts, parts, casadi.vertsplit(base))
+    return (
+        state.place[1]
+        - base[3]
+        + casadi.dot(casadi.DM(chain.length.tolist()), casadi.sin(casadi.vertcat(*state.angle)))
+    )
+
+
+def projection(chain: Chain) -> casadi.Function:
+    """Return the function (state, base) -> nearest state with the right tip's deflection the base's.
+
+    Two Newton steps: a Runge-Kutta step leaves the closure by little.
+    """
+    size = len(coordinate_names(chain))
+    q, u, base = (casadi.SX.sym(n, k) for n, k in (("q", size), ("u", size), ("base", 9)))
+    gap = closure(chain, q, base)
+    slope = casadi.jacobian(gap, q)
+    # Bases under a held right end only shift, so the tip's velocity is the base's where the left tip's is.
+    rate = slope @ u - (0 if chain.boundary.left.holds_deflection else base[4])
+    onto = casadi.Function("onto", [q, base], [q - slope.T * gap / casadi.sumsqr(slope)])
+    along = casadi.Function("along", [q, u, base], [u - slope.T * rate / casadi.sumsqr(slope)])
+    state = casadi.SX.sym("x", 2 * size)
+    placed = onto(onto(state[:size], base), base)
+    moved = along(placed, state[size:], base)
+    return casadi.Function("projection", [state, base], [casadi.vertcat(placed, moved)])
+
+
+# The implicit midpoint rule for a chain: symplectic also where the mass matrix depends on the shape.
+#
+# With the Lagrangian L = T - V, v = (q₁ - q₀)/h and all taken at the middle (q₀ + q₁)/2 of a step,
+#
+#     ∂L/∂q' = p₀ + h/2 (∂L/∂q - ∂R/∂q' + (∂c/∂q)ᵀ λ),     p₁ = 2 ∂L/∂q' - p₀,     c(q₁) = 0:
+#
+# the midpoint rule of Hamilton's equations in q and p = ∂L/∂q', derived from a discrete Lagrangian (J. E.
+# Marsden and M. West, Discrete mechanics and variational integrators, Acta Numerica 10 (2001), 357-514). R is
+# Rayleigh's dissipation function. A step keeps no energy exactly, but lets it wander within bounds that
+# shrink
+# with h².
+
+#: Longer chains are refused: each Newton iteration of a step solves a full system. A step takes about 0.4, 14
+#: and 300 ms for 50, 200 and 500 pieces, where a Runge-Kutta step takes microseconds a piece.
+MAX_PIECES = 500
+
+
+def implicit_midpoint(
+    chain: Chain, *, load: Load | None = None, damping: Damping | None = None, base: BaseMotion | None = None
+) -> Stepper:
+    """Return one step of the implicit midpoint rule, of states (q, p).
+
+    Parameters
+    ----------
+    chain, load, damping, base
+        As `forward_dynamics.forward_dynamics` takes them; at most 500 pieces.
+
+    Raises
+    ------
+    TypeError, ValueError
+        As `forward_dynamics` raises, or if the chain is too long.
+
+    Examples
+    --------
+    >>> from beammodes.problem.beam import Beam
+    >>> import numpy as np
+    >>> stepper = implicit_midpoint(Chain(Beam.unit(), "clamped-free", segments=1))
+    >>> stepper.steps(np.array([1.0, 0.0]), 0.01, 0.0, 2, BaseMotion())[:, 0].round(4)
+    array([0.9996, 0.9982])
+    """
+    checked_system(chain, load, damping, base)
+    if chain.pieces > MAX_PIECES:
+        raise ValueError(
+            f"chain must have at most {MAX_PIECES} pieces for the midpoint rule, got {chain.pieces}"
+        )
+    size = len(coordinate_names(chain))
+    held = int(chain.boundary.right.holds_deflection)
+    v, q, p, step, middle, late, force = (
+        casadi.SX.sym(name, count)
+        for name, count in zip("vqphmlf", (size, size, size, 1, 9, 9, held), strict=True)
+    )
+    between, after = q + step / 2 * v, q + step * v
+    momentum, pull = _lagrangian_terms(chain, checked_load(load), damping or Damping(), between, v, middle)
+    if held:
+        gap = closure(chain, between, middle)
+        pull = pull + casadi.jacobian(gap, v).T / (step / 2) * force
+    pause()
+    units, moving = chain.units, size - len(tip_names(chain))
+    # Newton's tolerance is absolute: the chain's own units make it relative.
+    rate = (units.stiffness / units.mass) ** 0.5 / units.length
+    scale = [1 / (units.mass * units.length * rate)] * (size - moving)
+    scale += [1 / (units.mass * units.length**2 * rate)] * moving
+    residual = casadi.vertcat(
+        casadi.DM(scale) * (momentum - p - step / 2 * pull),
+        *([closure(chain, after, late) / units.length] if held else []),
+    )
+    unknown, given = casadi.vertcat(v, force), casadi.vertcat(q, p, step, middle, late)
+    system = casadi.Function("system", [unknown, given], [residual])
+    # What is not finite is reported once, by the run, and not by CasADi at every iteration.
+    options = {"abstol": 1e-13, "max_iter": 30, "error_on_fail": False, "show_eval_warnings": False}
+    pause()
+    solve = casadi.rootfinder("solve", "newton", system, options)
+    # Where Newton's method finds nothing there is no new state.
+    failed = casadi.if_else(casadi.norm_inf(residual) < 1e-9, 0, casadi.SX.nan())
+    finish = casadi.Function("finish", [unknown, given], [casadi.vertcat(after, 2 * momentum - p) + failed])
+    return Stepper(_step_function(size, held, solve, finish), (0.5, 1.0))
+
+
+def _step_function(size: int, held: int, solve: casadi.Function, finish: casadi.Function) -> casadi.Function:
+    state, step, course = (casadi.MX.sym(n, k) for n, k in (("x", 2 * size), ("h", 1), ("base", 18)))
+    given = casadi.vertcat(state, step, course)
+    found = solve(casadi.MX.zeros(size + held), given)
+    return casadi.Function("midpoint", [state, step, course], [finish(found, given)])
+
+
+def momentum_map(chain: Chain, *, load: Load | None = None) -> tuple[casadi.Function, casadi.Function]:
+    """Return the functions (q, q', base) -> p and (q, p, base) -> q'."""
+    size = len(coordinate_names(chain))
+    q, u, base = (casadi.SX.sym(name, count) for name, count in (("q", size), ("u", size), ("base", 9)))
+    momentum, _ = _lagrangian_terms(chain, checked_load(load), Damping(), q, u, base)
+    pause()
+    mass = casadi.jacobian(momentum, u)
+    rest = casadi.substitute(momentum, u, casadi.SX.zeros(size))
+    parts = casadi.Function("parts", [q, base], [mass, rest])
+    place, p, course = (casadi.MX.sym(n, k) for n, k in (("q", size), ("p", size), ("base", 9)))
+    inertia, still = parts(place, course)
+    # In numbers: as one expression the solution would have N³ terms, and lose five digits by N = 100.
+    speed = casadi.solve(inertia, p - still, "ldl") if size else p
+    return (
+        casadi.Function("momentum", [q, u, base], [momentum]),
+        casadi.Function("speed", [place, p, course], [speed]),
+    )
+
+
+def _lagrangian_terms(
+    chain: Chain, load: Load, damping: Damping, q: Any, u: Any, base: Any
+) -> tuple[Any, Any]:
+    """Return  ∂L/∂q'  and  ∂L/∂q - ∂R/∂q'  at q and q', which may be expressions."""
+    size = q.rows()
+    at, speed = casadi.SX.sym("at", size), casadi.SX.sym("speed", size)
+    state = ChainState.of(chain, casadi.vertsplit(at), casadi.vertsplit(speed), casadi.vertsplit(base))
+    units = chain.units
+    algebra = Algebra(float, casadi.sin, casadi.cos, units.length, units.mass, units.stiffness)
+    kinetic, potential, _ = piece_energies(
+        chain, state.place, state.speed, state.angle, state.spin, algebra, load, (base[3], base[6])
+    )
+    lagrangian, lost = kinetic - potential, _dissipation(chain, damping, state, algebra)
+    terms = casadi.Function(
+        "terms",
+        [at, speed, base],
+        [
+            casadi.gradient(lagrangian, speed),
+            casadi.gradient(lagrangian, at) - casadi.gradient(lost, speed),
+        ],
+    )
+    momentum, pull = terms(q, u, base)
+    return momentum, pull
+
+
+def _dissipation(chain: Chain, damping: Damping, state: ChainState, algebra: Algebra) -> Any:
+    """Return Rayleigh's  ½ q'ᵀ C q'  of motion relative to the base."""
+    base, spin = state.base, state.spin
+    lost: Any = casadi.SX(0)
+    for j, damper in enumerate(damping.joint_damping(chain).tolist()):
+        lost += damper / 2 * (spin[j + 1] - spin[j]) ** 2
+    relative = [rate - base[7] for rate in spin]
+    # Velocities relative to a base that shifts and turns, seen along its own axes, which turns no length.
+    place, turn = state.place, base[7]
+    tip = (
+        state.speed[0] - base[1] + turn * (place[1] - base[3]),
+        state.speed[1] - base[4] - turn * (place[0] - base[0]),
+    )
+    kinetic, _, _ = piece_energies(chain, place, tip, state.angle, relative, algebra)
+    lost += damping.mass * kinetic
+    y_speed = tip[1] + casadi.dot(
+        casadi.DM(chain.length.tolist()) * casadi.cos(casadi.vertcat(*state.angle)), casadi.vertcat(*relative)
+    )
+    for end_index, deflection, rotation in ((0, tip[1], relative[0]), (1, y_speed, relative[-1])):
+        for stiffness, rate in zip(
+            chain.support_stiffness[end_index].tolist(), (deflection, rotation), strict=True
+        ):
+            if 0 < stiffness < float("inf"):
+                lost += damping.stiffness * stiffness / 2 * rate**2
+    return lost
+
+
 Progress = Callable[[int, int], None] | None
 
+
 #: Times, coordinates, speeds, and why the run stopped early, or nothing.
-Found = tuple[Array, Array, Array, str]
-Runner = Callable[["Run", tuple[Array, Array], Progress], Found]
+Found = tuple[Floats, Floats, Floats, str]
+
+
+Runner = Callable[["Run", tuple[Floats, Floats], Progress], Found]
+
 
 # Steps, and steps times numbers of a state, that one call of compiled code takes at most: short enough to be
 # watched and interrupted.
@@ -77,7 +372,7 @@ def runner(integrator: str) -> Runner:
     return found
 
 
-def runge_kutta_run(run: Run, start: tuple[Array, Array], progress: Progress) -> Found:
+def runge_kutta_run(run: Run, start: tuple[Floats, Floats], progress: Progress) -> Found:
     """Integrate by an explicit Runge-Kutta method of fixed step."""
     stepper = runge_kutta(
         run.chain, load=run.load, damping=run.damping, base=run.base, integrator=run.integrator
@@ -87,7 +382,7 @@ def runge_kutta_run(run: Run, start: tuple[Array, Array], progress: Progress) ->
     return time, states[:, :size], states[:, size:], why
 
 
-def midpoint_run(run: Run, start: tuple[Array, Array], progress: Progress) -> Found:
+def midpoint_run(run: Run, start: tuple[Floats, Floats], progress: Progress) -> Found:
     """Integrate by the implicit midpoint rule."""
     stepper = implicit_midpoint(run.chain, load=run.load, damping=run.damping, base=run.base)
     momentum, speed = momentum_map(run.chain, load=run.load)
@@ -109,7 +404,7 @@ def midpoint_run(run: Run, start: tuple[Array, Array], progress: Progress) -> Fo
     return time, q_found, u_found, why
 
 
-def _fixed(run: Run, stepper: Stepper, state: Array, progress: Progress) -> tuple[Array, Array, str]:
+def _fixed(run: Run, stepper: Stepper, state: Floats, progress: Progress) -> tuple[Floats, Floats, str]:
     """Return output times and states of fixed steps, and why they stopped early, or nothing."""
     kept, times, done, why = [state[None]], [0.0], 0, ""
     chunk = min(_CHUNK, 1 + _NUMBERS // max(1, len(state)))
@@ -150,7 +445,7 @@ class Rate:
         self.buffer.set_res(0, self.found.data)
         self.base[:] = base_vector(run.base, 0.0)
 
-    def __call__(self, time: float, x: Array) -> Array:
+    def __call__(self, time: float, x: Floats) -> Floats:
         """Return q' and q'' at a time and a state (q, q')."""
         size = len(self.q)
         self.q[:], self.u[:] = x[:size], x[size:]
@@ -160,7 +455,7 @@ class Rate:
         return np.concatenate([self.u, self.found])
 
 
-def variable_run(run: Run, start: tuple[Array, Array], progress: Progress) -> Found:
+def variable_run(run: Run, start: tuple[Floats, Floats], progress: Progress) -> Found:
     """Integrate by a Runge-Kutta pair of SciPy, which chooses its steps."""
     size, why = len(start[0]), ""
     kept, times = [np.concatenate(start)], [0.0]
@@ -185,7 +480,7 @@ def variable_run(run: Run, start: tuple[Array, Array], progress: Progress) -> Fo
     return np.array(times), states[:, :size], states[:, size:], why
 
 
-def _variable_pieces(run: Run, rate: Rate, onto: Any, state: Array) -> Iterator[tuple[float, Array, str]]:
+def _variable_pieces(run: Run, rate: Rate, onto: Any, state: Floats) -> Iterator[tuple[float, Floats, str]]:
     """Yield each output time, the state there, and why the motion cannot go on, or nothing."""
     import scipy.integrate
 

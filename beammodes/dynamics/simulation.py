@@ -13,33 +13,258 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from beammodes.chains.chain import Chain
-from beammodes.checks import choice, positive_real, shown
+from beammodes.checks import bounded, choice, positive_real, real, real_numbers, shown, whole_number
 from beammodes.dynamics.base_motion import BaseMotion
-from beammodes.dynamics.chain_state import checked_system
-from beammodes.dynamics.initial_state import initial_state
-from beammodes.dynamics.motion_dataset import motion_dataset
-from beammodes.dynamics.runs import Run, runner
+from beammodes.dynamics.forward_dynamics import base_vector, checked_system
+from beammodes.dynamics.runs import Run, projection, runner
+from beammodes.equations.mechanics import Algebra, coordinate_names, piece_energies, tip_names
 from beammodes.files import file_target, write_atomically
-from beammodes.interrupts import held
+from beammodes.numerics.arrays import Floats
 from beammodes.problem.loading import Load, checked_load
+from beammodes.progress import held
 from beammodes.vibration.damping import Damping
 from beammodes.vibration.integrators import INTEGRATORS
+from beammodes.vibration.linear import linearize
+from beammodes.vibration.modes import solve_modes
 from beammodes.vibration.stability import stable_time_step
 
 if TYPE_CHECKING:
     import xarray
 
-__all__ = ["METHODS", "DivergedWarning", "UnsavedMotion", "UnstableStepWarning", "simulate"]
+__all__ = [
+    "METHODS",
+    "DivergedWarning",
+    "UnsavedMotion",
+    "UnstableStepWarning",
+    "initial_state",
+    "mode_start",
+    "motion_dataset",
+    "simulate",
+]
+
+
+# What a motion starts from: a chain at rest with its base, in the shape of a mode, or as given.
+
+
+State = tuple[Floats, Floats]
+
+
+def mode_start(chain: Chain, mode: int, amplitude: float, *, load: Load | None = None) -> State:
+    """Return coordinates and speeds of a chain at rest in the shape of a mode.
+
+    Parameters
+    ----------
+    chain : Chain
+    mode : int
+        1-based index of an elastic mode.
+    amplitude : float [rad]
+        Largest angle of a segment.
+    load : Load, optional
+        Under which the modes are taken.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If an argument is not of its kind, or the chain has no such mode.
+
+    Examples
+    --------
+    >>> from beammodes.problem.beam import Beam
+    >>> mode_start(Chain(Beam.unit(), "clamped-free", segments=2), 1, 0.1)[0].round(4)
+    array([0.0558, 0.1   ])
+    """
+    model = linearize(chain, load=load)
+    number = whole_number("mode", mode, most=model.elastic_modes)
+    real("amplitude", amplitude)
+    modes = solve_modes(model, number)
+    rotation, deflection = modes.rotation[number - 1], modes.deflection[number - 1]
+    scale = amplitude / np.abs(rotation).max()
+    tips = {"x_0": 0.0, "y_0": deflection[0]}
+    q = [*(tips[name] for name in tip_names(chain)), *rotation[~np.array(chain.held_angles)]]
+    start = scale * np.array(q), np.zeros(len(q))
+    return _onto(chain, start, BaseMotion()) if chain.boundary.right.holds_deflection else start
+
+
+def initial_state(chain: Chain, initial: Any, base: BaseMotion) -> State:
+    """Return the first state, on the closure of a chain whose right end is held."""
+    course, names = base.at(0.0), coordinate_names(chain)
+    rest = [{"x_0": course[0, k], "y_0": course[1, k]} for k in (0, 1)]
+    q, u = (np.array([rest[k].get(n, course[2, k]) for n in names]) for k in (0, 1))
+    if initial is not None and hasattr(initial, "coordinates"):
+        q = np.asarray(initial.coordinates, dtype=np.float64)
+    elif initial is not None:
+        try:
+            q, u = bounded("initial", initial, most=2)
+        except (TypeError, ValueError):
+            raise TypeError(f"initial must be coordinates and speeds, got {shown(initial)}") from None
+        q, u = real_numbers("initial", q), real_numbers("initial", u)
+    for part in (q, u):
+        if part.shape != (len(names),) or not np.isfinite(part).all():
+            raise ValueError(f"initial must be finite numbers for {', '.join(names)}, got {shown(part)}")
+    if not chain.boundary.right.holds_deflection:
+        return q, u
+    state = _onto(chain, (q, u), base)
+    if np.abs(state[0] - q).max() > 1e-3:
+        raise ValueError("initial must leave the right end where its support holds it")
+    return state
+
+
+def _onto(chain: Chain, start: State, base: BaseMotion) -> State:
+    """Return the nearest state on the closure."""
+    onto = projection(chain)
+    state = np.concatenate(start)
+    for _ in range(4):
+        state = np.array(onto(state, base_vector(base, 0.0)))[:, 0]
+    return state[: len(start[0])], state[len(start[0]) :]
+
+
+# A computed motion as a labelled table: angles, positions, energies and momenta over time.
+
+_NAMES = {
+    "angle": ("angle of each rigid segment", "rad"),
+    "angular_velocity": ("rate of each segment's angle", "rad/s"),
+    "x": ("position of each node along the beam at rest", "m"),
+    "y": ("position of each node across it", "m"),
+    "tip_deflection": ("right tip's distance from the line of the base", "m"),
+    "kinetic_energy": ("kinetic energy", "J"),
+    "potential_energy": ("energy of springs, supports and loads", "J"),
+    "energy": ("kinetic and potential energy", "J"),
+    "momentum_x": ("momentum along x", "N s"),
+    "momentum_y": ("momentum along y", "N s"),
+    "angular_momentum": ("angular momentum about the origin", "N m s"),
+    "q": ("generalized coordinates", "m, rad"),
+    "u": ("generalized speeds", "m/s, rad/s"),
+}
+
+
+def motion_dataset(
+    chain: Chain,
+    time: Floats,
+    q: Floats,
+    u: Floats,
+    *,
+    load: Load,
+    base: BaseMotion,
+    attributes: dict[str, Any],
+) -> xarray.Dataset:
+    """Return the motion of a chain as a Dataset, see `simulation.simulate`.
+
+    Parameters
+    ----------
+    time : ndarray, shape (times,) [s]
+    q, u : ndarray, shape (times, coordinates)
+        Coordinates and speeds.
+    attributes : dict
+        What else to say of the run.
+    """
+    import xarray
+
+    from beammodes import __version__
+
+    course = base.at(time)
+    angle, spin = (_of_pieces(chain, values, course[2, k]) for k, values in enumerate((q, u)))
+    tip, tip_speed = (_of_tip(chain, values, course[:2, k]) for k, values in enumerate((q, u)))
+    length = chain.length
+    x, y = (
+        np.concatenate([start[:, None], start[:, None] + np.cumsum(length * part, axis=1)], axis=1)
+        for start, part in zip(tip, (np.cos(angle), np.sin(angle)), strict=True)
+    )
+    values: dict[str, tuple[tuple[str, ...], Floats]] = {
+        "angle": (("time", "segment"), angle),
+        "angular_velocity": (("time", "segment"), spin),
+        "x": (("time", "node"), x),
+        "y": (("time", "node"), y),
+        "q": (("time", "coordinate"), q),
+        "u": (("time", "coordinate"), u),
+    }
+    phi = course[2, 0]
+    across = (y[:, -1] - course[1, 0]) * np.cos(phi) - (x[:, -1] - course[0, 0]) * np.sin(phi)
+    series = {"tip_deflection": across}
+    # A diverging run may end in numbers whose squares are too large.
+    with np.errstate(over="ignore", invalid="ignore"):
+        series |= _energies(chain, tip, tip_speed, angle, spin, load, course)
+        series |= _momenta(chain, tip_speed, angle, spin, x, y)
+    values |= {name: (("time",), array) for name, array in series.items()}
+    return xarray.Dataset(
+        {
+            name: (dims, array, {"long_name": _NAMES[name][0], "units": _NAMES[name][1]})
+            for name, (dims, array) in values.items()
+        },
+        coords={
+            "time": ("time", time, {"long_name": "time", "units": "s"}),
+            "segment": (
+                "segment",
+                np.arange(1, chain.pieces + 1),
+                {"long_name": "rigid segment", "units": "1"},
+            ),
+            "node": ("node", np.arange(chain.pieces + 1), {"long_name": "tip or hinge", "units": "1"}),
+            "coordinate": coordinate_names(chain),
+        },
+        attrs={"source": f"beammodes {__version__}", **attributes},
+    )
+
+
+def _of_pieces(chain: Chain, values: Floats, held: Floats) -> Floats:
+    """Return angles or rates of all pieces, those included that the base prescribes."""
+    full = np.repeat(held[:, None], chain.pieces, axis=1)
+    full[:, ~np.array(chain.held_angles)] = values[:, len(tip_names(chain)) :]
+    return full
+
+
+def _of_tip(chain: Chain, values: Floats, given: Floats) -> tuple[Floats, Floats]:
+    """Return position or velocity of the left tip."""
+    names = tip_names(chain)
+    x, y = (values[:, names.index(n)] if n in names else given[k] for k, n in enumerate(("x_0", "y_0")))
+    return x, y
+
+
+def _energies(
+    chain: Chain,
+    tip: tuple[Floats, Floats],
+    tip_speed: tuple[Floats, Floats],
+    angle: Floats,
+    spin: Floats,
+    load: Load,
+    course: Floats,
+) -> dict[str, Floats]:
+    units = chain.units
+    algebra = Algebra(float, np.sin, np.cos, units.length, units.mass, units.stiffness)
+    kinetic, potential, _ = piece_energies(
+        chain, tip, tip_speed, list(angle.T), list(spin.T), algebra, load, (course[1, 0], course[2, 0])
+    )
+    return {"kinetic_energy": kinetic, "potential_energy": potential, "energy": kinetic + potential}
+
+
+def _momenta(
+    chain: Chain, tip_speed: tuple[Floats, Floats], angle: Floats, spin: Floats, x: Floats, y: Floats
+) -> dict[str, Floats]:
+    length, centre, mass = chain.length, chain.centre, chain.mass
+    cosine, sine = np.cos(angle), np.sin(angle)
+    carried = [np.cumsum(length * part * spin, axis=1) - length * part * spin for part in (-sine, cosine)]
+    vx = tip_speed[0][:, None] + carried[0] - centre * sine * spin
+    vy = tip_speed[1][:, None] + carried[1] + centre * cosine * spin
+    px, py = mass * vx, mass * vy
+    about = (x[:, :-1] + centre * cosine) * py - (y[:, :-1] + centre * sine) * px
+    turning = about + chain.rotary_inertia * spin
+    return {
+        "momentum_x": px.sum(axis=1),
+        "momentum_y": py.sum(axis=1),
+        "angular_momentum": turning.sum(axis=1),
+    }
+
 
 #: Classical fixed-step Runge-Kutta, the implicit midpoint rule, and variable-step Runge-Kutta pairs of order
 #: 5(4) and 8(5,3), for which the step is the largest one and the one of output: the report's recipe.
 METHODS: tuple[str, ...] = tuple(name for name, record in INTEGRATORS.items() if record.run)
 
+
 #: How many output times a run has unless told otherwise.
 OUTPUTS = 1000
 
+
 #: A motion that takes more memory is refused [bytes].
 MAX_MEMORY = 4 * 2**30
+
 
 # Numbers of 8 bytes that are held for each output time: for each piece, and for all of them. A
 # motion of 60 segments was measured to take 19 for each segment while its dataset is made.
@@ -146,7 +371,7 @@ def simulate(
 
     Examples
     --------
-    >>> from beammodes.dynamics.initial_state import mode_start
+    >>> from beammodes.dynamics.simulation import mode_start
     >>> from beammodes.problem.beam import Beam
     >>> chain = Chain(Beam.unit(), "clamped-free", segments=4)
     >>> motion = simulate(chain, duration=1.0, initial=mode_start(chain, 1, 0.01))

@@ -10,11 +10,18 @@ from numpy.typing import NDArray
 from beammodes.chains.chain import Chain
 from beammodes.checks import choice, whole_number
 from beammodes.dynamics.base_motion import BaseMotion
-from beammodes.dynamics.chain_state import base_vector
-from beammodes.dynamics.initial_state import mode_start
-from beammodes.dynamics.midpoint import implicit_midpoint, momentum_map
-from beammodes.dynamics.runge_kutta import Stepper, projection, runge_kutta
-from beammodes.dynamics.runs import Rate, Run
+from beammodes.dynamics.forward_dynamics import base_vector
+from beammodes.dynamics.runs import (
+    Rate,
+    Run,
+    Stepper,
+    implicit_midpoint,
+    momentum_map,
+    projection,
+    runge_kutta,
+)
+from beammodes.dynamics.simulation import mode_start
+from beammodes.numerics.arrays import Floats
 from beammodes.problem.loading import Load
 from beammodes.vibration.damping import Damping
 from beammodes.vibration.linear import linearize
@@ -22,14 +29,13 @@ from beammodes.vibration.modes import solve_modes
 
 __all__ = ["VariableCost", "equal_start", "largest_angles", "modal_motion", "variable_step_cost"]
 
-Array = NDArray[np.float64]
 
 Complex = NDArray[np.complex128]
 
 _STILL = BaseMotion()
 
 
-def equal_start(chain: Chain, amplitude: float) -> Array:
+def equal_start(chain: Chain, amplitude: float) -> Floats:
     """Return a state at rest with the same amount of every mode, its largest angle being `amplitude` [rad].
 
     Examples
@@ -43,7 +49,7 @@ def equal_start(chain: Chain, amplitude: float) -> Array:
     return np.concatenate([amplitude / np.abs(q).max() * q, np.zeros(len(q))])
 
 
-def largest_angles(stepper: Stepper, state: Array, step: float, count: int) -> Array:
+def largest_angles(stepper: Stepper, state: Floats, step: float, count: int) -> Floats:
     """Return the largest angle after each step [rad]; infinite from where the state is not finite.
 
     For a chain whose left end is held, whose coordinates are angles.

@@ -29,25 +29,297 @@ holds the chain axially.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import math
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from fractions import Fraction
 from typing import Any
 
 from beammodes.chains.chain import Chain, Number
-from beammodes.equations.axial_pull import hub_load
-from beammodes.equations.coordinates import axially_free_left, moving_pieces, tip_names, unpack
-from beammodes.equations.load_field import Algebra, LoadField, static_forces, support_units
+from beammodes.chains.pieces import each_once
 from beammodes.problem.loading import Load, checked_load
 
 __all__ = [
     "Algebra",
     "Energies",
+    "LoadField",
     "MotionTerms",
+    "axial_pull",
+    "axially_free_left",
+    "coordinate_names",
     "energies",
     "inertia_coefficients",
     "motion_terms",
+    "moving_pieces",
+    "null_space",
     "piece_energies",
+    "static_forces",
+    "straight_load",
+    "support_units",
+    "tip_names",
+    "unpack",
 ]
+
+
+# How hard loads along a straight chain pull on its pieces.
+
+
+def straight_load(chain: Chain, load: Load) -> Load:
+    """Return `load`, or raise ValueError if the straight chain is not in equilibrium under it."""
+    if load.bends:
+        raise ValueError(
+            f"load must leave the straight chain in equilibrium, got {load}: give linearize the bent shape, "
+            "at=find_equilibrium(chain, load)"
+        )
+    return hub_load(chain, load)
+
+
+def hub_load(chain: Chain, load: Load) -> Load:
+    """Return `load`, or raise ValueError if nothing holds the left end against it."""
+    if load.needs_hub and not chain.boundary.left.is_grounded:
+        raise ValueError(
+            f"boundary must tie the left end to the ground or hub under {load}, got {chain.boundary.name}: "
+            "name the held end first"
+        )
+    beam = chain.beam
+    if load.spin_rate and beam is not None and beam.has_rotary_inertia:
+        raise ValueError("beam must have no rotary_inertia_per_length on a turning hub")
+    return load
+
+
+def axial_pull(chain: Chain, load: Load) -> list[Number]:
+    """Return, for each piece, what loads along the chain add to  ∂²V/∂θ_i²  at rest, in its own units.
+
+    A piece whose outer neighbours are pulled with the force P, and itself at its centre with p, resists
+    turning with  l P + c p.  P sums the axial force, the tip's, and weight and centrifugal force
+    m (g_x + Ω² X) of all that lies beyond; a rod's own spread along the radius adds Ω² J.
+
+    Examples
+    --------
+    >>> from beammodes.problem.beam import Beam
+    >>> axial_pull(Chain(Beam.unit(), "pinned-pinned", 2), Load(axial_force=Fraction(1)))   # T l in EI/ell
+    [Fraction(1, 4), Fraction(1, 4)]
+    """
+    units = chain.exact_units
+    beyond: Number = units.force(Fraction(load.axial_force) + Fraction(load.tip[0]))
+    weight, square = units.acceleration(load.weight[0]), units.square_rate(load.spin_rate)
+    if not (weight or square):
+        return each_once(lambda length: length * beyond if beyond else beyond, chain.piece_length)
+    radius = _radii(chain, units.body(0, 0, load.hub_radius)[2])
+    pulls: list[Number] = []
+    for i in range(chain.pieces - 1, -1, -1):
+        own = chain.piece_mass[i] * (weight + square * radius[i])
+        turning = square * chain.piece_rotary_inertia[i]
+        pulls.append(chain.piece_length[i] * beyond + chain.piece_centre[i] * own + turning)
+        beyond += own
+    return pulls[::-1]
+
+
+def _radii(chain: Chain, hub: Number) -> list[Number]:
+    """Return the distance of every piece's centre of mass from the axis of rotation."""
+    radii, start = [], hub
+    for length, centre in zip(chain.piece_length, chain.piece_centre, strict=True):
+        radii.append(start + centre)
+        start += length
+    return radii
+
+
+# A planar chain's generalized coordinates: which there are, and what the ends hold of them.
+#
+# q = (x₀, y₀, θ₁, θ₂, ...): the position of the left tip, where the left end leaves it free, and the absolute
+# angle of every piece that no end holds.
+
+
+def coordinate_names(chain: Chain) -> list[str]:
+    """Return the names of the generalized coordinates, in order: x_0, y_0 (if free), theta_1, theta_2, ...
+
+    Examples
+    --------
+    >>> from beammodes.problem.beam import Beam
+    >>> coordinate_names(Chain(Beam.unit(), "guided-free", segments=2))
+    ['y_0', 'theta_1', 'theta_2']
+    """
+    moving = len(moving_pieces(chain))
+    return [*tip_names(chain), *(f"theta_{i + 1}" for i in range(moving))]
+
+
+def null_space(rows: Sequence[Sequence[Any]], size: int, number: Callable[[Number], Any]) -> list[list[Any]]:
+    """Return a basis of the vectors that at most one non-trivial row annihilates, as a list of columns.
+
+    The first coordinate that the row contains is expressed by the others, so exact entries stay exact.
+    """
+    pivots = [(row, p) for row in rows for p in [next((i for i, c in enumerate(row) if c != 0), None)]]
+    basis = [[number(int(i == j)) for i in range(size)] for j in range(size)]
+    for row, pivot in pivots:
+        if pivot is None:
+            continue
+        for j, column in enumerate(basis):
+            column[pivot] = -row[j] / row[pivot]
+        del basis[pivot]
+    return basis
+
+
+def axially_free_left(chain: Chain) -> bool:
+    """Say whether nothing ties the left end to the ground, so that its axial position is a coordinate."""
+    return not chain.boundary.left.is_grounded
+
+
+def tip_names(chain: Chain) -> list[str]:
+    """Return the names of the left tip's coordinates, those that its end leaves free."""
+    tip_free = not chain.boundary.left.holds_deflection
+    return [*(["x_0"] if axially_free_left(chain) else []), *(["y_0"] if tip_free else [])]
+
+
+def moving_pieces(chain: Chain) -> list[int]:
+    """Return the indices of the pieces whose angles are coordinates."""
+    return [i for i, held in enumerate(chain.held_angles) if not held]
+
+
+def _with_held(chain: Chain, angle: Sequence[Any]) -> list[Any]:
+    values = iter(angle)
+    return [0 if held else next(values) for held in chain.held_angles]
+
+
+def unpack(chain: Chain, q: Sequence[Any]) -> tuple[tuple[Any, Any], list[Any]]:
+    """Return the left tip (x, y) and every piece's angle, held ones included."""
+    names = tip_names(chain)
+    tip = dict(zip(names, q, strict=False))
+    return (tip.get("x_0", 0), tip.get("y_0", 0)), _with_held(chain, q[len(names) :])
+
+
+# What springs, supports and loads do to a chain's pieces, for any algebra: their work and their forces.
+
+
+@dataclass(frozen=True)
+class Algebra:
+    """What the physics needs of a number system: constants, sine and cosine, and the chain's three units."""
+
+    number: Callable[[Number], Any]
+    sin: Callable[[Any], Any]
+    cos: Callable[[Any], Any]
+    length: Any
+    mass: Any
+    stiffness: Any
+
+
+@dataclass(frozen=True)
+class LoadField:
+    """A load in the units of an algebra.
+
+    Attributes
+    ----------
+    axial, moment : value
+        The axial force and the moment on the right tip.
+    tip, weight : pair of values
+        Force on the right tip, acceleration of gravity.
+    square_rate, hub, lag
+        Ω², the hub's radius, and whether the chain moves in the plane of rotation.
+    idle : bool
+        Whether there is no load at all.
+    """
+
+    axial: Any
+    moment: Any
+    tip: tuple[Any, Any]
+    weight: tuple[Any, Any]
+    square_rate: Any
+    hub: Any
+    lag: bool
+    idle: bool
+
+    @classmethod
+    def of(cls, chain: Chain, load: Load | None, algebra: Algebra) -> LoadField:
+        """Return the load of a chain; raises ValueError if nothing holds the chain's left end against it."""
+        given = checked_load(load)
+        units, number = chain.exact_units, algebra.number
+        force = algebra.stiffness / algebra.length
+        acceleration = force / algebra.mass
+        return cls(
+            number(units.force(given.axial_force)) * force,
+            number(units.moment(given.tip_moment)) * algebra.stiffness,
+            (number(units.force(given.tip[0])) * force, number(units.force(given.tip[1])) * force),
+            (
+                number(units.acceleration(given.weight[0])) * acceleration,
+                number(units.acceleration(given.weight[1])) * acceleration,
+            ),
+            number(units.square_rate(given.spin_rate)) * acceleration / algebra.length,
+            number(units.body(0, 0, given.hub_radius)[2]) * algebra.length,
+            given.plane == "lag",
+            not (given.axial_force or given.needs_hub),
+        )
+
+    def work(self, mass: Any, inertia: Any, x: Any, y: Any, cosine: Any) -> Any:
+        """Return the work of gravity and centrifugal force on a piece with its centre of mass at (x, y)."""
+        if self.idle:
+            return 0
+        spread = mass * y**2 if self.lag else inertia * cosine**2
+        turning = self.square_rate / 2 * (mass * (self.hub + x) ** 2 + spread)
+        return mass * (self.weight[0] * x + self.weight[1] * y) + turning
+
+    def forces(self, mass: Any, x: Any, y: Any) -> tuple[Any, Any]:
+        """Return the force of gravity and spin on a piece with its centre of mass at (x, y)."""
+        outward = y if self.lag else 0
+        return (
+            mass * (self.weight[0] + self.square_rate * (self.hub + x)),
+            mass * (self.weight[1] + self.square_rate * outward),
+        )
+
+
+def static_forces(
+    chain: Chain, q: Sequence[Any], algebra: Algebra, load: Load | None
+) -> tuple[Any, Any, list[Any]]:
+    """Return the right tip's position, and  ∂V/∂q  of hinge springs, supports and loads.
+
+    With F_i on the centre of mass of piece i, P_i the sum of all forces beyond it and n_i its normal, loads
+    do  n_i · (c_i F_i + l_i P_i)  to its angle.
+    """
+    hub_load(chain, checked_load(load))
+    number, tips, angles = algebra.number, *unpack(chain, q)
+    zero, field, units = number(0), LoadField.of(chain, load, algebra), support_units(chain, algebra)
+    moments = _spring_moments(chain, angles, algebra)
+    (left, left_turning), (right, right_turning) = units
+    moments[0] += left_turning * angles[0]
+    moments[-1] += right_turning * angles[-1] - field.moment
+    (x, y), centres = tips, []
+    for length, centre, angle in zip(chain.piece_length, chain.piece_centre, angles, strict=True):
+        cosine, sine = algebra.cos(angle), algebra.sin(angle)
+        arm, reach = number(centre) * algebra.length, number(length) * algebra.length
+        centres.append((x + arm * cosine, y + arm * sine, cosine, sine, arm, reach))
+        x, y = x + reach * cosine, y + reach * sine
+    across, along = field.axial + field.tip[0], field.tip[1] - right * y
+    if not field.idle or 0 < chain.supports[1][0] < math.inf:
+        for i in range(chain.pieces - 1, -1, -1):
+            cx, cy, cosine, sine, arm, reach = centres[i]
+            mass = number(chain.piece_mass[i]) * algebra.mass
+            fx, fy = field.forces(mass, cx, cy)
+            moments[i] += sine * (arm * fx + reach * across) - cosine * (arm * fy + reach * along)
+            if not field.lag:
+                inertia = number(chain.piece_rotary_inertia[i]) * algebra.mass * algebra.length**2
+                moments[i] += field.square_rate * inertia * sine * cosine
+            across, along = across + fx, along + fy
+    forces = {"x_0": zero, "y_0": left * tips[1] - along}
+    return x, y, [*(forces[name] for name in tip_names(chain)), *(moments[i] for i in moving_pieces(chain))]
+
+
+def _spring_moments(chain: Chain, angles: Sequence[Any], algebra: Algebra) -> list[Any]:
+    moments: list[Any] = [algebra.number(0)] * chain.pieces
+    for j, stiffness in enumerate(chain.hinge_stiffness):
+        moment = algebra.number(stiffness) * algebra.stiffness * (angles[j + 1] - angles[j])
+        moments[j] -= moment
+        moments[j + 1] += moment
+    return moments
+
+
+def support_units(chain: Chain, algebra: Algebra) -> list[tuple[Any, Any]]:
+    """Return K_t and K_r of both ends, zero where an end holds and no motion feels its stiffness."""
+    translation = algebra.stiffness / algebra.length**2
+    return [
+        (
+            algebra.number(0 if end[0] == math.inf else end[0]) * translation,
+            algebra.number(0 if end[1] == math.inf else end[1]) * algebra.stiffness,
+        )
+        for end in chain.supports
+    ]
 
 
 Pair = tuple[Any, Any]

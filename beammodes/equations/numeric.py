@@ -6,17 +6,15 @@ from dataclasses import dataclass
 
 import casadi
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from beammodes.chains.chain import Chain
 from beammodes.checks import shown
-from beammodes.equations.coordinates import coordinate_names, null_space
-from beammodes.equations.mechanics import Algebra, motion_terms
+from beammodes.equations.mechanics import Algebra, coordinate_names, motion_terms, null_space
+from beammodes.numerics.arrays import Floats
 from beammodes.problem.loading import Load, checked_load
 
 __all__ = ["CompiledEquations", "NumericLinearModel", "compile_equations"]
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -34,11 +32,11 @@ class NumericLinearModel:
     """
 
     coordinates: tuple[str, ...]
-    mass_matrix: Array
-    stiffness_matrix: Array
-    basis: Array
+    mass_matrix: Floats
+    stiffness_matrix: Floats
+    basis: Floats
 
-    def reduced(self) -> tuple[Array, Array]:
+    def reduced(self) -> tuple[Floats, Floats]:
         """Return  Tᵀ M T  and  Tᵀ K T,  the matrices of the chain's independent coordinates."""
         turn = self.basis.T
         return turn @ self.mass_matrix @ self.basis, turn @ self.stiffness_matrix @ self.basis
@@ -86,7 +84,7 @@ class CompiledEquations:
             np.array(columns).reshape(len(columns), len(keep)).T,
         )
 
-    def residual(self, q: ArrayLike, speed: ArrayLike, acceleration: ArrayLike) -> Array:
+    def residual(self, q: ArrayLike, speed: ArrayLike, acceleration: ArrayLike) -> Floats:
         """Return  M(q) q'' + h(q, q') + s(q),  what the constraint forces must balance, shape (n,)."""
         inertia = _array(self.mass_matrix(q)) @ np.asarray(acceleration)
         static = _array(self.static_forces(q))[:, 0]
@@ -148,5 +146,5 @@ def _column(entries: list[casadi.SX]) -> casadi.SX:
     return casadi.vertcat(*entries) if entries else casadi.SX(0, 1)
 
 
-def _array(value: casadi.DM) -> Array:
+def _array(value: casadi.DM) -> Floats:
     return np.array(value.full(), dtype=np.float64)

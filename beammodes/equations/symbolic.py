@@ -11,8 +11,14 @@ import sympy
 
 from beammodes.chains.chain import Chain, Number
 from beammodes.checks import flag, shown
-from beammodes.equations.coordinates import coordinate_names, null_space
-from beammodes.equations.mechanics import Algebra, Energies, energies, motion_terms
+from beammodes.equations.mechanics import (
+    Algebra,
+    Energies,
+    coordinate_names,
+    energies,
+    motion_terms,
+    null_space,
+)
 from beammodes.problem.loading import Load, checked_load
 
 __all__ = ["EquationsOfMotion", "ExactLinearModel", "equations_of_motion", "symbolic_energies"]

@@ -10,17 +10,15 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from beammodes.chains.chain import Chain
 from beammodes.checks import shown
-from beammodes.equations.coordinates import coordinate_names, moving_pieces, tip_names
+from beammodes.equations.mechanics import coordinate_names, moving_pieces, tip_names
 from beammodes.equilibrium.equilibria import Equilibrium
+from beammodes.numerics.arrays import Floats
 from beammodes.problem.loading import Load
 
 __all__ = ["BentModel", "bent_model", "bent_shapes"]
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -71,14 +69,14 @@ class BentModel:
         return 0
 
     @property
-    def rotations(self) -> Array:
+    def rotations(self) -> Floats:
         """Angle of every piece per unit z, shape (pieces, independent) [rad]."""
         turns = np.zeros((self.chain.pieces, self.elastic_modes))
         turns[moving_pieces(self.chain)] = self.equilibrium.basis[len(tip_names(self.chain)) :]
         return turns
 
     @property
-    def displacements(self) -> Array:
+    def displacements(self) -> Floats:
         """Displacement (x, y) of every node per unit z, shape (2, nodes, independent) [m]."""
         angle, names = self.equilibrium.angle, tip_names(self.chain)
         normal = np.stack([-np.sin(angle), np.cos(angle)]) * self.chain.length
@@ -89,7 +87,7 @@ class BentModel:
         return np.cumsum(moved, axis=1)
 
     @property
-    def root_mass(self) -> Array:
+    def root_mass(self) -> Floats:
         """Pieces' speeds times √mass and √inertia per unit z', shape (3 pieces, independent): M's root."""
         angle, chain, turns = self.equilibrium.angle, self.chain, self.rotations
         normal = np.stack([-np.sin(angle), np.cos(angle)]) * chain.centre
@@ -98,13 +96,13 @@ class BentModel:
         return np.vstack([*(np.sqrt(chain.mass)[:, None] * centres), spins])
 
     @property
-    def mass_matrix(self) -> Array:
+    def mass_matrix(self) -> Floats:
         """M, shape (independent, independent) [kg m²]."""
         root = self.root_mass
         return root.T @ root
 
     @property
-    def stiffness_matrix(self) -> Array:
+    def stiffness_matrix(self) -> Floats:
         """K, shape (independent, independent) [N m]."""
         basis = self.equilibrium.basis
         return np.asarray(basis.T @ self.equilibrium.tangent @ basis)
@@ -130,7 +128,7 @@ def bent_model(equilibrium: Equilibrium) -> BentModel:
     return BentModel(equilibrium)
 
 
-def bent_shapes(model: BentModel, count: int) -> tuple[Array, Array, Array]:
+def bent_shapes(model: BentModel, count: int) -> tuple[Floats, Floats, Floats]:
     """Return ω, nodes' y and pieces' angles of the lowest modes, of unit modal mass, a row each.
 
     With K = L Lᵀ and M = Aᵀ A the singular values of  A L^{-T}  are 1/ω: the lowest keep their digits, which

@@ -3,24 +3,344 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from beammodes.chains.chain import Chain
 from beammodes.checks import real, real_numbers, shown
-from beammodes.equations.axial_pull import hub_load
-from beammodes.equations.coordinates import coordinate_names, tip_names, unpack
-from beammodes.equations.mechanics import Algebra, energies
-from beammodes.equilibrium.load_path import LONGEST_TURN, shape_under
-from beammodes.equilibrium.static_newton import compile_statics
-from beammodes.equilibrium.static_state import State
+from beammodes.equations.mechanics import (
+    Algebra,
+    coordinate_names,
+    energies,
+    hub_load,
+    static_forces,
+    tip_names,
+    unpack,
+)
+from beammodes.numerics.arrays import Floats
 from beammodes.problem.loading import Load, checked_load
 
-__all__ = ["MAX_BENT_PIECES", "Equilibrium", "EquilibriumNotFound", "find_equilibrium"]
+__all__ = [
+    "LONGEST_TURN",
+    "MAX_BENT_PIECES",
+    "Equilibrium",
+    "EquilibriumNotFound",
+    "State",
+    "Statics",
+    "compile_statics",
+    "find_equilibrium",
+    "shape_under",
+]
 
-Array = NDArray[np.float64]
+
+# A chain whose forces balance, and whether it is stable, in the chain's own units.
+
+
+#: What rounding leaves of a motion that stores nothing, in the largest stiffness.
+_NOTHING = 1e-14
+
+
+@dataclass(frozen=True)
+class State:
+    """Coordinates and multipliers at which forces balance.
+
+    Attributes
+    ----------
+    coordinates, multipliers : ndarray, shape (n,) and (closures,)
+        q and λ.
+    tangent : ndarray, shape (n, n)
+        ∂/∂q (s - (∂c/∂q)ᵀ λ).
+    rows : ndarray, shape (closures, n)
+        ∂c/∂q.
+    residual : float
+        Largest entry of s - (∂c/∂q)ᵀ λ and c.
+    """
+
+    coordinates: Floats
+    multipliers: Floats
+    tangent: Floats
+    rows: Floats
+    residual: float
+
+    @property
+    def basis(self) -> Floats:
+        """Orthonormal columns that span what the closures allow, shape (n, independent)."""
+        if not len(self.rows):
+            return np.eye(len(self.coordinates))
+        return np.asarray(np.linalg.qr(self.rows.T, mode="complete")[0][:, len(self.rows) :])
+
+    @property
+    def reduced(self) -> Floats:
+        """The tangent on that basis."""
+        if not len(self.rows):
+            return self.tangent
+        basis = self.basis
+        return np.asarray(basis.T @ self.tangent @ basis)
+
+    @property
+    def is_stable(self) -> bool:
+        """Whether every small motion that the closures allow stores energy."""
+        return _is_positive(self.reduced, -_NOTHING)
+
+    @property
+    def is_indifferent(self) -> bool:
+        """Whether such a motion stores nothing, and none releases energy."""
+        return not self.is_stable and _is_positive(self.reduced, 100 * _NOTHING)
+
+
+def _is_positive(matrix: Floats, shift: float) -> bool:
+    """Say whether a matrix is positive definite, with a share of its largest entry added to its diagonal."""
+    if not matrix.size:
+        return True
+    shifted = matrix + shift * float(np.abs(matrix.diagonal()).max()) * np.eye(len(matrix))
+    try:
+        if np.triu(shifted, 2).any():
+            np.linalg.cholesky(shifted)
+        else:
+            from scipy.linalg import cholesky_banded
+
+            above = np.concatenate([[0.0], shifted.diagonal(1)])
+            cholesky_banded(np.stack([above, shifted.diagonal()]))
+    except np.linalg.LinAlgError:
+        return False
+    return True
+
+
+# Newton's method for a chain at rest, s(q) - (∂c/∂q)ᵀ λ = 0 and c(q) = 0, under a share of its load.
+#
+# Static forces are affine in dead forces, weights and Ω² alike, so those under a share f of the load are
+#
+#     s(q; f) = s(q; 0) + f (s(q; 1) - s(q; 0)),
+#
+# compiled once for every f. All numbers are in the chain's own units. Under forces that a piece feels from
+# its
+# neighbours and from what lies beyond alike, ∂s/∂q is tridiagonal; spin, and springs at the right end, fill
+# it.
+
+#: Up to here a full matrix is solved faster than a sparse one.
+_SMALL = 30
+
+
+@dataclass(frozen=True)
+class Statics:
+    """A chain's forces at rest, compiled.
+
+    Attributes
+    ----------
+    scale : ndarray, shape (n,)
+        What counts as one in each coordinate: a radian, or the chain's length.
+    balance, tangent : casadi.Function
+        s - (∂c/∂q)ᵀ λ and its derivative of (q, λ, f); the latter times each of n directions if not sparse.
+    closures, rows : casadi.Function
+        c and ∂c/∂q of q.
+    """
+
+    scale: Floats
+    balance: Any
+    tangent: Any
+    closures: Any
+    rows: Any
+    is_sparse: bool
+
+    def solve(
+        self,
+        start: tuple[Floats, Floats],
+        *,
+        share: float,
+        push: Floats | float = 0.0,
+        tolerance: float,
+        steps: int = 12,
+        longest: float = np.inf,
+    ) -> State | None:
+        """Return the state that Newton's method finds from q and λ, None if it finds none.
+
+        Parameters
+        ----------
+        share : float
+            Of the load.
+        push : ndarray, shape (n,)
+            Forces to hold beside the load.
+        tolerance, longest : float
+            The step that ends the search, and the longest one that is taken whole [rad].
+        steps : int
+            How many at most.
+        """
+        q, multipliers = start
+        for _ in range(steps):
+            step, multipliers = self._step(q, multipliers, share, push)
+            size = float(np.abs(step / self.scale).max(initial=0.0))
+            if not np.isfinite(size):
+                return None
+            q = q + step * min(1.0, longest / size if size else 1.0)
+            if size <= tolerance:
+                return self.state(q, multipliers, share, push)
+        return None
+
+    def state(self, q: Floats, multipliers: Floats, share: float, push: Floats | float = 0.0) -> State:
+        """Return all that is known of a chain at q."""
+        unbalanced, gap = self._forces(q, multipliers, share, push)
+        tangent = self._tangent(q, multipliers, share)
+        full = np.asarray(tangent.toarray() if self.is_sparse else tangent)
+        residual = float(np.abs(np.concatenate([unbalanced, gap])).max(initial=0.0))
+        return State(q, multipliers, full, np.array(self.rows(q).full()), residual)
+
+    def _forces(
+        self, q: Floats, multipliers: Floats, share: float, push: Floats | float
+    ) -> tuple[Floats, Floats]:
+        unbalanced = np.array(self.balance(q, multipliers, share).full())[:, 0] - push
+        return unbalanced, np.array(self.closures(q).full())[:, 0]
+
+    def _tangent(self, q: Floats, multipliers: Floats, share: float) -> Any:
+        if self.is_sparse:
+            return self.tangent(q, multipliers, share).sparse().tocsc()
+        if not len(q):
+            return np.zeros((0, 0))
+        still = np.zeros_like(multipliers)
+        directions = np.eye(len(q))
+        return np.array(self.tangent(q, multipliers, share, 0, directions, still, 0).full())
+
+    def _step(
+        self, q: Floats, multipliers: Floats, share: float, push: Floats | float
+    ) -> tuple[Floats, Floats]:
+        """Return Newton's step of q, and λ after it; NaN where the matrix is singular."""
+        unbalanced, gap = self._forces(q, multipliers, share, push)
+        tangent, rows = self._tangent(q, multipliers, share), np.array(self.rows(q).full())
+        right = -np.concatenate([unbalanced, gap])
+        # A chain balanced to the last digit may be free to move: there is nothing to solve.
+        solution = _solved(tangent, rows, right) if right.any() else right
+        return solution[: len(q)], multipliers + solution[len(q) :]
+
+
+def compile_statics(chain: Chain, load: Load) -> Statics:
+    """Return the forces of a chain at rest under any share of a load."""
+    import casadi
+
+    names = coordinate_names(chain)
+    q, share = casadi.SX.sym("q", len(names)), casadi.SX.sym("share")
+    algebra = Algebra(float, casadi.sin, casadi.cos, 1.0, 1.0, 1.0)
+    entries = casadi.vertsplit(q) if names else []
+    bare, loaded = (_column(static_forces(chain, entries, algebra, given)[2]) for given in (None, load))
+    closures = _column(energies(chain, entries, [0.0] * len(names), algebra).closures)
+    multipliers = casadi.SX.sym("multipliers", closures.rows())
+    rows = casadi.jacobian(closures, q)
+    balance = bare + share * (loaded - bare) - rows.T @ multipliers
+    function = casadi.Function("balance", [q, multipliers, share], [balance])
+    is_sparse = len(names) > _SMALL and casadi.jacobian_sparsity(balance, q).nnz() < 10 * len(names)
+    if is_sparse:
+        tangent = casadi.Function("tangent", [q, multipliers, share], [casadi.jacobian(balance, q)])
+    else:
+        tangent = function.forward(1)
+    total = float(sum(chain.piece_length))
+    return Statics(
+        np.array([1.0 if name.startswith("theta") else total for name in names]),
+        function,
+        tangent,
+        casadi.Function("closures", [q], [closures]),
+        casadi.Function("rows", [q], [rows]),
+        is_sparse,
+    )
+
+
+def _column(entries: Sequence[Any]) -> Any:
+    import casadi
+
+    return casadi.SX(casadi.vertcat(*entries)) if len(entries) else casadi.SX(0, 1)
+
+
+def _solved(tangent: Any, rows: Floats, right: Floats) -> Floats:
+    """Return (δ, μ) of  K δ - Rᵀ μ = right,  R δ = right;  NaN where that is singular."""
+    try:
+        if isinstance(tangent, np.ndarray):
+            whole = np.block([[tangent, -rows.T], [rows, np.zeros((len(rows), len(rows)))]])
+            return np.asarray(np.linalg.solve(whole, right))
+        from scipy.sparse import bmat, csc_matrix
+        from scipy.sparse.linalg import splu
+
+        border = csc_matrix(rows)
+        blocks = bmat([[tangent, -border.T], [border, None]], format="csc") if len(rows) else tangent
+        return np.asarray(splu(blocks).solve(right))
+    except (np.linalg.LinAlgError, RuntimeError):
+        return np.full(len(right), np.nan)
+
+
+# The path of a chain's stable shapes while its load is applied little by little, from straight.
+#
+# So a chain never jumps to another shape. Where it buckles, a push along the shape that has lost its
+# stiffness
+# leads it onto the branch that bends upwards; the push is taken away again under the whole load.
+
+#: Largest turn of a piece from one share of the load to the next [rad].
+LONGEST_TURN = 0.4
+
+
+#: Smallest step of the share: to find where the chain buckles, and to follow it from there.
+_COARSE, _FINE = 1e-4, 1e-7
+
+
+#: Largest rotation that the push which decides a buckling chain causes without load [rad].
+_PUSHED = 0.01
+
+
+def shape_under(chain: Chain, statics: Statics, load: Load, tolerance: float) -> State | None:
+    """Return the state that the chain is in when the whole load has been applied."""
+    closures = statics.closures.size1_out(0)
+    rest = statics.state(np.zeros(len(statics.scale)), np.zeros(closures), 0.0)
+
+    def loaded(state: State, share: float) -> State | None:
+        return statics.solve((state.coordinates, state.multipliers), share=share, tolerance=tolerance)
+
+    reached, last = _along(statics, rest, loaded, _COARSE)
+    if reached or not last.reduced.size:
+        return last
+    if not rest.is_stable:
+        # A chain that nothing holds stays as it is, unless the load moves it.
+        straight = None if load.bends else loaded(rest, 1.0)
+        return straight if straight is not None and straight.is_indifferent else None
+    push = rest.tangent @ _softest(chain, last)
+
+    def pushed(state: State, share: float, amount: float = 1.0) -> State | None:
+        start = state.coordinates, state.multipliers
+        return statics.solve(start, share=share, push=amount * push, tolerance=tolerance)
+
+    ready = pushed(rest, 0.0)
+    reached, last = _along(statics, ready, pushed, _FINE) if ready else (False, rest)
+    if reached:
+        reached, last = _along(statics, last, lambda state, done: pushed(state, 1.0, 1.0 - done), _FINE)
+    return last if reached else None
+
+
+def _along(
+    statics: Statics, state: State, solve: Callable[[State, float], State | None], least: float
+) -> tuple[bool, State]:
+    """Follow stable states from 0 to 1: whether 1 is reached, and the last of them."""
+    done, step = 0.0, 0.125
+    while done < 1.0 and step > least:
+        following = solve(state, min(1.0, done + step))
+        if following is None or _turned(statics, state, following) > LONGEST_TURN or not following.is_stable:
+            step /= 2
+            continue
+        done, state, step = min(1.0, done + step), following, 2 * step
+    return done == 1.0, state
+
+
+def _turned(statics: Statics, state: State, following: State) -> float:
+    moved = (following.coordinates - state.coordinates) / statics.scale
+    return float(np.abs(moved).max(initial=0.0))
+
+
+def _softest(chain: Chain, state: State) -> Floats:
+    """Return the motion that stores least: its largest rotation is small, its largest deflection upwards."""
+    motion = state.basis @ np.linalg.eigh(state.reduced)[1][:, 0]
+    (_, angles), (tip, turns) = (unpack(chain, q.tolist()) for q in (state.coordinates, motion))
+    lengths = chain.length / chain.units.length
+    lift = np.cumsum([tip[1], *(lengths * np.cos(np.array(angles, dtype=np.float64)) * turns)])
+    upwards = np.sign(lift[np.abs(lift).argmax()]) or 1.0
+    return np.asarray(motion * (upwards * _PUSHED / np.abs(turns).max()))
+
 
 #: The tangent of a longer chain, a full matrix, would fill memory.
 MAX_BENT_PIECES = 2000
@@ -54,26 +374,26 @@ class Equilibrium:
 
     chain: Chain
     load: Load
-    coordinates: Array
-    multipliers: Array
-    tangent: Array
-    basis: Array
+    coordinates: Floats
+    multipliers: Floats
+    tangent: Floats
+    basis: Floats
     residual: float
     is_stable: bool
 
     @property
-    def angle(self) -> Array:
+    def angle(self) -> Floats:
         """Angle of every piece from the x axis, counter-clockwise, shape (pieces,) [rad]."""
         return np.array(unpack(self.chain, self.coordinates.tolist())[1], dtype=np.float64)
 
     @property
-    def nodes(self) -> Array:
+    def nodes(self) -> Floats:
         """(x, y) of the left tip, every hinge and the right tip, shape (pieces + 1, 2) [m]."""
         rods = self.chain.length[:, None] * np.stack([np.cos(self.angle), np.sin(self.angle)], axis=1)
         return np.cumsum([unpack(self.chain, self.coordinates.tolist())[0], *rods], axis=0)
 
     @property
-    def position(self) -> Array:
+    def position(self) -> Floats:
         """(x, y) of every hinge, shape (hinges, 2) [m]."""
         return self.nodes[1:-1]
 
@@ -160,7 +480,7 @@ def find_equilibrium(
     return _in_physical_units(chain, given, state)
 
 
-def _started(chain: Chain, guess: Equilibrium | ArrayLike) -> Array:
+def _started(chain: Chain, guess: Equilibrium | ArrayLike) -> Floats:
     """Return the coordinates to start from, in the chain's own units."""
     size = len(coordinate_names(chain))
     values = guess.coordinates if isinstance(guess, Equilibrium) else real_numbers("guess", guess)
@@ -169,7 +489,7 @@ def _started(chain: Chain, guess: Equilibrium | ArrayLike) -> Array:
     return np.asarray(values / _unit(chain))
 
 
-def _unit(chain: Chain) -> Array:
+def _unit(chain: Chain) -> Floats:
     """Return what one stands for in each coordinate in the chain's own units."""
     tips = len(tip_names(chain))
     return np.where(np.arange(len(coordinate_names(chain))) < tips, chain.units.length, 1.0)

@@ -7,11 +7,9 @@ from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING
 
-import numpy as np
-from numpy.typing import NDArray
-
 from beammodes.checks import shown, whole_number
 from beammodes.exact.exact_beam import BeamModes, plain_modes
+from beammodes.numerics.arrays import Floats
 from beammodes.problem.beam import Beam
 from beammodes.problem.ends import Boundary, BoundaryLike
 from beammodes.problem.loading import Load, checked_load
@@ -21,7 +19,6 @@ if TYPE_CHECKING:
     from beammodes.exact.spectral_beam import SpectralBeamModes
     from beammodes.exact.supported_beam import SupportedBeamModes
 
-Floats = NDArray[np.float64]
 
 __all__ = ["assumed_in_shear", "check_range", "euler_bernoulli"]
 

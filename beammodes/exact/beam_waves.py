@@ -2,18 +2,24 @@
 
 from __future__ import annotations
 
+import math
+from decimal import Decimal
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["BeamWaves", "beam_mass"]
+from beammodes.exact.unit_beam import UnitBeam, UnitEnd
+from beammodes.numerics.arrays import Floats
 
-Floats = NDArray[np.float64]
+__all__ = ["BeamWaves", "beam_mass", "first_separate_wave", "high_waves"]
+
 
 # Below these p and q waves come near to being dependent, and half the beam takes a short power series: its
 # terms grow to e^3.5 at most, and 40 of them reach a double's last place.
 _LONG = (4.0, 7.0)
+
+
 _TERMS = 40
 
 
@@ -122,3 +128,134 @@ def beam_mass(p: Any, q: Any, gyration: Any, near: Any, far: Any, across: Any) -
     deflection = circle - of_u / (2 * q * q) + of_v / (2 * p * p) + standing + 2 * product
     slopes = q * q * circle + of_u / 2 + of_v / 2 - p * p * standing + 2 * (u_dv - p * p * product)
     return deflection + gyration * slopes
+
+
+# High modes of the supported beam: waves that run to and fro and are turned by a phase at either end.
+#
+# Once e^(-p) is below a double's resolution no end feels the other's decaying field. Each end then fixes the
+# phase φ of u = cos(qz - φ) alone, and mode k is the one root of q - φ₀ - φ₁ = (k - 1) π, an equation that
+# cancels nothing and rises with ω: modes by the million cost array operations only.
+
+# e^(-40) is a fortieth of a double's resolution of one.
+_SEPARATE = 40.0
+
+
+# Beyond these decades the products of an end's numbers could leave the range of doubles.
+_DECADES = 60
+
+
+class Reflection(NamedTuple):
+    """Phase φ of the waves at an end, and at unit amplitude of them: a, b, c, deflection, rotation."""
+
+    phase: Floats
+    waves: tuple[Floats, Floats, Floats]
+    deflection: Floats
+    rotation: Floats
+
+
+def first_separate_wave(beam: UnitBeam) -> Decimal:
+    """Return the trigonometric wavenumber from which neither end feels the other; infinite if there is none.
+
+    None is where rotary inertia keeps p below 1/r, so that both ends stay in touch at all frequencies.
+
+    Examples
+    --------
+    >>> from beammodes.problem.beam import Beam
+    >>> from beammodes.problem.ends import Boundary
+    >>> float(first_separate_wave(UnitBeam.of(Beam.unit(), Boundary.of("pinned-free"))))
+    40.0
+    """
+    tension, gyration = float(beam.tension), float(beam.gyration)
+    if beam.spread > _DECADES or 2.0 * gyration * _SEPARATE**2 > 1.0:
+        return Decimal("Infinity")
+    wave = math.sqrt(max(0.0, _SEPARATE**2 - tension) / (1.0 - gyration * _SEPARATE**2))
+    return Decimal(max(_SEPARATE, wave))
+
+
+def high_waves(beam: UnitBeam, first: Decimal, number: NDArray[np.intp]) -> tuple[Floats, BeamWaves]:
+    """Return ω and the shapes of unit modal mass of modes above q = `first`.
+
+    Parameters
+    ----------
+    beam : UnitBeam
+        The beam.
+    first : Decimal
+        Of `first_separate_wave`: below all roots wanted.
+    number : ndarray of int, shape (modes,)
+        k from 1, rigid-body modes included.
+
+    Returns
+    -------
+    ndarray, shape (modes,), and BeamWaves
+    """
+    low = np.maximum((number - 4) * math.pi, float(first) * (1 - 1e-12))
+    high = (number + 2) * math.pi
+    middle: Floats = 0.5 * (low + high)
+    while np.any((low < middle) & (middle < high)):
+        below = _phase_sum(beam, middle) < (number - 1) * math.pi
+        low, high = np.where(below, middle, low), np.where(below, high, middle)
+        middle = 0.5 * (low + high)
+    return _decaying(beam, middle) * middle, _unit_waves(beam, middle, np.where(number % 2, 1.0, -1.0))
+
+
+def _phase_sum(beam: UnitBeam, q: Floats) -> Floats:
+    p = _decaying(beam, q)
+    left, right = (_reflection(end, p, q).phase for end in (beam.left, beam.right))
+    return q - left - right
+
+
+def _decaying(beam: UnitBeam, q: Floats) -> Floats:
+    """Return p of q."""
+    p: Floats = np.sqrt((q * q + float(beam.tension)) / (1.0 + float(beam.gyration) * q * q))
+    return p
+
+
+def _unit_waves(beam: UnitBeam, q: Floats, sign: Floats) -> BeamWaves:
+    p = _decaying(beam, q)
+    left, right = _reflection(beam.left, p, q), _reflection(beam.right, p, q)
+    near, far = np.array(left.waves), sign * np.array(right.waves)
+    mass = beam_mass(p, q, float(beam.gyration), near, far, 0.0)
+    for end, turned in ((beam.left, left), (beam.right, right)):
+        _, _, body, inertia, offset = map(float, end[1:])
+        mass += body * (turned.deflection - offset * turned.rotation) ** 2 + inertia * turned.rotation**2
+    unset = np.zeros((len(q), 4))  # Long waves only.
+    unit = np.sqrt(mass)
+    return BeamWaves(p, q, (near / unit).T, (far / unit).T, unset, unset)
+
+
+def _reflection(end: UnitEnd, p: Floats, q: Floats) -> Reflection:
+    """Solve an end's two conditions on u = a cos qz + b sin qz + c e^(-pz), up to a factor.
+
+    With Z the end's impedance plus the stiffness of a beam whose waves have no cosine, the conditions are
+    Z (y, θ) = -a (p² + q²) (p, 1): with a = det Z nothing is divided. φ falls as ω rises, and passes that
+    of a pinned end, π/2, whenever one more eigenvalue of Z turns negative, which tells its whole turns.
+    """
+    scale = p * p + q * q
+    a, deflection, rotation, negative = _released(end, p, q, scale)
+    b = (rotation + p * (deflection - a)) / q
+    upright = np.where(a < 0.0, -1.0, 1.0)
+    phase = np.arctan2(b * upright, np.abs(a)) + math.pi * (1 - negative)
+    unit = upright * np.where(negative == 1, 1.0, -1.0) / np.hypot(a, b)
+    waves = (a * unit, b * unit, (deflection - a) * unit)
+    return Reflection(phase, waves, deflection * unit, rotation * unit)
+
+
+def _released(end: UnitEnd, p: Floats, q: Floats, scale: Floats) -> tuple[Floats, Floats, Floats, Floats]:
+    """Return det Z, y, θ and the number of negative eigenvalues of Z, over what is not held."""
+    _, kt, kr, mass, inertia, offset = end
+    square, none = (p * q) ** 2, np.zeros_like(q)
+    spring, turn = float(kt) - square * float(mass), float(kr) - square * float(inertia)
+    coupled = square * float(mass) * float(offset)
+    yy, yt, tt = spring - p * scale, coupled - p * p, turn - coupled * float(offset)
+    if all(end.holds):
+        return none + 1.0, none, none, none
+    if end.holds[0]:
+        return tt, none, -scale, np.where(tt < 0.0, 1.0, 0.0)
+    if end.holds[1]:
+        return yy, -scale * p, none, np.where(yy < 0.0, 1.0, 0.0)
+    # The products of coupled terms cancel by hand: a small J beside m a² would drown in them.
+    determinant = spring * turn - float(kt) * coupled * float(offset)
+    determinant += p * p * (2.0 * coupled - p * p) - p * scale * tt
+    both = np.where((yy < 0.0) | (tt < 0.0), 2.0, 0.0)
+    negative = np.where(determinant < 0.0, 1.0, both)
+    return determinant, -scale * (p * tt - yt), -scale * (yy - p * yt), negative

@@ -5,9 +5,9 @@ from __future__ import annotations
 from decimal import Decimal, localcontext
 
 from beammodes.checks import shown
-from beammodes.exact.count_roots import ordered_roots
-from beammodes.exact.long_decimals import LONG
 from beammodes.exact.unit_beam import UnitBeam
+from beammodes.numerics.count_roots import ordered_roots
+from beammodes.numerics.long_decimals import LONG
 from beammodes.problem.beam import Beam
 from beammodes.problem.ends import Boundary, BoundaryLike
 

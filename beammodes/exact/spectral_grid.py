@@ -10,14 +10,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from beammodes.problem.beam import Beam
-from beammodes.problem.beam_properties import each_place_once
-from beammodes.problem.profiles import Profile, Table, profile_breaks, profile_parts, value_at
-from beammodes.problem.smooth_parts import smooth_parts
+from beammodes.numerics.arrays import Floats
+from beammodes.problem.beam import Beam, each_place_once
+from beammodes.problem.profiles import Profile, Table, profile_breaks, profile_parts, smooth_parts, value_at
 
 __all__ = ["Grid", "legendre_integral", "legendre_of_values", "section_grid"]
-
-Floats = NDArray[np.float64]
 
 
 _PROPERTIES = ("bending_stiffness", "mass_per_length", "rotary_inertia_per_length", "shear_stiffness")

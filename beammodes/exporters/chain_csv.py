@@ -12,8 +12,7 @@ from pathlib import Path
 from beammodes.chains.chain import Chain
 from beammodes.checks import shown
 from beammodes.files import ordinary_bytes
-from beammodes.problem.ends import Boundary
-from beammodes.problem.supports import End
+from beammodes.problem.ends import Boundary, End
 
 __all__ = ["csv_lines", "read_chain_csv"]
 

@@ -14,12 +14,167 @@ shear coefficient in Timoshenko's beam theory, Journal of Applied Mechanics 33 (
 
 from __future__ import annotations
 
+import math
+from abc import ABC, abstractmethod
 from dataclasses import dataclass
+from typing import Any, Protocol
 
-from beammodes.checks import positive_real, shown
-from beammodes.problem.section_shape import Shape, below, flanged, rectangle, ring, thin_walled_coefficient
+from beammodes.checks import positive_real, real, shown
 
-__all__ = ["Box", "Circle", "ISection", "Rectangle", "Tube"]
+__all__ = [
+    "Box",
+    "Circle",
+    "GivenSection",
+    "ISection",
+    "Rectangle",
+    "Section",
+    "Shape",
+    "Tube",
+    "below",
+    "flanged",
+    "from_sectionproperties",
+    "poisson_ratio_of",
+    "rectangle",
+    "ring",
+    "thin_walled_coefficient",
+]
+
+
+# What a cross-section is, and area and second moments of the plates and rings that sections are made of.
+
+
+class Section(Protocol):
+    """What `Beam.from_section` asks of a cross-section, from here or from elsewhere."""
+
+    @property
+    def area(self) -> float:
+        """A [m²]."""
+
+    @property
+    def second_moment(self) -> float:
+        """I = ∫ d² dA about the level line through the centroid [m⁴]."""
+
+
+class Shape(ABC):
+    """What sections of given dimensions have in common."""
+
+    __slots__ = ()
+
+    @abstractmethod
+    def _numbers(self) -> tuple[float, float, float]:
+        """Return A, I and the I of the section on its side."""
+
+    @abstractmethod
+    def _coefficient(self, poisson_ratio: float) -> float:
+        """Return κ of the shear stiffness κGA."""
+
+    def shear_coefficient(self, poisson_ratio: float) -> float:
+        """Return κ of the shear stiffness κGA, for bending in the plane of the height.
+
+        Parameters
+        ----------
+        poisson_ratio : float
+            ν, above -1 and at most 0.5.
+
+        Raises
+        ------
+        TypeError, ValueError
+            If it is not a number in this range.
+        """
+        return self._coefficient(poisson_ratio_of(poisson_ratio))
+
+    @property
+    def area(self) -> float:
+        """A [m²]."""
+        return self._numbers()[0]
+
+    @property
+    def second_moment(self) -> float:
+        """I = ∫ d² dA, for bending in the plane of the height [m⁴]."""
+        return self._numbers()[1]
+
+    @property
+    def weak_second_moment(self) -> float:
+        """I of the section on its side, for bending in the plane of the width [m⁴]."""
+        return self._numbers()[2]
+
+    @property
+    def radius_of_gyration(self) -> float:
+        """r = √(I/A), for bending in the plane of the height [m]."""
+        area, second_moment, _ = self._numbers()
+        return math.sqrt(second_moment / area)
+
+    def _keep(self, *names: str) -> None:
+        """Keep fields as floats above zero; refuse sizes whose moments floats cannot hold."""
+        for name in names:
+            object.__setattr__(self, name, positive_real(name, getattr(self, name)))
+        if not all(0.0 < value < math.inf for value in self._numbers()):
+            raise ValueError(
+                f"{', '.join(names)} must be of another order: area and second moments of {self} leave the "
+                "range of floating-point numbers"
+            )
+
+
+def ring(outer: float, inner: float, wall: float) -> tuple[float, float, float]:
+    """Return A, I and I again of a round tube, or of a bar where nothing is inside."""
+    area = math.pi * wall * (outer - wall)
+    second_moment = area * (outer * outer + inner * inner) / 16.0
+    return area, second_moment, second_moment
+
+
+def flanged(width: float, height: float, flange: float, web: float) -> tuple[float, float]:
+    """Return A and I of two level flanges and what stands between them.
+
+    Their own second moments and Steiner's terms are all positive: a thin wall loses no digits, where the
+    difference of two solid rectangles would.
+    """
+    arm, inside = (height - flange) / 2, height - 2 * flange
+    plates = 2 * (rectangle(width, flange) + width * flange * arm * arm)
+    return 2 * width * flange + web * inside, plates + rectangle(web, inside)
+
+
+def rectangle(width: float, height: float) -> float:
+    """Return I of a rectangle,  b h³/12."""
+    return width * height * height * height / 12.0
+
+
+def thin_walled_coefficient(poisson_ratio: float, flange: float, width: float, across: float) -> float:
+    """Return Cowper's κ of an I or a box with thin walls, from its dimensions between the walls' middles.
+
+    Parameters
+    ----------
+    poisson_ratio : float
+        ν.
+    flange : float
+        m, the area of both flanges over that of all webs.
+    width : float
+        n, the flange's width over the height.
+    across : float
+        The last terms in the denominator, over n²: how shear runs along the flanges, which an I's free tips
+        and a box's corners make different.
+    """
+    m = flange
+    plain = 12 + 72 * m + 150 * m**2 + 90 * m**3
+    strained = 11 + 66 * m + 135 * m**2 + 90 * m**3
+    return (
+        10 * (1 + poisson_ratio) * (1 + 3 * m) ** 2 / (plain + poisson_ratio * strained + width**2 * across)
+    )
+
+
+def poisson_ratio_of(value: object) -> float:
+    """Return Poisson's ratio as a float, or raise TypeError or ValueError."""
+    ratio = real("poisson_ratio", value)
+    if not -1.0 < ratio <= 0.5:
+        raise ValueError(f"poisson_ratio must be above -1 and at most 0.5, got {shown(value)}")
+    return ratio
+
+
+def below(name: str, value: object, limit: float, what: str) -> float:
+    """Return a number above zero and below a limit, or raise TypeError or ValueError."""
+    number = positive_real(name, value)
+    if number >= limit:
+        raise ValueError(f"{name} must be less than {what}, {limit}, got {shown(value)}")
+    return number
 
 
 @dataclass(frozen=True, slots=True)
@@ -220,3 +375,98 @@ class ISection(Shape):
     def _numbers(self) -> tuple[float, float, float]:
         b, h, f, s = self.width, self.height, self.flange, self.web
         return *flanged(b, h, f, s), 2 * rectangle(f, b) + rectangle(h - 2 * f, s)
+
+
+# Cross-sections known by their numbers: a handbook's, or another program's.
+
+
+@dataclass(frozen=True, slots=True)
+class GivenSection:
+    """A section known by its numbers: from a handbook, or of any shape by another program.
+
+    Parameters
+    ----------
+    area : float [m²]
+    second_moment, weak_second_moment : float [m⁴]
+        For bending in the plane of the height, and in that of the width.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If one is not a finite real number greater than 0.
+
+    Examples
+    --------
+    >>> round(GivenSection(28.5e-4, 1943e-8, 142e-8).radius_of_gyration, 4)            # IPE 200
+    0.0826
+    """
+
+    area: float
+    second_moment: float
+    weak_second_moment: float
+
+    def __post_init__(self) -> None:
+        for name in ("area", "second_moment", "weak_second_moment"):
+            object.__setattr__(self, name, positive_real(name, getattr(self, name)))
+
+    @property
+    def radius_of_gyration(self) -> float:
+        """r = √(I/A), for bending in the plane of the height [m]."""
+        return math.sqrt(self.second_moment / self.area)
+
+
+def from_sectionproperties(section: Any, *, length_unit: float = 1.0) -> GivenSection:
+    """Return the numbers of a section that the package `sectionproperties` has analysed.
+
+        A = get_area(),   (I_xx, I_yy, I_xy) = get_ic()  about the centroid; bending in the plane of its y
+
+    That package is not needed here: only these two methods of what is given are called.
+
+    Parameters
+    ----------
+    section : sectionproperties.analysis.Section
+        Of one material, after `calculate_geometric_properties()`.
+    length_unit : float [m]
+        What one stands for in its geometry: 1e-3 for millimetres, in which its library sections are.
+
+    Raises
+    ------
+    TypeError
+        If it has no such methods, or they do not return numbers.
+    ValueError
+        If it is not analysed yet or is of several materials, or its principal axes are turned from x and y:
+        such a beam leaves the plane in which it is bent.
+
+    Examples
+    --------
+    >>> from types import SimpleNamespace
+    >>> flat = SimpleNamespace(get_area=lambda: 75.0, get_ic=lambda: (156.25, 1406.25, 0.0))
+    >>> round(from_sectionproperties(flat, length_unit=1e-3).radius_of_gyration, 9)    # 5 mm/√12
+    0.001443376
+    """
+    unit = positive_real("length_unit", length_unit)
+    if not 1e-12 <= unit <= 1e12:
+        raise ValueError(
+            f"length_unit must be what one stands for in m, 1e-12 to 1e12, got {shown(length_unit)}"
+        )
+    for name in ("get_area", "get_ic"):
+        if not callable(getattr(section, name, None)):
+            raise TypeError(
+                f"section must be a sectionproperties Section, with a method {name}(), got {shown(section)}"
+            )
+    try:
+        area, (level, upright, mixed) = section.get_area(), section.get_ic()
+    except (AssertionError, RuntimeError, AttributeError) as error:
+        raise ValueError(
+            "section must be of one material and analysed by calculate_geometric_properties() first, "
+            f"got the error {shown(str(error))}"
+        ) from error
+    except (TypeError, ValueError):
+        raise TypeError(f"section must give three second moments by get_ic(), got {shown(section)}") from None
+    # A mesh leaves rounding; a turned section leaves a sizeable part of the second moments.
+    if not abs(mixed) <= 1e-6 * max(abs(level), abs(upright)):
+        raise ValueError(
+            f"section must have its principal axes along x and y, got a product of inertia {shown(mixed)} "
+            f"beside {shown(level)} and {shown(upright)}: turn it until that vanishes"
+        )
+    return GivenSection(float(area) * unit**2, float(level) * unit**4, float(upright) * unit**4)

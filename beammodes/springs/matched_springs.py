@@ -10,17 +10,15 @@ from dataclasses import dataclass
 from fractions import Fraction
 
 import numpy as np
-from numpy.typing import NDArray
 
 from beammodes.chains.chain import Chain
 from beammodes.chains.rules import RULES
 from beammodes.checks import row_shown
+from beammodes.numerics.arrays import Floats
 from beammodes.problem.beam import Beam
 from beammodes.problem.ends import Boundary
 
 __all__ = ["MatchedSprings", "NoPositiveSprings", "frozen", "shape_agreement", "uniform_rods"]
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -61,10 +59,10 @@ class MatchedSprings:
     segments: int
     modes: int
     chain: Chain
-    stiffness_ratio: Array
-    frequency_errors: Array
+    stiffness_ratio: Floats
+    frequency_errors: Floats
     static_tip_deflection_error: float
-    mode_shape_agreement: Array
+    mode_shape_agreement: Floats
     stable_time_step: float
     criterion: str
     criterion_value: float
@@ -102,7 +100,7 @@ class NoPositiveSprings(ValueError):
         return str(self.args[0])
 
 
-def uniform_rods(beam: Beam, boundary: Boundary, segments: int, ratio: Array) -> Chain:
+def uniform_rods(beam: Beam, boundary: Boundary, segments: int, ratio: Floats) -> Chain:
     """Return a chain of uniform rods with the springs `ratio` times EI/ell; lengths and masses are exact."""
     ell = Fraction(beam.length) / segments
     lengths = [piece * ell for piece in RULES["gregory"].piece_lengths(boundary, segments)]
@@ -116,11 +114,11 @@ def uniform_rods(beam: Beam, boundary: Boundary, segments: int, ratio: Array) ->
     )
 
 
-def shape_agreement(chain: Chain, first: Array, second: Array) -> Array:
+def shape_agreement(chain: Chain, first: Floats, second: Floats) -> Floats:
     """Return the modal assurance criterion of shapes at the nodes, weighted with the pieces' inertia."""
     rods = chain.length > 0
 
-    def momenta(shapes: Array) -> Array:
+    def momenta(shapes: Floats) -> Floats:
         left, right = shapes[:, :-1][:, rods], shapes[:, 1:][:, rods]
         slope = (right - left) / chain.length[rods]
         return np.hstack(
@@ -131,7 +129,7 @@ def shape_agreement(chain: Chain, first: Array, second: Array) -> Array:
     return np.asarray((a * b).sum(axis=1) ** 2 / (a**2).sum(axis=1) / (b**2).sum(axis=1))
 
 
-def frozen(values: Array) -> Array:
+def frozen(values: Floats) -> Floats:
     """Return a read-only copy."""
     copy = values.copy()
     copy.flags.writeable = False

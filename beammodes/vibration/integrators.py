@@ -25,6 +25,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from beammodes.checks import choice, positive_real, real
+from beammodes.numerics.arrays import Floats
 
 __all__ = [
     "INTEGRATORS",
@@ -37,7 +38,6 @@ __all__ = [
     "stability_limit",
 ]
 
-Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 
 
@@ -84,7 +84,7 @@ class Integrator:
     source: str = ""
 
     @property
-    def rational(self) -> tuple[Array, Array]:
+    def rational(self) -> tuple[Floats, Floats]:
         """Numerator and denominator of R(z), in ascending powers: det(1 - z A + z 1 bᵀ) and det(1 - z A)."""
         rows = np.zeros((len(self.stages), len(self.stages)))
         for i, row in enumerate(self.stages):
@@ -93,7 +93,7 @@ class Integrator:
         return _determinant(outer - rows), _determinant(-rows)
 
 
-def _determinant(matrix: Array) -> Array:
+def _determinant(matrix: Floats) -> Floats:
     """Return det(1 + z X) in ascending powers of z, free of rounding where X is nilpotent."""
     # Faddeev and LeVerrier: of the traces of powers.
     size = len(matrix)
@@ -240,7 +240,7 @@ def fixed_step_integrator(name: str) -> Integrator:
     return record
 
 
-def amplification(integrator: str, frequency: Array | float, damping_ratio: float = 0.0) -> Complex:
+def amplification(integrator: str, frequency: Floats | float, damping_ratio: float = 0.0) -> Complex:
     """Return R, what one step multiplies a mode by; the exact motion has e^z, Im z ≥ 0.
 
     Parameters
@@ -278,7 +278,7 @@ def amplification(integrator: str, frequency: Array | float, damping_ratio: floa
     return np.asarray(np.where(inner < 0, turning, apart))
 
 
-def _first_crossing(excess: Callable[[Array], Array], low: float, high: float) -> float:
+def _first_crossing(excess: Callable[[Floats], Floats], low: float, high: float) -> float:
     """Return the first place where `excess` becomes positive, or infinity."""
     grid = np.geomspace(low, high, 4001)
     above = np.flatnonzero(excess(grid) > 0)
@@ -293,7 +293,7 @@ def _first_crossing(excess: Callable[[Array], Array], low: float, high: float) -
 
 
 @cache
-def growth_polynomial(integrator: str, ratio: float) -> Array:
+def growth_polynomial(integrator: str, ratio: float) -> Floats:
     """Return  (|R(r e^{iφ})|² - 1)/r,  cos φ = -ζ, of an explicit Runge-Kutta method, in powers of r.
 
     Free of the rounding of |R|² beside 1: cosines of multiples of the angle by recurrence.
@@ -396,7 +396,7 @@ def accuracy_limit(
     allowed = positive_real("frequency", frequency), positive_real("amplitude", amplitude)
     span, turned = 2 * math.pi * positive_real("periods", periods), math.sqrt(1 - ratio**2)
 
-    def excess(s: Array) -> Array:
+    def excess(s: Floats) -> Floats:
         found = amplification(kind, s, ratio)
         turn = abs(np.angle(found) / (turned * s) - 1)
         loss = _amplitude_error(ratio * s, -np.log(abs(found)), span / (turned * s))
@@ -405,7 +405,7 @@ def accuracy_limit(
     return min(_first_crossing(excess, 1e-6, 2.0), stability_limit(kind, ratio))
 
 
-def _amplitude_error(exact: Array, found: Array, steps: Array) -> Array:
+def _amplitude_error(exact: Floats, found: Floats, steps: Floats) -> Floats:
     """Return the largest difference of e^{-exact k} and e^{-found k} over k from 0 to `steps`."""
     difference = found - exact
     with np.errstate(divide="ignore", invalid="ignore"):

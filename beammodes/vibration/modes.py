@@ -6,18 +6,24 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from beammodes.checks import row_shown, shown, whole_number
 from beammodes.equilibrium.bent_model import BentModel, bent_shapes
+from beammodes.numerics.arrays import Floats
 from beammodes.problem.loading import Load
 from beammodes.vibration.linear import LinearModel
-from beammodes.vibration.spectrum import FlexibilityForm, flexibility_form, is_turned
-from beammodes.vibration.stored_energy import Buckled, check_stable, energy_metric, unit_energy
+from beammodes.vibration.spectrum import (
+    Buckled,
+    FlexibilityForm,
+    check_stable,
+    energy_metric,
+    flexibility_form,
+    is_turned,
+    unit_energy,
+)
 
 __all__ = ["MAX_DENSE", "Modes", "solve_modes"]
 
-Array = NDArray[np.float64]
 
 #: Chains of at most this many hinges are solved by a dense singular value decomposition, which gives all
 #: modes at once; longer ones by Lanczos iteration, which gives the lowest.
@@ -41,14 +47,14 @@ class Modes:
         Angle of each piece in each mode.
     """
 
-    angular_frequency: Array
+    angular_frequency: Floats
     rigid_body_modes: int
-    position: Array
-    deflection: Array
-    rotation: Array
+    position: Floats
+    deflection: Floats
+    rotation: Floats
 
     @property
-    def frequency(self) -> Array:
+    def frequency(self) -> Floats:
         """Natural frequencies, shape (modes,) [Hz]."""
         return self.angular_frequency / (2 * np.pi)
 
@@ -109,7 +115,7 @@ def solve_modes(model: LinearModel | BentModel, modes: int | None = None) -> Mod
     return _in_physical_units(model, _seen_from_hub(model, 1 / inverse), shape, slope)
 
 
-def _solved(form: FlexibilityForm, count: int) -> tuple[Array, Array]:
+def _solved(form: FlexibilityForm, count: int) -> tuple[Floats, Floats]:
     check_stable(form, MAX_DENSE)
     if count == 0:
         return np.zeros(0), np.zeros((len(form.flexibility_root), 0))
@@ -122,7 +128,7 @@ def _buckled(load: Load) -> str:
     return f"load must not buckle the straight chain (see find_equilibrium), got {load}"
 
 
-def _seen_from_hub(model: LinearModel, omega: Array) -> Array:
+def _seen_from_hub(model: LinearModel, omega: Floats) -> Floats:
     """Return ω as it is, or in the plane of rotation of a turning hub, where Ω² is taken from ω² again."""
     if not model.load.spin_rate or model.load.plane == "flap":
         return omega
@@ -136,7 +142,7 @@ def _seen_from_hub(model: LinearModel, omega: Array) -> Array:
     return np.asarray(np.sqrt((omega - rate) * (omega + rate)))
 
 
-def _dense(form: FlexibilityForm, count: int) -> tuple[Array, Array]:
+def _dense(form: FlexibilityForm, count: int) -> tuple[Floats, Floats]:
     """Return 1/ω and x of unit stored energy of the lowest modes, by singular values of F D^{-½}."""
     coordinates, excluded = form.forbidden.shape
     # The full QR's trailing columns span what the end conditions allow.
@@ -149,7 +155,7 @@ def _dense(form: FlexibilityForm, count: int) -> tuple[Array, Array]:
     return inverse[:count], x @ turn[:count].T
 
 
-def _lanczos(form: FlexibilityForm, count: int) -> tuple[Array, Array]:
+def _lanczos(form: FlexibilityForm, count: int) -> tuple[Floats, Floats]:
     """Return 1/ω and x of unit stored energy of the lowest modes, by Lanczos iteration."""
     from scipy.sparse.linalg import LinearOperator, eigsh
 
@@ -160,7 +166,7 @@ def _lanczos(form: FlexibilityForm, count: int) -> tuple[Array, Array]:
             f"{MAX_DENSE} hinges, got {count}"
         )
 
-    def compliance(x: Array) -> Array:
+    def compliance(x: Floats) -> Floats:
         inside = form.allowed(x.reshape(size, -1))
         return form.allowed(form.adjoint(form.kinetic(inside)))
 
@@ -179,7 +185,7 @@ def _lanczos(form: FlexibilityForm, count: int) -> tuple[Array, Array]:
     return inverse, x @ turn.T
 
 
-def _in_physical_units(model: LinearModel, omega: Array, shape: Array, slope: Array) -> Modes:
+def _in_physical_units(model: LinearModel, omega: Floats, shape: Floats, slope: Floats) -> Modes:
     units = model.chain.units
     size = np.abs(shape)
     # In an antisymmetric mode two entries are the largest, which of them rounding decides: take the left one.

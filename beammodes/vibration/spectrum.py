@@ -31,19 +31,108 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from beammodes.chains.chain import Chain
-from beammodes.chains.repeated import floats
-from beammodes.equations.axial_pull import axial_pull
+from beammodes.chains.pieces import Pieces, floats
+from beammodes.equations.mechanics import axial_pull
+from beammodes.numerics.arrays import Floats
 from beammodes.problem.loading import Load, checked_load
-from beammodes.vibration.end_coordinates import EndCoordinates, end_coordinates
 
-__all__ = ["FlexibilityForm", "flexibility_form", "is_turned"]
+__all__ = [
+    "Buckled",
+    "EndCoordinates",
+    "FlexibilityForm",
+    "check_stable",
+    "end_coordinates",
+    "energy_metric",
+    "flexibility_form",
+    "is_turned",
+    "unit_energy",
+]
 
-Array = NDArray[np.float64]
+
+# Which end quantities of a chain are coordinates, and which follow: see `beammodes.vibration.spectrum`.
+
+
+@dataclass(frozen=True)
+class EndCoordinates:
+    """The end quantities of a chain as coordinates beside its hinges' rotations.
+
+    Attributes
+    ----------
+    root : ndarray, shape (supported,)
+        1/√K of the quantities that are coordinates because springs support them.
+    unstored : ndarray, shape (supported,)
+        1 for one that no spring supports, but an axial force.
+    tip_rows : tuple of two ndarrays, shape (supported + hinges,)
+        y₀ and θ₀ from the coordinates' values.
+    dependent_rows, dependent_stiffness : ndarray, shape (2, supported + hinges) and (2,)
+        The other two quantities, and what supports them.
+    rigid : list of (y₀, θ₀)
+        The rigid-body modes.
+    """
+
+    root: Floats
+    unstored: Floats
+    tip_rows: tuple[Floats, Floats]
+    dependent_rows: Floats
+    dependent_stiffness: Floats
+    rigid: list[tuple[float, float]]
+
+
+def end_coordinates(pieces: Pieces, resistance: float = 0.0) -> EndCoordinates:
+    """Return the end coordinates of a chain that runs from its firmer end.
+
+    `resistance` is what loads along the chain put up against a rigid rotation.
+
+    Examples
+    --------
+    >>> from beammodes.problem.beam import Beam
+    >>> from beammodes.chains.chain import Chain
+    >>> end_coordinates(Chain(Beam.unit(), "pinned-free", 2).pieces_and_springs).rigid     # turns about x = 0
+    [(0.0, 1.0)]
+    """
+    length = floats(pieces.length)
+    whole, reach = float(length.sum()), np.cumsum(length[:0:-1])[::-1]
+    nothing = np.zeros_like(reach)
+    # Rows: left deflection, left rotation, right deflection, right rotation.
+    on_tip = np.array([[1.0, 0.0], [0.0, 1.0], [1.0, whole], [0.0, 1.0]])
+    on_hinges = np.array([nothing, nothing, reach, np.ones_like(reach)])
+    stiffness = np.array([float(k) for end in pieces.supports for k in end])
+    chosen, others = _chosen(stiffness * [whole**2, 1.0, whole**2, 1.0], on_tip)
+    to_tip = np.linalg.inv(on_tip[chosen])
+    scale, motions, unstored, rigid = [], [], [], []
+    for k, motion in zip(chosen, to_tip.T, strict=True):
+        resisted = resistance > 0 and motion[1] != 0
+        if 0 < stiffness[k] < math.inf or (not stiffness[k] and resisted):
+            # The size of a coordinate that no spring scales is free; this one suits the load's energy.
+            scale.append(stiffness[k] or resistance)
+            motions.append(motion)
+            unstored.append(float(not stiffness[k]))
+        elif not stiffness[k]:
+            rigid.append((float(motion[0]), float(motion[1])))
+    tip_rows = np.hstack([np.array(motions).reshape(-1, 2).T, -to_tip @ on_hinges[chosen]])
+    dependent = on_tip[others] @ tip_rows
+    dependent[:, len(motions) :] += on_hinges[others]
+    return EndCoordinates(
+        1 / np.sqrt(np.array(scale)),
+        np.array(unstored),
+        (tip_rows[0], tip_rows[1]),
+        dependent,
+        stiffness[others],
+        rigid,
+    )
+
+
+def _chosen(stiffness: Floats, on_tip: Floats) -> tuple[list[int], list[int]]:
+    """Return the two stiffest quantities that differ on the tip, left ones first, and the other two."""
+    first, *rest = sorted(range(4), key=lambda k: -stiffness[k])
+    second = next(k for k in rest if np.linalg.det(on_tip[[first, k]]))
+    chosen = sorted([first, second])
+    return chosen, [k for k in range(4) if k not in chosen]
 
 
 @dataclass(frozen=True)
@@ -72,34 +161,34 @@ class FlexibilityForm:
         P_i of the energy  ½ Σ P_i θ_i²  that loads along the chain store.
     """
 
-    length: Array
-    centre: Array
-    root_mass: Array
-    root_inertia: Array
-    flexibility_root: Array
-    tip_deflection: Array
-    tip_angle: Array
-    forbidden: Array
-    stiffened: Array
-    softening: Array
-    unstored: Array
-    rigid_deflection: Array
-    rigid_angle: Array
-    pull: Array
+    length: Floats
+    centre: Floats
+    root_mass: Floats
+    root_inertia: Floats
+    flexibility_root: Floats
+    tip_deflection: Floats
+    tip_angle: Floats
+    forbidden: Floats
+    stiffened: Floats
+    softening: Floats
+    unstored: Floats
+    rigid_deflection: Floats
+    rigid_angle: Floats
+    pull: Floats
 
     @property
     def hinges(self) -> int:
         """How many hinges the chain has."""
         return len(self.length) - 1
 
-    def allowed(self, w: Array) -> Array:
+    def allowed(self, w: Floats) -> Floats:
         """Return the x of w: without what the end conditions exclude, and softened where springs resist."""
         x = w - self.forbidden @ (self.forbidden.T @ w) if self.forbidden.size else w
         if self.stiffened.size:
             x = x + self.stiffened @ (self.softening[:, None] * (self.stiffened.T @ x))
         return x
 
-    def angles(self, x: Array) -> Array:
+    def angles(self, x: Floats) -> Floats:
         """Return the pieces' angles, shape (pieces, columns), rigid-body modes not yet taken out."""
         # In place throughout: on a million hinges fresh arrays cost more than the arithmetic.
         hinges = len(self.length) - 1
@@ -111,7 +200,7 @@ class FlexibilityForm:
         np.cumsum(angle, axis=0, out=angle)
         return angle
 
-    def motion(self, x: Array) -> tuple[Array, Array]:
+    def motion(self, x: Floats) -> tuple[Floats, Floats]:
         """Return the nodes' deflections (nodes, columns) and the pieces' angles of x, both elastic only."""
         angle = self.angles(x)
         deflection = np.empty((len(angle) + 1, angle.shape[1]))
@@ -126,11 +215,11 @@ class FlexibilityForm:
             angle -= self.rigid_angle @ amount
         return deflection, angle
 
-    def kinetic(self, x: Array) -> Array:
+    def kinetic(self, x: Floats) -> Floats:
         """Return F D^{-½} x, shape (2 pieces, columns): |.|² is twice the kinetic energy of motion x."""
         return self._weighed(*self.motion(x))
 
-    def adjoint(self, image: Array) -> Array:
+    def adjoint(self, image: Floats) -> Floats:
         """Return the transpose of `kinetic` applied to `image`, shape (coordinates, columns)."""
         if self.rigid_deflection.size:
             rigid = self._rigid_images()
@@ -145,12 +234,12 @@ class FlexibilityForm:
         beyond += self.centre[:, None] * force
         return self._from_angles(_sum_from_right(beyond), lift)
 
-    def geometric(self, x: Array) -> Array:
+    def geometric(self, x: Floats) -> Floats:
         """Return  ∂/∂x of ½ Σ P_i θ_i²."""
         moment = _sum_from_right(self.pull[:, None] * self.angles(x))
         return self._from_angles(moment, np.zeros(x.shape[1]))
 
-    def _from_angles(self, moment: Array, lift: Array) -> Array:
+    def _from_angles(self, moment: Floats, lift: Floats) -> Floats:
         """Return what moments summed from the right, and the lift of the left tip, do to x."""
         pull = np.outer(self.tip_angle, moment[0])
         if self.tip_deflection.any():
@@ -159,10 +248,10 @@ class FlexibilityForm:
         pull *= self.flexibility_root[:, None]
         return pull
 
-    def _rigid_images(self) -> Array:
+    def _rigid_images(self) -> Floats:
         return self._weighed(self.rigid_deflection, self.rigid_angle)
 
-    def _weighed(self, deflection: Array, angle: Array) -> Array:
+    def _weighed(self, deflection: Floats, angle: Floats) -> Floats:
         pieces = len(angle)
         image = np.empty((2 * pieces, angle.shape[1]))
         np.multiply(self.centre[:, None], angle, out=image[:pieces])
@@ -215,7 +304,7 @@ def is_turned(chain: Chain) -> bool:
     return right > left
 
 
-def _stiffening(ends: EndCoordinates, rows: Array, forbidden: Array) -> tuple[Array, Array]:
+def _stiffening(ends: EndCoordinates, rows: Floats, forbidden: Floats) -> tuple[Floats, Floats]:
     """Return the orthonormal directions that springs of dependent end quantities stiffen, and how much."""
     finite = ~np.isinf(ends.dependent_stiffness) & (ends.dependent_stiffness > 0)
     pulls = (np.sqrt(ends.dependent_stiffness[finite])[:, None] * rows[finite]).T
@@ -224,7 +313,7 @@ def _stiffening(ends: EndCoordinates, rows: Array, forbidden: Array) -> tuple[Ar
     return direction[:, size > 0], 1 / np.hypot(1, size[size > 0]) - 1
 
 
-def _rigid_motions(ends: EndCoordinates, length: Array) -> tuple[Array, Array]:
+def _rigid_motions(ends: EndCoordinates, length: Floats) -> tuple[Floats, Floats]:
     """Return the nodes' deflections and the pieces' angles of the rigid-body modes, not yet scaled."""
     node = np.concatenate([[0.0], np.cumsum(length)])
     tip = np.array(ends.rigid).reshape(-1, 2)
@@ -238,6 +327,73 @@ def _with_unit_rigid_modes(form: FlexibilityForm) -> FlexibilityForm:
     return replace(form, rigid_deflection=rigid[0], rigid_angle=rigid[1])
 
 
-def _sum_from_right(values: Array) -> Array:
+def _sum_from_right(values: Floats) -> Floats:
     """Return, along axis 0, each entry plus all that follow it."""
     return np.cumsum(values[::-1], axis=0)[::-1]
+
+
+# The energy that loads along a chain add to its flexibility form, as a factor or as a metric.
+
+
+class Buckled(ArithmeticError):
+    """The straight shape is not stable."""
+
+
+def unit_energy(form: FlexibilityForm, w: Floats, x: Floats) -> Floats:
+    """Return the upper triangle C⁻¹ of combinations that store unit energy, that of loads included."""
+    slope = form.angles(x)
+    plain = np.sqrt(1 - form.unstored)[:, None] * w
+    if (form.pull >= 0).all():
+        # No products are formed: they would square the range of a strong tension on soft supports.
+        factor = np.linalg.qr(np.vstack([plain, np.sqrt(form.pull)[:, None] * slope]), mode="r")
+        return np.asarray(np.linalg.inv(factor))
+    try:
+        lower = np.linalg.cholesky(plain.T @ plain + slope.T @ (form.pull[:, None] * slope))
+    except np.linalg.LinAlgError:
+        raise Buckled from None
+    return np.asarray(np.linalg.inv(lower).T)
+
+
+def check_stable(form: FlexibilityForm, dense: int) -> None:
+    """Raise Buckled if loads turn a chain over, or buckle one of more than `dense` hinges.
+
+    Of shorter ones `unit_energy` tells, which has all their motions.
+    """
+    from scipy.sparse.linalg import LinearOperator, eigsh
+
+    if (form.pull >= 0).all():
+        return
+    if form.rigid_angle.any():
+        raise Buckled
+    size = len(form.flexibility_root)
+    if form.hinges <= dense:
+        return
+
+    def released(w: Floats) -> Floats:
+        return form.allowed(form.geometric(form.allowed(w.reshape(size, -1))))
+
+    operator = LinearOperator((size, size), matvec=released, matmat=released, dtype=np.float64)
+    start = form.allowed(np.random.default_rng(0).standard_normal((size, 1)))[:, 0]
+    if eigsh(operator, k=1, which="SA", v0=start, tol=1e-13, return_eigenvectors=False)[0] <= -1:
+        raise Buckled
+
+
+def energy_metric(form: FlexibilityForm) -> dict[str, Any]:
+    """Return the stored energy as a metric, for the Lanczos iteration, where it is not simply |w|²."""
+    from scipy.sparse.linalg import LinearOperator, cg
+
+    if not form.pull.any():
+        return {}
+    size = len(form.flexibility_root)
+
+    def stored(w: Floats) -> Floats:
+        column = w.reshape(size, -1)
+        bent = form.allowed(form.geometric(form.allowed(column)))
+        return (1 - form.unstored)[:, None] * column + bent
+
+    def solved(w: Floats) -> Floats:
+        # Identity and a compact operator: a few steps. What they leave open the Rayleigh-Ritz step restores.
+        return np.asarray(cg(metric, w, rtol=1e-10, atol=0.0, maxiter=2000)[0])
+
+    metric = LinearOperator((size, size), matvec=stored, dtype=np.float64)
+    return {"M": metric, "Minv": LinearOperator((size, size), matvec=solved, dtype=np.float64)}

@@ -20,12 +20,12 @@ import math
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from beammodes.chains.chain import Chain
 from beammodes.checks import shown, whole_number
-from beammodes.equations.axial_pull import axial_pull
+from beammodes.equations.mechanics import axial_pull
 from beammodes.exact.exact_beam import wavenumber
+from beammodes.numerics.arrays import Floats
 from beammodes.problem.beam import Beam
 from beammodes.problem.loading import Load, checked_load
 from beammodes.vibration.damping import Damping, ModalDamping, damped_eigenvalues, damping_of_modes
@@ -53,7 +53,6 @@ __all__ = [
     "taut_load",
 ]
 
-Array = NDArray[np.float64]
 
 #: Gravity that a step is held against where none is given [m/s²], in any direction.
 GRAVITY = 9.81
@@ -65,7 +64,7 @@ SAFE_CONSTANT = 1 / math.sqrt(6)
 ROARK_CLAMPED_CLAMPED = (22.4, 61.7, 121.0, 200.0, 299.0)
 
 
-def published_constants() -> Array:
+def published_constants() -> Floats:
     """Return the report's C for 1 to 5 modes, C = 8/K_n to its three printed decimals, shape (5,).
 
     Source: the report's table, headed "Constant K"; its step 2 calls the same number C.
@@ -78,7 +77,7 @@ def published_constants() -> Array:
     return np.round(8 / np.array(ROARK_CLAMPED_CLAMPED), 3)
 
 
-def exact_constants(modes: int, *, limit: float = 8.0) -> Array:
+def exact_constants(modes: int, *, limit: float = 8.0) -> Floats:
     """Return  limit / K_n  with the exact roots K_n = β_n² of the clamped-clamped beam, shape (modes,).
 
     Parameters
@@ -208,7 +207,7 @@ def modal_time_step(record: Integrator, modal: ModalDamping) -> float:
     return _kick_step(omega, effect, max(0.0, sign[record.damping] * modal.drag))
 
 
-def _kick_step(omega: Array, effect: Array, drag: float) -> float:
+def _kick_step(omega: Floats, effect: Floats, drag: float) -> float:
     """Return the h where the largest eigenvalue of  h² Ω² + 2 h `effect`  is 4."""
     diagonal = effect.diagonal()
     if not np.any(effect - np.diag(diagonal)):
@@ -325,7 +324,7 @@ def _joint_bound(chain: Chain, load: Load) -> float:
     return float(np.sqrt(np.linalg.eigvalsh(stiffness)[:, -1].max()))
 
 
-def _joint_matrices(chain: Chain, load: Load, damping: Damping) -> tuple[Array, Array]:
+def _joint_matrices(chain: Chain, load: Load, damping: Damping) -> tuple[Floats, Floats]:
     """Return stiffness and damping of each joint in coordinates of unit inertia, shape (hinges, 3, 3).
 
     In (deflection of the hinge, angle of the left piece, angle of the right piece) a piece with its centre of
@@ -371,7 +370,7 @@ def _joint_matrices(chain: Chain, load: Load, damping: Damping) -> tuple[Array, 
 
 def step_constants(
     chain: Chain, modes: int, integrator: str = "rk4", *, damping_ratio: float = 0.0
-) -> tuple[float, Array]:
+) -> tuple[float, Floats]:
     """Return C of the longest stable step, and of the longest accurate ones for 1 to `modes` modes.
 
         h = C L² √(ρA/EI)

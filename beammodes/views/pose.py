@@ -6,11 +6,12 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from beammodes.chains.chain import Chain
 from beammodes.checks import positive_real, real_numbers, shown, whole_number
 from beammodes.equilibrium.equilibria import Equilibrium
+from beammodes.numerics.arrays import Floats
 from beammodes.vibration.modes import Modes
 
 if TYPE_CHECKING:
@@ -18,7 +19,6 @@ if TYPE_CHECKING:
 
 __all__ = ["Pose", "Shape", "pose_of"]
 
-Array = NDArray[np.float64]
 
 Shape = Modes | Equilibrium | tuple[ArrayLike, ArrayLike] | Any
 
@@ -38,9 +38,9 @@ class Pose:
         Counter-clockwise from the x axis.
     """
 
-    x: Array
-    y: Array
-    angle: Array
+    x: Floats
+    y: Floats
+    angle: Floats
 
 
 def pose_of(chain: Chain, shape: Shape | None, *, mode: int = 1, amplitude: float = 0.15) -> Pose:
@@ -84,7 +84,7 @@ def pose_of(chain: Chain, shape: Shape | None, *, mode: int = 1, amplitude: floa
     )
 
 
-def _scaled(chain: Chain, modes: Modes, mode: int, amplitude: float) -> tuple[Array, Array]:
+def _scaled(chain: Chain, modes: Modes, mode: int, amplitude: float) -> tuple[Floats, Floats]:
     row = whole_number("mode", mode, most=len(modes.angular_frequency)) - 1
     share = positive_real("amplitude", amplitude)
     if not _FLATTEST <= share <= 1 / _FLATTEST:
@@ -109,7 +109,7 @@ def _large(chain: Chain, x: ArrayLike, y: ArrayLike, angle: ArrayLike) -> Pose:
     return Pose(_numbers("x", x, nodes), _numbers("y", y, nodes), _numbers("angle", angle, chain.pieces))
 
 
-def _moment(motion: xarray.Dataset, name: str) -> Array:
+def _moment(motion: xarray.Dataset, name: str) -> Floats:
     if name not in motion.variables:
         raise ValueError(f"shape must hold x, y and angle, got {shown(list(motion.data_vars))}")
     if "time" in motion.dims:
@@ -117,7 +117,7 @@ def _moment(motion: xarray.Dataset, name: str) -> Array:
     return np.asarray(motion[name].values)
 
 
-def _numbers(name: str, values: ArrayLike, size: int) -> Array:
+def _numbers(name: str, values: ArrayLike, size: int) -> Floats:
     array = real_numbers(f"{name} of shape", values)
     if array.shape != (size,):
         raise ValueError(

@@ -8,7 +8,7 @@ from pathlib import Path
 from string import Template
 
 import beammodes as bm
-from beammodes.blas import one_thread
+from beammodes.numerics.blas import one_thread
 from studies import NAMES, PAGE
 from studies.page import accuracy_parts, added_parts, springs, step_parts, systems
 from studies.page.atlas_data import atlas

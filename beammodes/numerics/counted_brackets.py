@@ -8,8 +8,10 @@ from typing import NamedTuple
 
 __all__ = ["CLOSEST", "Counted", "roots_between"]
 
+
 #: Relative width to which roots are closed in; roots closer than this are returned as one, as often.
 CLOSEST = Decimal("1e-20")
+
 
 # A bracket whose ends differ by more than this factor is halved in its logarithm before it is closed in.
 _NARROW = 3

@@ -8,8 +8,11 @@ from typing import NamedTuple
 
 __all__ = ["ROOT_DIGITS", "Sample", "ordered_roots"]
 
+
 #: Roots closer than this, relatively, are one double root: far below what a double can tell.
 ROOT_DIGITS = 24
+
+
 _CLOSE = Decimal(10) ** -ROOT_DIGITS
 
 

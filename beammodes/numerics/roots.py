@@ -6,11 +6,10 @@ from collections.abc import Callable
 from fractions import Fraction
 
 import numpy as np
-from numpy.typing import NDArray
+
+from beammodes.numerics.arrays import Floats
 
 __all__ = ["NotFollowed", "increasing_root", "polynomial_roots", "sign_changes"]
-
-Floats = NDArray[np.float64]
 
 
 class NotFollowed(ArithmeticError):

@@ -8,6 +8,7 @@ from functools import lru_cache
 
 __all__ = ["LONG", "as_decimal", "cosine_and_sine", "pi"]
 
+
 #: Digits that lose nothing of a double, whatever context the caller has set, and exponents for e^p of any p.
 LONG = Context(prec=80, rounding=ROUND_HALF_EVEN, Emin=MIN_EMIN, Emax=MAX_EMAX, capitals=1, clamp=0)
 
