@@ -29,6 +29,7 @@ FILES = {
 }
 # Each folder uses only those before it; the files beside them come first or last.
 ORDER = [
+    "numerics",
     "problem",
     "exact",
     "chains",
@@ -51,8 +52,6 @@ HEAVY = {"matplotlib", "xarray", "sympy", "casadi", "scipy"}
 MAY_IMPORT = {
     "symbolic": {"sympy"},
     "numeric": {"casadi"},
-    "forward_dynamics": {"casadi"},
-    "runs": {"casadi"},
     "forward_dynamics": {"casadi"},
     "runs": {"casadi"},
     "derivation": {"sympy", "casadi", "scipy"},
@@ -101,7 +100,7 @@ def module(stem: str) -> str:
 
 def test_the_reader_of_imports_reads_imports() -> None:
     assert {"beam", "chain", "ends", "exact_beam", "rules", "__init__", "__main__"} <= set(FILES)
-    assert rooms("beam") == {"beam", "checks", "profiles", "sections"}
+    assert rooms("beam") == {"arrays", "checks", "profiles", "sections"}
     assert {"chain", "beam", "advice"} <= rooms("commands")  # the first two inside functions
     assert "numpy" in imports("chain", inside_functions=False)
 
@@ -132,59 +131,22 @@ def test_a_folder_says_what_it_owns_and_holds_nothing_of_its_own(folder: str) ->
     assert ast.get_docstring(code) and len(code.body) == 1
 
 
-def test_the_exact_beam_shares_no_code_with_the_chain() -> None:
-    # design.md, "What holds the house together": the judge imports what a beam is, the checks, and itself.
-    assert rooms("exact_beam") <= {*GIVEN, "exact_beam", "exact_beam"}
-    assert rooms("exact_beam") <= {"ends", "checks"}
+# What a beam is: its sections, its ends, its load; and what knows no physics.
+GIVEN = {"problem", "numerics"}
+CHECKS = {"checks"}
+EXACT = sorted(stem for stem, path in FILES.items() if path.parent.name == "exact")
+PROBLEM = sorted(stem for stem, path in FILES.items() if path.parent.name in GIVEN)
 
 
-JUDGES = {
-    "beam_waves",
-    "unit_beam",
-    "beam_waves",
-    "count_roots",
-    "euler_buckling",
-    "long_decimals",
-    "supported_beam",
-    "exact_beam",
-    "timoshenko_beam",
-    "spectral_beam",
-    "spectral_energy",
-    "spectral_grid",
-    "timoshenko_beam",
-    "spectral_beam",
-    "spectral_energy",
-    "supported_beam",
-    "supported_beam",
-    "timoshenko_beam",
-    "unit_beam",
-}
+@pytest.mark.parametrize("stem", EXACT)
+def test_the_exact_beam_shares_no_code_with_the_chain(stem: str) -> None:
+    # The page "design": the judge imports what a beam is, the checks, plain numerics, and itself.
+    assert all(FILES[used].parent.name in {*GIVEN, "exact"} for used in rooms(stem) - CHECKS)
 
 
-@pytest.mark.parametrize("stem", sorted(JUDGES))
-def test_the_other_exact_beams_share_no_code_with_the_chain_either(stem: str) -> None:
-    assert rooms(stem) <= GIVEN | JUDGES
-
-
-# What a beam is: its sections, its ends, its load.
-GIVEN = {
-    "beam",
-    "beam",
-    "beam",
-    "checks",
-    "ends",
-    "loading",
-    "profiles",
-    "sections",
-    "ends",
-    "profiles",
-    "profiles",
-}
-
-
-@pytest.mark.parametrize("stem", sorted(GIVEN))
+@pytest.mark.parametrize("stem", PROBLEM)
 def test_what_is_given_knows_nothing_of_chains_or_solutions(stem: str) -> None:
-    assert rooms(stem) <= GIVEN
+    assert all(FILES[used].parent.name in GIVEN for used in rooms(stem) - CHECKS)
 
 
 @EVERY_FILE
