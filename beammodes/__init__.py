@@ -122,8 +122,8 @@ _HOME = {
     "joint_dampers": "vibration.damping",
     "law_holds_from": "accuracy.law",
     "linearize": "vibration.linear",
-    "match_springs": "springs.inverse",
-    "matched": "springs.inverse",
+    "match_springs": "springs.matched_springs",
+    "matched": "springs.matched_springs",
     "modal_assurance": "accuracy.shapes",
     "modal_response": "dynamics.superposition",
     "mode_start": "dynamics.simulation",
@@ -230,8 +230,8 @@ if TYPE_CHECKING:
     from beammodes.problem.sections import Rectangle as Rectangle
     from beammodes.problem.sections import Tube as Tube
     from beammodes.problem.sections import from_sectionproperties as from_sectionproperties
-    from beammodes.springs.inverse import match_springs as match_springs
-    from beammodes.springs.inverse import matched as matched
+    from beammodes.springs.matched_springs import match_springs as match_springs
+    from beammodes.springs.matched_springs import matched as matched
     from beammodes.springs.tuning import mode_tuned as mode_tuned
     from beammodes.vibration.damping import Damping as Damping
     from beammodes.vibration.damping import damped_modes as damped_modes

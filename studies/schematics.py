@@ -102,7 +102,7 @@ def data(progress: Progress | None = None) -> xarray.Dataset:
     for i, panel in enumerate(panels):
         chain = panel.chain
         pose = pose_of(chain, panel.shape and panel.shape(chain), mode=panel.mode)
-        springs = np.array([np.nan, *map(float, chain.hinge_stiffness), np.nan])
+        springs = np.array([np.nan, *map(float, chain.scaled.joint_stiffness), np.nan])
         columns = {"x": pose.x, "y": pose.y, "angle": np.append(pose.angle, np.nan)}
         one = {name: ("node", repeatable(values)) for name, values in columns.items()}
         node = {"node": np.arange(len(pose.x))}

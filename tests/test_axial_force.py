@@ -93,7 +93,7 @@ def test_geometric_stiffness_is_the_second_derivative_of_the_loads_potential(pai
     # The tips approach by Σ l (1 - cos θ) = ½ Σ l θ²: T l on every angle's diagonal.
     ell, stiffness = (sympy.Symbol(name, positive=True) for name in ("ell", "EI"))
     own = sympy.Rational(5, 7) / 9 * stiffness / ell  # T ell, with T in EI/ell² and ell = 1/3
-    lengths = [part for part, held in zip(chain.piece_length, chain.held_angles, strict=True) if not held]
+    lengths = [part for part, held in zip(chain.scaled.length, chain.held_angles, strict=True) if not held]
     on_tip = [0] * (len(q) - len(lengths))
     expected = sympy.diag(*on_tip, *(own * sympy.Rational(v.numerator, v.denominator) for v in lengths))
     assert sympy.simplify(hessian[0] - hessian[1] - expected) == sympy.zeros(len(q))

@@ -81,8 +81,8 @@ def test_pieces_of_half_a_segment() -> None:
     for inertia in (Fraction(1, 12), Fraction(1, 4)):
         rule = Rule("made", (), stub="1/2", rotary_inertia=inertia)
         chain = Chain(BEAM, "clamped-free", 2, rule)
-        assert chain.piece_mass == chain.piece_length == (Fraction(1, 2), 1, Fraction(1, 2))
-        assert chain.piece_rotary_inertia == (inertia / 8, inertia, inertia / 8)
+        assert chain.scaled.mass == chain.scaled.length == (Fraction(1, 2), 1, Fraction(1, 2))
+        assert chain.scaled.rotary_inertia == (inertia / 8, inertia, inertia / 8)
         np.testing.assert_allclose(chain.hinge_position, [0.3, 0.9], rtol=1e-15)
 
 
@@ -93,7 +93,7 @@ def test_whole_length_and_mass(rule: str, pair: str) -> None:
         chain = valid(pair, segments, rule)
         if chain is None:
             continue
-        assert sum(chain.piece_length) == sum(chain.piece_mass) == segments
+        assert sum(chain.scaled.length) == sum(chain.scaled.mass) == segments
         assert chain.length.sum() == pytest.approx(1.2, rel=1e-14)
         assert chain.mass.sum() == pytest.approx(0.62 * 1.2, rel=1e-14)
         assert (chain.joint_stiffness > 0).all()
@@ -128,7 +128,7 @@ def test_elastic_modes_by_rank(rule: str, pair: str) -> None:
         if chain is None:
             continue
         count = chain.pieces  # unknowns: deflection of the left tip, then the angles
-        tips = [np.eye(count + 1)[0], np.array([1.0, *map(float, chain.piece_length)])]
+        tips = [np.eye(count + 1)[0], np.array([1.0, *map(float, chain.scaled.length)])]
         angles = [np.eye(count + 1)[1], np.eye(count + 1)[count]]
         ends = (chain.boundary.left, chain.boundary.right)
         held = [row for row, end in zip(tips, ends, strict=True) if end.holds_deflection]
@@ -155,15 +155,15 @@ def test_from_pieces_makes_the_same_chain(rule: str, pair: str) -> None:
         assert again.held_angles == chain.held_angles
         assert (again.beam, again.segments, again.rule) == (None, None, None)
         exact = Chain.from_pieces(
-            length=chain.piece_length,
-            mass=chain.piece_mass,
-            rotary_inertia=chain.piece_rotary_inertia,
-            joint_stiffness=chain.hinge_stiffness,
+            length=chain.scaled.length,
+            mass=chain.scaled.mass,
+            rotary_inertia=chain.scaled.rotary_inertia,
+            joint_stiffness=chain.scaled.joint_stiffness,
             boundary=pair,
         )
-        assert exact.hinge_stiffness == chain.hinge_stiffness
-        assert exact.piece_rotary_inertia == chain.piece_rotary_inertia
-        assert {type(number) for number in exact.piece_length} == {Fraction}
+        assert exact.scaled.joint_stiffness == chain.scaled.joint_stiffness
+        assert exact.scaled.rotary_inertia == chain.scaled.rotary_inertia
+        assert {type(number) for number in exact.scaled.length} == {Fraction}
 
 
 def test_from_pieces_keeps_numbers_as_given() -> None:
@@ -268,8 +268,8 @@ def test_springs_that_are_not_positive_are_refused() -> None:
     for segments in (1, 2):
         with pytest.raises(ValueError, match=f"rule soft .* clamped-free with {segments} segments"):
             Chain(BEAM, "clamped-free", segments, rule)
-    assert Chain(BEAM, "clamped-free", 3, rule).hinge_stiffness == (3, 1, 1)
-    assert Chain(BEAM, "pinned-free", 2, rule).hinge_stiffness == (1,)
+    assert Chain(BEAM, "clamped-free", 3, rule).scaled.joint_stiffness == (3, 1, 1)
+    assert Chain(BEAM, "pinned-free", 2, rule).scaled.joint_stiffness == (1,)
 
 
 @pytest.mark.parametrize("value", BAD_SEGMENTS, ids=shown)

@@ -27,7 +27,7 @@ def test_wall_spring_is_the_reports() -> None:
 def hinge_deflections(chain: Chain, moments: list[Fraction]) -> list[Fraction]:
     """Deflections, in units of F ell³/EI, of nodes 1, 2, ... of a clamped-free chain under hinge moments."""
     angle, deflection, found = Fraction(0), Fraction(0), []
-    for stiffness, moment in zip(chain.hinge_stiffness, moments, strict=True):
+    for stiffness, moment in zip(chain.scaled.joint_stiffness, moments, strict=True):
         angle += moment / Fraction(stiffness)
         deflection += angle
         found.append(deflection)

@@ -79,7 +79,7 @@ def nodal_to_coordinates(chain: Chain) -> sympy.Matrix:
 
     rows = [unit(index[0])] if "y_0" in coordinate_names(chain) else []
     for i, held in enumerate(chain.held_angles):
-        length = F(chain.piece_length[i])
+        length = F(chain.scaled.length[i])
         if not held and not length:
             rows.append(unit(names.index(f"theta_{i}")))
         elif not held:
@@ -197,7 +197,7 @@ def modal_mass_and_stiffness(chain: Chain, modes: Modes, load: Load) -> tuple[np
     mass = (centre * chain.mass) @ centre.T + (slope * chain.rotary_inertia) @ slope.T
     stiffness = (bend * chain.joint_stiffness) @ bend.T
     stiffness += float(load.axial_force) * (slope * chain.length) @ slope.T
-    own = np.array([[0.0 if k == INF else float(k) for k in end] for end in chain.supports])
+    own = np.array([[0.0 if k == INF else float(k) for k in end] for end in chain.scaled.supports])
     stiffness += (tips * own[:, 0] * chain.units.stiffness / chain.units.length**2) @ tips.T
     return mass, stiffness + (outer * own[:, 1] * chain.units.stiffness) @ outer.T
 
@@ -233,7 +233,7 @@ def lowest(pair: Any, segments: int = 10, rule: str = "gregory", count: int = 3)
 
 
 def same_pieces(one: Chain, other: Chain) -> None:
-    assert one.pieces_and_springs == other.pieces_and_springs
+    assert one.scaled == other.scaled
 
 
 def test_a_massless_spring_at_the_end_is_in_series_with_the_walls_hinge() -> None:
@@ -241,8 +241,8 @@ def test_a_massless_spring_at_the_end_is_in_series_with_the_walls_hinge() -> Non
     chain = Chain(Beam.unit(), (End(INF, F(3)), End(0, F(1, 2))), 4, "double_wall")
     assert chain.pieces == 4
     series = [F(8) * k / (8 + k) / 4 for k in (F(3), F(1, 2))]
-    assert chain.supports == ((INF, series[0]), (0, series[1]))
-    assert chain.hinge_stiffness == (1, 1, 1)
+    assert chain.scaled.supports == ((INF, series[0]), (0, series[1]))
+    assert chain.scaled.joint_stiffness == (1, 1, 1)
 
 
 @pytest.mark.parametrize("end", [End(mass=F(1, 3)), End(F(5), mass=F(1, 3)), End(F(5), F(2), F(1, 3))])
@@ -272,13 +272,13 @@ def test_an_offset_points_outward_at_either_end() -> None:
     np.testing.assert_allclose(chain.centre, [-0.25, 0.25, 0.25, 0.25], rtol=1e-15)
     inside = Chain(Beam.unit(), ("clamped", End(mass=1, rotary_inertia=1, offset=F(-1, 2))), 1, "rigid_stub")
     # Rod and body share one centre at 1/2, so nothing adds to 1/12 + 1 about it; but both are welded.
-    assert (inside.piece_centre, inside.piece_mass) == ((F(1, 2),), (2,))
-    assert inside.piece_rotary_inertia == (F(13, 12),)
+    assert (inside.scaled.centre, inside.scaled.mass) == ((F(1, 2),), (2,))
+    assert inside.scaled.rotary_inertia == (F(13, 12),)
 
 
 @pytest.mark.parametrize("pair", PAIRS, ids=str)
 def test_mirrored_chains_have_the_same_frequencies(pair: Any) -> None:
-    turned = own_pieces("free-free").pieces_and_springs.turned()
+    turned = own_pieces("free-free").scaled.turned()
     names = ("length", "mass", "centre", "rotary_inertia", "joint_stiffness")
     mirrored = own_pieces(pair[::-1], **{name: getattr(turned, name) for name in names})
     one, other = (solve_modes(linearize(chain)) for chain in (own_pieces(pair), mirrored))

@@ -17,7 +17,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import beammodes as bm
-from beammodes.chains.rules import RULES, Rule, Weight, end_defects, rule_named
+from beammodes.chains.rules import RULES, Rule, Weight, end_defects, hinges_at_nodes, rule_named
 from beammodes.closed_form.discretization import relative_error
 from beammodes.problem.ends import BOUNDARIES, ENDS, Boundary
 
@@ -411,7 +411,7 @@ class Simpson:
     name, rotary_inertia = "simpson", Fraction(1, 12)
 
     def piece_lengths(self, boundary: Boundary, segments: int) -> list[Fraction]:
-        return RULES["gregory"].piece_lengths(boundary, segments)
+        return hinges_at_nodes(boundary, segments)
 
     def hinge_weights(self, boundary: Boundary, segments: int) -> list[Fraction]:
         count = len(self.piece_lengths(boundary, segments)) - 1

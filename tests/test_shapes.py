@@ -15,7 +15,7 @@ from beammodes.chains.rules import RULES
 from beammodes.exact.beam_theory import euler_bernoulli
 from beammodes.problem.beam import Beam
 from beammodes.problem.ends import BOUNDARIES
-from beammodes.springs.inverse import matched
+from beammodes.springs.matched_springs import matched
 from beammodes.springs.tuning import mode_tuned
 from beammodes.vibration.linear import linearize
 from beammodes.vibration.modes import solve_modes

@@ -52,7 +52,7 @@ def to_coordinates(chain: Chain) -> sympy.Matrix:
     for i, held in enumerate(chain.held_angles):
         if held:
             continue
-        length = Fraction(chain.piece_length[i])
+        length = Fraction(chain.scaled.length[i])
         if not length:
             own = next(angles)
             rows.append([Fraction(own == j) for j in range(size)])

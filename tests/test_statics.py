@@ -17,7 +17,7 @@ from beammodes.chains.chain import Chain
 from beammodes.chains.rules import RULES, Rule, Weight
 from beammodes.problem.beam import Beam
 from beammodes.problem.ends import BOUNDARIES, ENDS, Boundary
-from beammodes.springs.inverse import match_springs, matched
+from beammodes.springs.matched_springs import match_springs, matched
 from beammodes.springs.tuning import mode_tuned
 from beammodes.vibration.linear import nodal_deflections, nodal_matrices
 
@@ -103,7 +103,7 @@ def test_clamped_pinned_sags_most_where_the_textbook_says() -> None:
 
 def stiffness_solution(chain: Chain, load: str) -> Response:
     """K y = f in nodal deflections, half of each piece's load at each of its ends: no reactions, no arms."""
-    index, length, last = nodal_deflections(chain), chain.piece_length, chain.pieces - 1
+    index, length, last = nodal_deflections(chain), chain.scaled.length, chain.pieces - 1
     stiffness = nodal_matrices(chain, sympy.Rational)[2]
     force = [sympy.Integer(0)] * len(stiffness)
 

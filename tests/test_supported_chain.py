@@ -161,10 +161,10 @@ def test_the_parts_count_and_vanish_as_the_whole_does() -> None:
             short, rods = shortened(pair, 40, rule) or (None, 0)
             assert short is not None and rods > 20
             chain = Chain(Beam.unit(), pair, 40, rule)
-            pieces, half = short.pieces_and_springs, short.pieces // 2
+            pieces, half = short.scaled, short.pieces // 2
             blocks = [block_of(pieces, half, HALF), block_of(pieces.turned(), short.pieces - half, HALF)]
-            whole = block_of(chain.pieces_and_springs, chain.pieces)
-            far = block_of(chain.pieces_and_springs.turned(), 0).supports
+            whole = block_of(chain.scaled, chain.pieces)
+            far = block_of(chain.scaled.turned(), 0).supports
             ratios = []
             for square in np.geomspace(1e-12, 200.0, 40):
                 w, tension = Decimal(square), Decimal("0.01")

@@ -38,7 +38,7 @@ def deflections_to_coordinates(chain: Chain) -> sympy.Matrix:
     rows = [node(0)] if "y_0" in coordinate_names(chain) else []
     for i, held in enumerate(chain.held_angles):
         if not held:
-            length = Fraction(chain.piece_length[i])
+            length = Fraction(chain.scaled.length[i])
             rows.append([(b - a) / length for a, b in zip(node(i), node(i + 1), strict=True)])
     return rational(rows, size)
 
@@ -50,7 +50,7 @@ def assert_routes_agree(chain: Chain) -> None:
     size = turn.cols
     assert turn.T * exact.mass_matrix * turn == rational(mass, size)
     assert turn.T * exact.stiffness_matrix * turn == rational(stiffness, size)
-    joints = sympy.diag(*(sympy.Rational(k.numerator, k.denominator) for k in chain.hinge_stiffness))
+    joints = sympy.diag(*(sympy.Rational(k.numerator, k.denominator) for k in chain.scaled.joint_stiffness))
     factor = rational(rotations, size)
     assert factor.T * joints * factor == rational(stiffness, size)
     compiled = compile_equations(chain).linearize()

@@ -18,9 +18,14 @@ from beammodes.exact.beam_theory import euler_bernoulli
 from beammodes.exact.exact_beam import wavenumber
 from beammodes.problem.beam import Beam
 from beammodes.problem.ends import BOUNDARIES, Boundary
-from beammodes.springs.inverse import Matched, match_springs, matched
-from beammodes.springs.matched_springs import MatchedSprings, NoPositiveSprings
-from beammodes.springs.matching import Conditions, spring_state, symmetric_basis
+from beammodes.springs.inverse_eigenvalue import Conditions, spring_state, symmetric_basis
+from beammodes.springs.matched_springs import (
+    Matched,
+    MatchedSprings,
+    NoPositiveSprings,
+    match_springs,
+    matched,
+)
 from beammodes.springs.tuning import ModeTuned, mode_tuned
 from beammodes.vibration.linear import linearize, nodal_matrices
 from beammodes.vibration.modes import solve_modes
@@ -151,7 +156,7 @@ def test_an_independent_optimizer_finds_nothing_closer(boundary: str, segments: 
 
     springs = match_springs(boundary, segments, 3, criterion=criterion)
     rule = {"gregory": "gregory", "uniform": "naive"}[criterion]
-    wanted = np.log([float(k) for k in Chain(Beam.unit(), boundary, segments, rule).hinge_stiffness])
+    wanted = np.log([float(k) for k in Chain(Beam.unit(), boundary, segments, rule).scaled.joint_stiffness])
     target = np.asarray(wavenumber(boundary, np.arange(1, 4))) ** 2
 
     def residual(x: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -192,7 +197,7 @@ def test_second_derivatives_are_those_of_the_first() -> None:
 
 def test_long_chains_approach_gregory() -> None:
     ratio = match_springs("clamped-free", 30, 3).stiffness_ratio
-    gregory = [float(k) for k in Chain(Beam.unit(), "clamped-free", 30, "gregory").hinge_stiffness]
+    gregory = [float(k) for k in Chain(Beam.unit(), "clamped-free", 30, "gregory").scaled.joint_stiffness]
     np.testing.assert_allclose(ratio, gregory, rtol=1e-4)
 
 

@@ -311,8 +311,8 @@ def _chain_response(chain: Chain, load: str) -> Response:
     if not chain.elastic_modes:  # Held rigidly: nothing moves, and reactions may have no definite value.
         return at_tip(pair, Fraction(0), Fraction(0), Fraction(0))
     step = 1 if pair == chain.boundary else -1
-    position = list(accumulate(chain.piece_length[::step], initial=Fraction(0)))
-    flexibility = [1 / stiffness for stiffness in chain.hinge_stiffness[::step]]
+    position = list(accumulate(chain.scaled.length[::step], initial=Fraction(0)))
+    flexibility = [1 / stiffness for stiffness in chain.scaled.joint_stiffness[::step]]
     return _hinged_response(pair, position[-1], position[1:-1], flexibility, load)
 
 

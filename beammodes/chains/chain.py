@@ -65,53 +65,30 @@ __all__ = ["MAX_PIECES", "Chain", "ChainNumbers", "Number", "Units"]
 
 @dataclass(frozen=True)
 class ChainNumbers:
-    """Pieces, springs and supports of a chain, and the units in which they are kept."""
+    """Pieces, springs and supports of a chain, and the units in which they are kept.
 
-    pieces_and_springs: Pieces
+    Attributes
+    ----------
+    scaled : Pieces
+        Lengths, masses, centres, inertias, springs and supports over `units`, exact where a rule made them. A
+        support is inf where it holds; K_r is the end's own, or that in series with the hinge of an outer
+        piece that had nothing to move.
+    units : Units
+        What one stands for there. All other attributes are in SI units.
+    """
+
+    scaled: Pieces
     units: Units
-
-    @property
-    def piece_length(self) -> tuple[Number, ...]:
-        """Length of every piece, in own units."""
-        return self.pieces_and_springs.length
-
-    @property
-    def piece_mass(self) -> tuple[Number, ...]:
-        """Mass of every piece, its end body included, in own units."""
-        return self.pieces_and_springs.mass
-
-    @property
-    def piece_centre(self) -> tuple[Number, ...]:
-        """Centre of mass of every piece, from its left tip, in own units."""
-        return self.pieces_and_springs.centre
-
-    @property
-    def piece_rotary_inertia(self) -> tuple[Number, ...]:
-        """Rotary inertia of every piece about its centre of mass, in own units."""
-        return self.pieces_and_springs.rotary_inertia
-
-    @property
-    def hinge_stiffness(self) -> tuple[Number, ...]:
-        """Spring of every hinge, in own units."""
-        return self.pieces_and_springs.joint_stiffness
-
-    @property
-    def supports(self) -> tuple[tuple[Number, Number], tuple[Number, Number]]:
-        """(K_t, K_r) of the left and the right end on its outer piece, in own units; inf where it holds.
-
-        K_r is the end's own, or that in series with the hinge of an outer piece that had nothing to move.
-        """
-        return self.pieces_and_springs.supports
 
     @property
     def pieces(self) -> int:
         """How many pieces the chain has, zero-length outer ones included."""
-        return len(self.piece_length)
+        return len(self.scaled.length)
 
     @cached_property
     def joint_stiffness(self) -> Floats:
         """Rotational stiffness of every hinge, left to right, shape (hinges,) [N m/rad]."""
-        return _scaled(self.hinge_stiffness, self.units.stiffness)
+        return _in_si(self.scaled.joint_stiffness, self.units.stiffness)
 
     @cached_property
     def support_stiffness(self) -> Floats:
@@ -121,29 +98,29 @@ class ChainNumbers:
         hinge where nothing in between has inertia: that hinge is then missing among `joint_stiffness`.
         """
         unit = np.array([self.units.stiffness / self.units.length**2, self.units.stiffness])
-        stiffness: Floats = np.array([[float(k) for k in end] for end in self.supports]) * unit
+        stiffness: Floats = np.array([[float(k) for k in end] for end in self.scaled.supports]) * unit
         stiffness.flags.writeable = False
         return stiffness
 
     @cached_property
     def length(self) -> Floats:
         """Length of every piece, shape (pieces,) [m]."""
-        return _scaled(self.piece_length, self.units.length)
+        return _in_si(self.scaled.length, self.units.length)
 
     @cached_property
     def mass(self) -> Floats:
         """Mass of every piece, shape (pieces,) [kg]."""
-        return _scaled(self.piece_mass, self.units.mass)
+        return _in_si(self.scaled.mass, self.units.mass)
 
     @cached_property
     def centre(self) -> Floats:
         """Centre of mass of every piece, from its left tip, shape (pieces,) [m]."""
-        return _scaled(self.piece_centre, self.units.length)
+        return _in_si(self.scaled.centre, self.units.length)
 
     @cached_property
     def rotary_inertia(self) -> Floats:
         """Rotary inertia of every piece about its centre of mass, shape (pieces,) [kg m²]."""
-        return _scaled(self.piece_rotary_inertia, self.units.mass * self.units.length**2)
+        return _in_si(self.scaled.rotary_inertia, self.units.mass * self.units.length**2)
 
     @cached_property
     def hinge_position(self) -> Floats:
@@ -153,7 +130,7 @@ class ChainNumbers:
         return position
 
 
-def _scaled(values: Sequence[Number], unit: float) -> Floats:
+def _in_si(values: Sequence[Number], unit: float) -> Floats:
     array = floats(values) * unit
     array.flags.writeable = False
     return array
@@ -293,7 +270,7 @@ class Chain(ChainNumbers):
         pieces = Pieces(length, mass, centre, inertia, springs, (left, right))
         pieces = pieces.with_bodies(*bodies).condensed()
         check_turning(pieces)
-        fields |= {"boundary": boundary, "pieces_and_springs": pieces}
+        fields |= {"boundary": boundary, "scaled": pieces}
         for name, value in fields.items():
             object.__setattr__(self, name, value)
 
@@ -308,8 +285,8 @@ class Chain(ChainNumbers):
     @property
     def elastic_modes(self) -> int:
         """How many modes store energy: the chain's independent motions, less the rigid-body modes."""
-        (left, _), (right, _) = self.supports
-        turning = zip(self.piece_length, self.held_angles, strict=True)
+        (left, _), (right, _) = self.scaled.supports
+        turning = zip(self.scaled.length, self.held_angles, strict=True)
         reaches = any(length and not held for length, held in turning)
         # A right tip that nothing could move is held twice.
         tips = (left != math.inf) - (right == math.inf and (left != math.inf or reaches))

@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 from beammodes.chains.pieces import MAX_PIECES
 from beammodes.checks import choice, real, shown, whole_number
 from beammodes.problem.beam import Beam
-from beammodes.problem.ends import Boundary, End
+from beammodes.problem.ends import Boundary, BoundaryLike, End
 from beammodes.problem.loading import Load, checked_load, load_of
 
 __all__ = [
@@ -42,6 +42,7 @@ __all__ = [
     "axially_corrected",
     "end_defects",
     "end_order",
+    "hinges_at_nodes",
     "layout_of",
     "rule_named",
 ]
@@ -349,13 +350,10 @@ class Rule:
         An end that can bend the beam acts on a piece of its own: of length zero where the hinge is at
         the wall. An end without moment (pinned, free, a point mass) acts on the outermost rod.
         """
-        one, pair, count = Fraction(1), Boundary.of(boundary), _segments(segments)
+        one, count = Fraction(1), _segments(segments)
         if self.stub == _HALF:
             return [_HALF, *[one] * (count - 1), _HALF]
-        at_wall = [] if self.stub else [Fraction(0)]
-        left = at_wall if pair.left.statics in ("clamped", "guided") else []
-        right = at_wall if pair.right.statics in ("clamped", "guided") else []
-        return [*left, *[one] * count, *right]
+        return [one] * count if self.stub else hinges_at_nodes(boundary, count)
 
     def hinge_weights(self, boundary: Boundary, segments: int, *, size: int | None = None) -> list[Fraction]:
         """Return the flexibility weights of the chain's hinges, left to right.
@@ -370,6 +368,19 @@ class Rule:
             for j, weight in zip(indices, self.end_weights(end), strict=False):
                 weights[j] += weight.at(whole) - 1
         return weights
+
+
+def hinges_at_nodes(boundary: BoundaryLike, segments: int) -> list[Fraction]:
+    """Return the pieces' lengths in segments of a chain with hinges between segments and at held ends.
+
+    Examples
+    --------
+    >>> [str(length) for length in hinges_at_nodes("clamped-free", 2)]
+    ['0', '1', '1']
+    """
+    pair = Boundary.of(boundary)
+    left, right = ([Fraction(0)] * (end.statics in ("clamped", "guided")) for end in (pair.left, pair.right))
+    return [*left, *[Fraction(1)] * _segments(segments), *right]
 
 
 def _segments(segments: object) -> int:

@@ -70,7 +70,7 @@ def shortened(
     --------
     >>> from beammodes.chains.rules import RULES
     >>> chain, rods = shortened(Boundary.of("clamped-free"), 1000, RULES["mitiguy"])
-    >>> chain.hinge_stiffness[0], chain.pieces - 1 + rods           # 6 N/(3 N - 1) at the wall
+    >>> chain.scaled.joint_stiffness[0], chain.pieces - 1 + rods           # 6 N/(3 N - 1) at the wall
     (Fraction(6000, 2999), 1000)
     """
     kept = 2 * max(map(len, (rule.clamped, rule.guided, rule.carried))) + _BETWEEN
@@ -303,7 +303,7 @@ class _Problem:
 
     def _numbers(self) -> _Numbers:
         chain, force = self.short.chain, self.short.load.axial_force
-        pieces, half = chain.pieces_and_springs, chain.pieces // 2
+        pieces, half = chain.scaled, chain.pieces // 2
         turned = pieces.turned()
         if self.rods:
             blocks = [block_of(pieces, half, _HALF), block_of(turned, chain.pieces - half, _HALF)]

@@ -104,13 +104,13 @@ def axial_pull(chain: Chain, load: Load) -> list[Number]:
     beyond: Number = units.force(Fraction(load.axial_force) + Fraction(load.tip[0]))
     weight, square = units.acceleration(load.weight[0]), units.square_rate(load.spin_rate)
     if not (weight or square):
-        return each_once(lambda length: length * beyond if beyond else beyond, chain.piece_length)
+        return each_once(lambda length: length * beyond if beyond else beyond, chain.scaled.length)
     radius = _radii(chain, units.body(0, 0, load.hub_radius)[2])
     pulls: list[Number] = []
     for i in range(chain.pieces - 1, -1, -1):
-        own = chain.piece_mass[i] * (weight + square * radius[i])
-        turning = square * chain.piece_rotary_inertia[i]
-        pulls.append(chain.piece_length[i] * beyond + chain.piece_centre[i] * own + turning)
+        own = chain.scaled.mass[i] * (weight + square * radius[i])
+        turning = square * chain.scaled.rotary_inertia[i]
+        pulls.append(chain.scaled.length[i] * beyond + chain.scaled.centre[i] * own + turning)
         beyond += own
     return pulls[::-1]
 
@@ -118,7 +118,7 @@ def axial_pull(chain: Chain, load: Load) -> list[Number]:
 def _radii(chain: Chain, hub: Number) -> list[Number]:
     """Return the distance of every piece's centre of mass from the axis of rotation."""
     radii, start = [], hub
-    for length, centre in zip(chain.piece_length, chain.piece_centre, strict=True):
+    for length, centre in zip(chain.scaled.length, chain.scaled.centre, strict=True):
         radii.append(start + centre)
         start += length
     return radii
@@ -281,20 +281,20 @@ def static_forces(
     moments[0] += left_turning * angles[0]
     moments[-1] += right_turning * angles[-1] - field.moment
     (x, y), centres = tips, []
-    for length, centre, angle in zip(chain.piece_length, chain.piece_centre, angles, strict=True):
+    for length, centre, angle in zip(chain.scaled.length, chain.scaled.centre, angles, strict=True):
         cosine, sine = algebra.cos(angle), algebra.sin(angle)
         arm, reach = number(centre) * algebra.length, number(length) * algebra.length
         centres.append((x + arm * cosine, y + arm * sine, cosine, sine, arm, reach))
         x, y = x + reach * cosine, y + reach * sine
     across, along = field.axial + field.tip[0], field.tip[1] - right * y
-    if not field.idle or 0 < chain.supports[1][0] < math.inf:
+    if not field.idle or 0 < chain.scaled.supports[1][0] < math.inf:
         for i in range(chain.pieces - 1, -1, -1):
             cx, cy, cosine, sine, arm, reach = centres[i]
-            mass = number(chain.piece_mass[i]) * algebra.mass
+            mass = number(chain.scaled.mass[i]) * algebra.mass
             fx, fy = field.forces(mass, cx, cy)
             moments[i] += sine * (arm * fx + reach * across) - cosine * (arm * fy + reach * along)
             if not field.lag:
-                inertia = number(chain.piece_rotary_inertia[i]) * algebra.mass * algebra.length**2
+                inertia = number(chain.scaled.rotary_inertia[i]) * algebra.mass * algebra.length**2
                 moments[i] += field.square_rate * inertia * sine * cosine
             across, along = across + fx, along + fy
     forces = {"x_0": zero, "y_0": left * tips[1] - along}
@@ -303,7 +303,7 @@ def static_forces(
 
 def _spring_moments(chain: Chain, angles: Sequence[Any], algebra: Algebra) -> list[Any]:
     moments: list[Any] = [algebra.number(0)] * chain.pieces
-    for j, stiffness in enumerate(chain.hinge_stiffness):
+    for j, stiffness in enumerate(chain.scaled.joint_stiffness):
         moment = algebra.number(stiffness) * algebra.stiffness * (angles[j + 1] - angles[j])
         moments[j] -= moment
         moments[j + 1] += moment
@@ -318,7 +318,7 @@ def support_units(chain: Chain, algebra: Algebra) -> list[tuple[Any, Any]]:
             algebra.number(0 if end[0] == math.inf else end[0]) * translation,
             algebra.number(0 if end[1] == math.inf else end[1]) * algebra.stiffness,
         )
-        for end in chain.supports
+        for end in chain.scaled.supports
     ]
 
 
@@ -353,8 +353,8 @@ def inertia_coefficients(chain: Chain) -> tuple[list[list[Number]], list[Number]
 
     s_j is what turning piece j moves: the mass times distance that its turning carries along.
     """
-    length, mass, inertia = chain.piece_length, chain.piece_mass, chain.piece_rotary_inertia
-    moving, centre = moving_pieces(chain), chain.piece_centre
+    length, mass, inertia = chain.scaled.length, chain.scaled.mass, chain.scaled.rotary_inertia
+    moving, centre = moving_pieces(chain), chain.scaled.centre
     beyond: list[Number] = [0] * chain.pieces
     for j in range(chain.pieces - 2, -1, -1):
         beyond[j] = beyond[j + 1] + mass[j + 1]
@@ -418,9 +418,9 @@ def piece_energies(
     field = LoadField.of(chain, load, algebra)
     work: Any = number(0)
     for i in range(chain.pieces):
-        mass = number(chain.piece_mass[i]) * algebra.mass
-        inertia = number(chain.piece_rotary_inertia[i]) * algebra.mass * length_unit**2
-        length, centre = (number(v[i]) * length_unit for v in (chain.piece_length, chain.piece_centre))
+        mass = number(chain.scaled.mass[i]) * algebra.mass
+        inertia = number(chain.scaled.rotary_inertia[i]) * algebra.mass * length_unit**2
+        length, centre = (number(v[i]) * length_unit for v in (chain.scaled.length, chain.scaled.centre))
         cosine, sine = algebra.cos(angle[i]), algebra.sin(angle[i])
         across, along = x_speed - centre * sine * spin[i], y_speed + centre * cosine * spin[i]
         twice_kinetic += mass * (across**2 + along**2) + inertia * spin[i] ** 2
@@ -428,7 +428,7 @@ def piece_energies(
         x_speed, y_speed = x_speed - length * sine * spin[i], y_speed + length * cosine * spin[i]
         x, y = x + length * cosine, y + length * sine
     twice_potential: Any = number(0)
-    for j, stiffness in enumerate(chain.hinge_stiffness):
+    for j, stiffness in enumerate(chain.scaled.joint_stiffness):
         twice_potential += number(stiffness) * algebra.stiffness * (angle[j + 1] - angle[j]) ** 2
     for (along_y, turning), deflection, rotation in zip(
         support_units(chain, algebra), (tip[1], y), (angle[0], angle[-1]), strict=True
@@ -490,7 +490,7 @@ def _angle_terms(
 def _closures(chain: Chain, x: Any, y: Any, algebra: Algebra) -> list[Any]:
     """Return what the right end holds of its tip (x, y): see the module's note on both ends held."""
     right = chain.boundary.right
-    whole = sum(chain.piece_length, start=chain.piece_length[0] * 0)
+    whole = sum(chain.scaled.length, start=chain.scaled.length[0] * 0)
     held = right.is_grounded and axially_free_left(chain)
     axial = [x - algebra.number(whole) * algebra.length] if held else []
     return [*axial, *([y] if right.holds_deflection else [])]

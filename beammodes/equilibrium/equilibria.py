@@ -234,7 +234,7 @@ def compile_statics(chain: Chain, load: Load) -> Statics:
         tangent = casadi.Function("tangent", [q, multipliers, share], [casadi.jacobian(balance, q)])
     else:
         tangent = function.forward(1)
-    total = float(sum(chain.piece_length))
+    total = float(sum(chain.scaled.length))
     return Statics(
         np.array([1.0 if name.startswith("theta") else total for name in names]),
         function,

@@ -11,7 +11,7 @@ from fractions import Fraction
 from functools import lru_cache
 from typing import ClassVar
 
-from beammodes.chains.rules import RULES, Rule, Weight
+from beammodes.chains.rules import RULES, Rule, Weight, hinges_at_nodes
 from beammodes.checks import whole_number
 from beammodes.exact.exact_beam import plain_modes
 from beammodes.problem.beam import Beam
@@ -63,7 +63,7 @@ class ModeTuned:
 
     def piece_lengths(self, boundary: BoundaryLike, segments: int) -> list[Fraction]:
         """Return the pieces' lengths in segments, left to right: hinges at the walls."""
-        return RULES["gregory"].piece_lengths(Boundary.of(boundary), segments)
+        return hinges_at_nodes(Boundary.of(boundary), segments)
 
 
 def mode_tuned(mode: int) -> ModeTuned:

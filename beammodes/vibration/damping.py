@@ -158,10 +158,10 @@ def damping_of_modes(chain: Chain, damping: Damping, load: Load | None = None) -
         If an argument is not of its kind, `joint` does not suit the chain, or the chain is too long.
     """
     check_damped(chain, damping)
-    if len(chain.hinge_stiffness) > MAX_DENSE:
+    if len(chain.scaled.joint_stiffness) > MAX_DENSE:
         raise ValueError(
             f"chain must have at most {MAX_DENSE} hinges here, where all its modes are needed, "
-            f"got {len(chain.hinge_stiffness)}"
+            f"got {len(chain.scaled.joint_stiffness)}"
         )
     own, model = damping.joint_damping(chain), linearize(chain, load=load)
     modes = solve_modes(model)

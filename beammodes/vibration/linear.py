@@ -52,7 +52,7 @@ def nodal_deflections(chain: Chain) -> list[int | None]:
     """
     groups: list[list[int]] = [[0]]
     for piece, held in enumerate(chain.held_angles):
-        alike = held or not chain.piece_length[piece]
+        alike = held or not chain.scaled.length[piece]
         groups[-1].append(piece + 1) if alike else groups.append([piece + 1])
     index: list[int | None] = [None] * (chain.pieces + 1)
     left, right = chain.boundary.left.holds_deflection, chain.boundary.right.holds_deflection
@@ -82,14 +82,14 @@ def nodal_matrices(
     mass, stiffness = ([[number(0)] * size for _ in range(size)] for _ in range(2))
     pulls = axial_pull(chain, checked_load(load))
     for i, slope in enumerate(slopes):
-        centre = _sum(_unit(index[i], number), slope, number(chain.piece_centre[i]))
-        _add_square(mass, centre, number(chain.piece_mass[i]))
-        _add_square(mass, slope, number(chain.piece_rotary_inertia[i]))
+        centre = _sum(_unit(index[i], number), slope, number(chain.scaled.centre[i]))
+        _add_square(mass, centre, number(chain.scaled.mass[i]))
+        _add_square(mass, slope, number(chain.scaled.rotary_inertia[i]))
         _add_square(stiffness, slope, number(pulls[i]))
     joints = [_sum(slopes[j + 1], slopes[j], number(-1)) for j in range(chain.pieces - 1)]
-    for joint, spring in zip(joints, chain.hinge_stiffness, strict=True):
+    for joint, spring in zip(joints, chain.scaled.joint_stiffness, strict=True):
         _add_square(stiffness, joint, number(spring))
-    for node, piece, supports in ((0, 0, chain.supports[0]), (-1, -1, chain.supports[1])):
+    for node, piece, supports in ((0, 0, chain.scaled.supports[0]), (-1, -1, chain.scaled.supports[1])):
         for row, spring in zip((_unit(index[node], number), slopes[piece]), supports, strict=True):
             _add_square(stiffness, row, number(0) if spring == math.inf else number(spring))
     if load is not None and load.spin_rate and load.plane == "lag":
@@ -106,7 +106,7 @@ def _slopes(chain: Chain, index: list[int | None], number: Callable[[Number], An
     angles = iter(range(len(independent_nodes(chain)), 2 * chain.pieces))
     slopes: list[Row] = []
     for i, held in enumerate(chain.held_angles):
-        length = number(chain.piece_length[i])
+        length = number(chain.scaled.length[i])
         if held:
             slopes.append({})
         elif not length:
@@ -148,7 +148,7 @@ def independent_nodes(chain: Chain) -> list[int]:
 
 def free_angles(chain: Chain) -> list[str]:
     """Return the names of the angles of pieces of length zero that turn."""
-    turning = zip(chain.piece_length, chain.held_angles, strict=True)
+    turning = zip(chain.scaled.length, chain.held_angles, strict=True)
     return [f"theta_{i}" for i, (length, held) in enumerate(turning) if not length and not held]
 
 
@@ -198,7 +198,7 @@ class LinearModel:
         """How many motions store nothing. An axial force lets a rigid rotation store energy."""
         if not any(axial_pull(self.chain, self.load)):
             return self.chain.boundary.rigid_body_modes
-        return int(not any(translation for translation, _ in self.chain.supports))
+        return int(not any(translation for translation, _ in self.chain.scaled.supports))
 
     @property
     def elastic_modes(self) -> int:

@@ -92,7 +92,7 @@ def end_coordinates(pieces: Pieces, resistance: float = 0.0) -> EndCoordinates:
     --------
     >>> from beammodes.problem.beam import Beam
     >>> from beammodes.chains.chain import Chain
-    >>> end_coordinates(Chain(Beam.unit(), "pinned-free", 2).pieces_and_springs).rigid     # turns about x = 0
+    >>> end_coordinates(Chain(Beam.unit(), "pinned-free", 2).scaled).rigid     # turns about x = 0
     [(0.0, 1.0)]
     """
     length = floats(pieces.length)
@@ -266,7 +266,7 @@ def flexibility_form(chain: Chain, load: Load | None = None) -> FlexibilityForm:
 
     The chain is read in its own units, so singular values are 1/ω in `chain.units.angular_frequency`.
     """
-    pieces = chain.pieces_and_springs
+    pieces = chain.scaled
     if is_turned(chain):
         pieces = pieces.turned()
     columns = (pieces.length, pieces.mass, pieces.centre, pieces.rotary_inertia)
@@ -300,7 +300,7 @@ def flexibility_form(chain: Chain, load: Load | None = None) -> FlexibilityForm:
 
 def is_turned(chain: Chain) -> bool:
     """Say whether the chain's firmer end is its right one, so that its flexibility form runs backwards."""
-    left, right = chain.supports
+    left, right = chain.scaled.supports
     return right > left
 
 

@@ -186,7 +186,7 @@ def stable_time_step(
     if damping is None or damping == Damping():
         highest = highest_angular_frequency(chain, load=straight)
         return stability_limit(record.name) / highest if highest else math.inf
-    if len(chain.hinge_stiffness) > MAX_DENSE:
+    if len(chain.scaled.joint_stiffness) > MAX_DENSE:
         return _bounded_step(record, chain, straight, damping)
     return modal_time_step(record, damping_of_modes(chain, damping, straight))
 
@@ -277,7 +277,7 @@ def taut_load(chain: Chain, load: Load) -> Load:
             return hung
     pull += force + (float(chain.mass.sum()) * weight if held else 0.0)
     # A body that reaches farther back than its piece is long pulls that much harder on it.
-    pieces = zip(chain.piece_centre, chain.piece_length, strict=True)
+    pieces = zip(chain.scaled.centre, chain.scaled.length, strict=True)
     pull *= max(1.0, *(-float(centre / length) for centre, length in pieces if length))
     return replace(load, axial_force=pull, gravity=(0.0, 0.0), tip_force=(0.0, 0.0), tip_moment=0.0)
 
@@ -285,7 +285,7 @@ def taut_load(chain: Chain, load: Load) -> Load:
 def _topples(chain: Chain, load: Load) -> bool:
     """Return whether a body on the other side of its hinge makes the straight chain unstable as it hangs."""
     # Long chains are bounded joint by joint, where no push counts.
-    if min(chain.piece_centre) >= 0 or len(chain.hinge_stiffness) > MAX_DENSE:
+    if min(chain.scaled.centre) >= 0 or len(chain.scaled.joint_stiffness) > MAX_DENSE:
         return False
     try:
         solve_modes(linearize(chain, load=load), 1)
@@ -313,7 +313,7 @@ def highest_angular_frequency(chain: Chain, *, load: Load | None = None) -> floa
     model = linearize(chain, load=load)
     if model.elastic_modes == 0:
         return 0.0
-    if len(chain.hinge_stiffness) <= MAX_DENSE:
+    if len(chain.scaled.joint_stiffness) <= MAX_DENSE:
         return float(solve_modes(model).angular_frequency[-1])
     return _joint_bound(chain, model.load)
 

@@ -86,7 +86,7 @@ def spring_texts(chain: Chain, unit: str = "EI/ell") -> list[str]:
     ['8/3', '6/7', '24/23', '1']
     """
     own = choice("unit", unit, LABELS) == "EI/ell"
-    return [_text(k) for k in (chain.hinge_stiffness if own else chain.joint_stiffness.tolist())]
+    return [_text(k) for k in (chain.scaled.joint_stiffness if own else chain.joint_stiffness.tolist())]
 
 
 def support_texts(chain: Chain, unit: str = "EI/ell") -> list[tuple[str, str]]:
@@ -117,7 +117,7 @@ def support_texts(chain: Chain, unit: str = "EI/ell") -> list[tuple[str, str]]:
     else:
         size = chain.segments or 1
         names = (" EI/L³", " EI/L") if chain.segments else ("", "")
-        pairs = [(k_t * size**3, k_r * size) for k_t, k_r in chain.supports]
+        pairs = [(k_t * size**3, k_r * size) for k_t, k_r in chain.scaled.supports]
     return [
         (_elastic(translation, names[0]), _elastic(rotation, names[1])) for translation, rotation in pairs
     ]
@@ -318,7 +318,7 @@ def _draw_rods(ax: Axes, chain: Chain, pose: Pose, radius: float) -> None:
 
 def _gathered(chain: Chain) -> set[int]:
     """Return the nodes at which point masses are: both tips of every rod with J = m l²/4."""
-    rods = zip(chain.piece_length, chain.piece_mass, chain.piece_rotary_inertia, strict=True)
+    rods = zip(chain.scaled.length, chain.scaled.mass, chain.scaled.rotary_inertia, strict=True)
     heavy = [
         i for i, (length, mass, inertia) in enumerate(rods) if length and 4 * inertia == mass * length**2
     ]
