@@ -41,14 +41,31 @@ The workflow, step by step:
 
    >>> bm.published_time_step(beam, modes=3) > bm.stable_time_step(chain, "rk4")
    True
+
+The plan of the code, a line for each folder; each uses only those above it:
+
+numerics/      arrays, roots, long decimals: what knows no physics
+problem/       a beam, its ends, sections and loads
+exact/         the beam's own modes, which judge every chain
+chains/        rules, and the chains of segments, hinges and springs that they make
+equations/     a chain's equations of motion, in symbols and compiled
+equilibrium/   the shapes in which a loaded chain rests
+vibration/     the linear model: modes, damping, stable time steps
+closed_form/   frequencies of uniform chains at a cost that does not grow with N
+accuracy/      how wrong a chain is, why, and how many segments are enough
+springs/       springs tuned to one mode, or matched to several
+dynamics/      motion in time
+exporters/     a chain as a file for a simulator
+auditing/      chains that others made: read, judged and mended
+batch/         studies of many chains, in chunks, kept in a store
+views/         figures, tables and films
+command_line/  the questions that the shell answers
 """
 
 from __future__ import annotations
 
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
-
-__version__ = "0.1.0"
 
 _HOME = {
     "Audit": "auditing.audit",
@@ -94,6 +111,7 @@ _HOME = {
     "Tube": "problem.sections",
     "Uniform": "batch.study_axes",
     "Weight": "chains.rules",
+    "__version__": "version",
     "animate": "views.animation",
     "audit_chain": "auditing.audit",
     "audit_file": "auditing.audit_model",
@@ -140,15 +158,15 @@ _HOME = {
     "spin_up": "dynamics.base_motion",
     "stable_time_step": "vibration.stability",
     "static_dataset": "accuracy.statics",
-    "stiffness_from_deflection": "identification",
-    "stiffness_from_frequency": "identification",
+    "stiffness_from_deflection": "accuracy.identification",
+    "stiffness_from_frequency": "accuracy.identification",
     "symbolic_energies": "equations.symbolic",
     "theory_errors": "accuracy.error_table",
     "timoshenko": "exact.timoshenko_beam",
     "wavenumber": "exact.exact_beam",
 }
 
-__all__ = sorted([*_HOME, "__version__"])
+__all__ = sorted(_HOME)
 
 if TYPE_CHECKING:
     from beammodes.accuracy.advice import recommend as recommend
@@ -160,6 +178,8 @@ if TYPE_CHECKING:
     from beammodes.accuracy.error_table import theory_errors as theory_errors
     from beammodes.accuracy.errors import frequency_error as frequency_error
     from beammodes.accuracy.errors import segments_needed as segments_needed
+    from beammodes.accuracy.identification import stiffness_from_deflection as stiffness_from_deflection
+    from beammodes.accuracy.identification import stiffness_from_frequency as stiffness_from_frequency
     from beammodes.accuracy.law import error_law as error_law
     from beammodes.accuracy.law import law_holds_from as law_holds_from
     from beammodes.accuracy.remarks import error_remarks as error_remarks
@@ -212,8 +232,6 @@ if TYPE_CHECKING:
     from beammodes.exact.timoshenko_beam import timoshenko as timoshenko
     from beammodes.exporters.chain_csv import read_chain_csv as read_chain_csv
     from beammodes.exporters.export import export_chain as export_chain
-    from beammodes.identification import stiffness_from_deflection as stiffness_from_deflection
-    from beammodes.identification import stiffness_from_frequency as stiffness_from_frequency
     from beammodes.problem.beam import Beam as Beam
     from beammodes.problem.ends import BOUNDARIES as BOUNDARIES
     from beammodes.problem.ends import ENDS as ENDS
@@ -233,6 +251,7 @@ if TYPE_CHECKING:
     from beammodes.springs.matched_springs import match_springs as match_springs
     from beammodes.springs.matched_springs import matched as matched
     from beammodes.springs.tuning import mode_tuned as mode_tuned
+    from beammodes.version import __version__ as __version__
     from beammodes.vibration.damping import Damping as Damping
     from beammodes.vibration.damping import damped_modes as damped_modes
     from beammodes.vibration.damping import joint_dampers as joint_dampers

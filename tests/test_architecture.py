@@ -9,6 +9,7 @@ import re
 import shutil
 import subprocess
 import sys
+import tomllib
 from collections.abc import Iterator
 from functools import cache
 from importlib import import_module
@@ -75,15 +76,15 @@ def nodes(node: ast.AST, *, inside_functions: bool) -> Iterator[ast.AST]:
 
 
 def imports(stem: str, *, inside_functions: bool = True) -> set[str]:
-    """Dotted names of all that a file imports; `from beammodes import x` counts as beammodes.x."""
+    """Dotted names of all that a file imports; `from folder import file` counts as folder.file."""
     found = set()
     for node in nodes(tree(stem), inside_functions=inside_functions):
         if isinstance(node, ast.Import):
             found |= {alias.name for alias in node.names}
         elif isinstance(node, ast.ImportFrom):
             assert node.level == 0, f"{stem}.py line {node.lineno}: a relative import"
-            whole = node.module == "beammodes"
-            found |= {f"beammodes.{alias.name}" for alias in node.names} if whole else {str(node.module)}
+            file = str(node.module).rpartition(".")[2] in FILES
+            found |= {str(node.module)} if file else {f"{node.module}.{alias.name}" for alias in node.names}
     return found
 
 
@@ -150,8 +151,54 @@ def test_what_is_given_knows_nothing_of_chains_or_solutions(stem: str) -> None:
 
 
 @EVERY_FILE
-def test_nothing_imports_the_command_line(stem: str) -> None:
-    assert "__main__" not in rooms(stem)
+def test_nothing_imports_the_command_line_or_the_package_itself(stem: str) -> None:
+    assert not {"__main__", "__init__"} & rooms(stem)
+
+
+def defined(stem: str) -> set[str]:
+    """Names that a file binds at its top level, other than by an import."""
+    found = set()
+    for node in tree(stem).body:
+        if isinstance(node, ast.FunctionDef | ast.ClassDef):
+            found.add(node.name)
+        elif isinstance(node, ast.Assign | ast.AnnAssign):
+            targets = node.targets if isinstance(node, ast.Assign) else [node.target]
+            found |= {
+                part.id for target in targets for part in ast.walk(target) if isinstance(part, ast.Name)
+            }
+    return found
+
+
+def test_a_name_is_imported_from_the_file_that_defines_it() -> None:
+    homes = {module(stem): defined(stem) for stem in FILES if not stem.startswith("__")}
+    elsewhere = [
+        f"{path.relative_to(ROOT)} line {node.lineno}: {alias.name}"
+        for folder in (PACKAGE, ROOT / "tests", ROOT / "studies")
+        for path in sorted(folder.rglob("*.py"))
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+        if isinstance(node, ast.ImportFrom) and node.module in homes
+        for alias in node.names
+        if alias.name not in homes[node.module]
+    ]
+    assert elsewhere == []
+    for stem in set(FILES) - {"__init__", "__main__"}:
+        assert set(import_module(module(stem)).__all__) <= defined(stem), stem
+
+
+def test_the_version_stands_in_one_place() -> None:
+    written = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
+    assert "version" in written["project"]["dynamic"]
+    assert ROOT / written["tool"]["hatch"]["version"]["path"] == PACKAGE / "version.py"
+    for name in ("CITATION.cff", "CHANGELOG.md"):
+        for path in [*ROOT.glob(name), *PACKAGE.rglob(name), *(ROOT / ".github").rglob(name)]:
+            # The first number of three parts: a citation's version, a change log's newest.
+            text = re.sub("(?m)^cff-version.*$", "", path.read_text(encoding="utf-8"))
+            assert re.findall(r"\b\d+\.\d+\.\d+\b", text)[0] == beammodes.__version__, path
+
+
+def test_the_docstring_lists_the_folders_in_their_order() -> None:
+    plan = re.findall(r"(?m)^([a-z_]+)/ +\S", beammodes.__doc__ or "")
+    assert plan == ORDER
 
 
 @EVERY_FILE

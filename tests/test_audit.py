@@ -11,8 +11,8 @@ import pytest
 import beammodes as bm
 from beammodes.accuracy.error_table import chain_errors
 from beammodes.accuracy.errors import frequency_error
-from beammodes.auditing.audit import UNKNOWN, Audit, _by_all_modes, _by_search, audit_chain
-from beammodes.auditing.judged_pieces import JudgedPieces
+from beammodes.auditing.audit import Audit, _by_all_modes, _by_search, audit_chain
+from beammodes.auditing.judged_pieces import UNKNOWN, JudgedPieces
 from beammodes.chains.chain import Chain
 from beammodes.chains.rules import RULES
 from beammodes.exact.beam_theory import euler_bernoulli

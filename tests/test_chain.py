@@ -12,7 +12,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from beammodes.chains.chain import MAX_PIECES, Chain
+from beammodes.chains.chain import Chain
+from beammodes.chains.pieces import MAX_PIECES
 from beammodes.chains.rules import RULES, Rule, Weight
 from beammodes.checks import shown
 from beammodes.problem.beam import Beam

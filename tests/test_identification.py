@@ -9,10 +9,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from beammodes.accuracy.identification import stiffness_from_deflection, stiffness_from_frequency
 from beammodes.accuracy.statics import beam_statics
 from beammodes.checks import shown
 from beammodes.exact.beam_theory import euler_bernoulli
-from beammodes.identification import stiffness_from_deflection, stiffness_from_frequency
 from beammodes.problem.beam import Beam
 from beammodes.problem.ends import BOUNDARIES
 from beammodes.problem.sections import Rectangle

@@ -194,7 +194,7 @@ def test_another_order_or_version_is_refused(tmp_path: Path, monkeypatch: pytest
     turned = bm.Study.grid(**dict(reversed(GRID.items())))
     with pytest.raises(ValueError, match=r"axes, order is boundary, segments, mode, rule there"):
         turned.run(store=tmp_path)
-    monkeypatch.setattr(bm, "__version__", "99.0")
+    monkeypatch.setattr("beammodes.batch.study.__version__", "99.0")
     with pytest.raises(ValueError, match=r"beammodes is '.*' there, '99.0' here"):
         study().run(store=tmp_path)
 

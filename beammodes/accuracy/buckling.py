@@ -16,6 +16,7 @@ from beammodes.checks import shown
 from beammodes.numerics.arrays import Floats
 from beammodes.problem.beam import Beam
 from beammodes.problem.ends import Boundary, BoundaryLike
+from beammodes.version import SOURCE
 from beammodes.vibration.modes import MAX_DENSE
 from beammodes.vibration.spectrum import FlexibilityForm, flexibility_form
 
@@ -121,8 +122,6 @@ def buckling_dataset(
     """
     import xarray
 
-    from beammodes import __version__
-
     grid = ChainGrid.of(boundary, segments, rule, MAX_PIECES, beam)
     exact = np.array([buckling_load(grid.beam, pair) for pair in grid.boundaries])
     load = np.full(grid.shape, np.nan)
@@ -142,7 +141,7 @@ def buckling_dataset(
             ),
         },
         coords=grid.coordinates(),
-        attrs={"source": f"beammodes {__version__}", "route": "flexibility form"},
+        attrs={"source": SOURCE, "route": "flexibility form"},
     )
 
 

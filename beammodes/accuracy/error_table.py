@@ -23,6 +23,7 @@ from beammodes.numerics.arrays import Floats
 from beammodes.problem.beam import Beam
 from beammodes.problem.ends import Boundary, BoundaryLike
 from beammodes.problem.loading import Load, checked_load
+from beammodes.version import SOURCE
 from beammodes.vibration.linear import linearize
 from beammodes.vibration.modes import solve_modes
 
@@ -167,8 +168,6 @@ def labelled_errors(
     """
     import xarray
 
-    from beammodes import __version__
-
     between = over or EndNumbers(None)
     dims = ("rule", "boundary", *between.values, "segments", "mode")
     exact = np.broadcast_to(exact[None, ..., None, :], error.shape)
@@ -198,7 +197,7 @@ def labelled_errors(
             "segments": ("segments", segments, {"long_name": "number of rigid segments", "units": "1"}),
             "mode": ("mode", np.arange(1, error.shape[-1] + 1), {"long_name": "elastic mode", "units": "1"}),
         },
-        attrs={"source": f"beammodes {__version__}", "route": route},
+        attrs={"source": SOURCE, "route": route},
     )
 
 

@@ -14,12 +14,14 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from beammodes.accuracy.grids import ChainGrid
-from beammodes.chains.chain import MAX_PIECES, Chain
+from beammodes.chains.chain import Chain
+from beammodes.chains.pieces import MAX_PIECES
 from beammodes.chains.rules import AnyRule
 from beammodes.checks import real_numbers, shown, whole_number
 from beammodes.exact.beam_theory import euler_bernoulli
 from beammodes.numerics.arrays import Floats
 from beammodes.problem.ends import BoundaryLike
+from beammodes.version import SOURCE
 from beammodes.vibration.linear import linearize
 from beammodes.vibration.modes import solve_modes
 
@@ -131,8 +133,6 @@ def shape_dataset(
     """
     import xarray
 
-    from beammodes import __version__
-
     grid = ChainGrid.of(boundary, segments, rule, MAX_PIECES, beam)
     count = whole_number("modes", modes, most=MAX_MODES)
     values = np.full((2, *grid.shape, count), np.nan)
@@ -149,7 +149,7 @@ def shape_dataset(
             **grid.coordinates(),
             "mode": ("mode", np.arange(1, count + 1), {"long_name": "elastic mode", "units": "1"}),
         },
-        attrs={"source": f"beammodes {__version__}", "route": "modes of the linear chain at its nodes"},
+        attrs={"source": SOURCE, "route": "modes of the linear chain at its nodes"},
     )
 
 

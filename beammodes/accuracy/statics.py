@@ -26,13 +26,16 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from beammodes.accuracy.grids import ChainGrid
-from beammodes.chains.chain import MAX_PIECES, Chain, Number, Units
+from beammodes.chains.chain import Chain
+from beammodes.chains.pieces import MAX_PIECES, Number
 from beammodes.chains.rules import AnyRule
+from beammodes.chains.units import Units
 from beammodes.checks import choice, shown
 from beammodes.numerics.arrays import Floats
 from beammodes.problem.beam import Beam
 from beammodes.problem.ends import BOUNDARIES, Boundary, BoundaryLike
 from beammodes.problem.profiles import profile_parts, value_at
+from beammodes.version import SOURCE
 
 if TYPE_CHECKING:
     import xarray
@@ -422,8 +425,6 @@ def static_dataset(
     """
     import xarray
 
-    from beammodes import __version__
-
     grid = ChainGrid.of(boundary, segments, rule, MAX_PIECES)
     for pair in grid.boundaries:
         without_rigid_motion(pair)
@@ -440,7 +441,7 @@ def static_dataset(
             for (name, label), error in zip(labels.items(), errors, strict=True)
         },
         coords={**grid.coordinates(), "static_load": list(LOADS)},
-        attrs={"source": f"beammodes {__version__}", "route": "equilibrium in exact fractions"},
+        attrs={"source": SOURCE, "route": "equilibrium in exact fractions"},
     )
 
 

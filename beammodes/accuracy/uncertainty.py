@@ -22,6 +22,7 @@ from beammodes.numerics.arrays import Floats
 from beammodes.problem.beam import Beam
 from beammodes.problem.ends import Boundary, BoundaryLike
 from beammodes.problem.sections import Section, Tube
+from beammodes.version import SOURCE
 
 if TYPE_CHECKING:
     import xarray
@@ -295,8 +296,6 @@ def _labelled(
 ) -> xarray.Dataset:
     import xarray
 
-    from beammodes import __version__
-
     away = drawn / centre - 1
     sigma = away.std(axis=0, ddof=1)
     fourth = ((away - away.mean(axis=0)) ** 4).mean(axis=0)
@@ -325,7 +324,7 @@ def _labelled(
             "quantile": levels,
             "parameter": list(given),
         },
-        attrs={"source": f"beammodes {__version__}", **attributes},
+        attrs={"source": SOURCE, **attributes},
     )
 
 

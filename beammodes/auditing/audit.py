@@ -22,7 +22,6 @@ from beammodes.vibration.modes import MAX_DENSE, solve_modes
 __all__ = [
     "MOVED",
     "TUNED",
-    "UNKNOWN",
     "Audit",
     "StepVerdict",
     "Suggestion",

@@ -10,10 +10,10 @@ from pathlib import Path
 
 import numpy as np
 
-from beammodes.auditing.audit import UNKNOWN, Audit, StepVerdict, audit_chain, listed_errors
+from beammodes.auditing.audit import Audit, StepVerdict, audit_chain, listed_errors
 from beammodes.auditing.body_tree import FileStep, Model
 from beammodes.auditing.bounded_xml import BadModel, read_xml
-from beammodes.auditing.judged_pieces import longest_step
+from beammodes.auditing.judged_pieces import UNKNOWN, longest_step
 from beammodes.auditing.model_ends import (
     JudgedChain,
     Piece,

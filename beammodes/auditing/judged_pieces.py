@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from beammodes.auditing.body_tree import FileStep
-from beammodes.chains.chain import Chain, Number
-from beammodes.chains.pieces import piece_numbers
+from beammodes.chains.chain import Chain
+from beammodes.chains.pieces import Number, piece_numbers
 from beammodes.chains.rules import RULES, Rule
 from beammodes.checks import shown, whole_number
 from beammodes.exact.beam_theory import euler_bernoulli

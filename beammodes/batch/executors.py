@@ -14,6 +14,7 @@ from beammodes.batch.cases import Cases
 from beammodes.batch.quantities import Quantity
 from beammodes.batch.store import THIS_PROCESS, Evaluated, evaluate, evaluate_elsewhere
 from beammodes.checks import choice, shown, whole_number
+from beammodes.version import __version__
 
 __all__ = ["ENGINES", "computed", "executor_of"]
 
@@ -148,8 +149,6 @@ def computed(
             yield number, evaluate(cases, quantities)
         return
     from concurrent.futures.process import BrokenProcessPool
-
-    from beammodes import __version__
 
     pending: dict[Future[Evaluated], int] = {}
     try:

@@ -31,6 +31,7 @@ from beammodes.checks import shown
 from beammodes.files import write_atomically
 from beammodes.numerics.arrays import Floats
 from beammodes.numerics.blas import one_thread
+from beammodes.version import __version__
 
 __all__ = [
     "THIS_PROCESS",
@@ -148,8 +149,6 @@ def evaluate_elsewhere(
         If the worker has another version of this package, or would run other code than the study's own
         functions had where it was made, such as a file that was edited since.
     """
-    from beammodes import __version__
-
     if version != __version__:
         raise ValueError(f"workers must have beammodes {version}, got {__version__}")
     if process != THIS_PROCESS:

@@ -21,6 +21,7 @@ from beammodes.batch.study_axes import AXES, SECTIONS, Axis, Normal, Uniform, ax
 from beammodes.checks import choice, shown, whole_number
 from beammodes.numerics.arrays import Floats
 from beammodes.progress import ProgressLine, progress_of
+from beammodes.version import __version__
 
 if TYPE_CHECKING:
     import xarray
@@ -304,8 +305,6 @@ class Study:
     @property
     def definition(self) -> dict[str, Any]:
         """What defines the study and its numbers, in plain values, the package's version among them."""
-        from beammodes import __version__
-
         return {
             "beammodes": __version__,
             "axes": {axis.name: axis.definition() for axis in self.axes},

@@ -57,7 +57,7 @@ from beammodes.numerics.arrays import Floats
 from beammodes.problem.beam import Beam
 from beammodes.problem.ends import Boundary, BoundaryLike
 
-__all__ = ["MAX_PIECES", "Chain", "ChainNumbers", "Number", "Units"]
+__all__ = ["Chain", "ChainNumbers"]
 
 
 # The numbers of a chain: in its own units, where they may be exact, and in physical ones, as arrays.

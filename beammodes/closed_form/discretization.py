@@ -30,9 +30,10 @@ from numpy.typing import ArrayLike
 
 from beammodes.closed_form.dispersion import frequencies
 from beammodes.closed_form.series import enough_powers
-from beammodes.closed_form.uniform import Boundaries, Floats, Rules, UniformChains, looked_up
+from beammodes.closed_form.uniform import Boundaries, Rules, UniformChains, looked_up
 from beammodes.closed_form.waves import Parts, amplitude, inside, parts
 from beammodes.exact.exact_beam import wavenumber_of_code
+from beammodes.numerics.arrays import Floats
 
 __all__ = ["relative_error"]
 

@@ -23,7 +23,6 @@ __all__ = [
     "MAX_MODE",
     "MAX_SEGMENTS",
     "Boundaries",
-    "Floats",
     "Rules",
     "UniformChains",
     "looked_up",

@@ -8,12 +8,12 @@ import sys
 from collections.abc import Sequence
 from typing import Any, NoReturn
 
-from beammodes import __version__
 from beammodes.command_line.command_list import COMMANDS, Command, help_text
 from beammodes.command_line.command_options import BOUNDARY
 from beammodes.command_line.commands import DEFAULT_RULE, answer_recommend
 from beammodes.command_line.file_commands import answer_audit
 from beammodes.command_line.shell import put, tell_all
+from beammodes.version import SOURCE
 
 __all__ = ["parse"]
 
@@ -36,7 +36,7 @@ class _MainParser(_Parser):
 def parse(arguments: Sequence[str]) -> argparse.Namespace:
     """Return what the user typed; leaves with exit code 2 and one line if it cannot be understood."""
     parser = _MainParser(prog="beammodes", usage="beammodes COMMAND ...")
-    parser.add_argument("--version", action="version", version=f"beammodes {__version__}")
+    parser.add_argument("--version", action="version", version=SOURCE)
     subs = parser.add_subparsers(required=True, metavar="COMMAND", parser_class=_Parser)
     known = {command.name: _added(subs, command) for command in COMMANDS}
     first = arguments[0] if arguments else ""

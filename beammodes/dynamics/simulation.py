@@ -22,6 +22,7 @@ from beammodes.files import file_target, write_atomically
 from beammodes.numerics.arrays import Floats
 from beammodes.problem.loading import Load, checked_load
 from beammodes.progress import held
+from beammodes.version import SOURCE
 from beammodes.vibration.damping import Damping
 from beammodes.vibration.integrators import INTEGRATORS
 from beammodes.vibration.linear import linearize
@@ -159,8 +160,6 @@ def motion_dataset(
     """
     import xarray
 
-    from beammodes import __version__
-
     course = base.at(time)
     angle, spin = (_of_pieces(chain, values, course[2, k]) for k, values in enumerate((q, u)))
     tip, tip_speed = (_of_tip(chain, values, course[:2, k]) for k, values in enumerate((q, u)))
@@ -200,7 +199,7 @@ def motion_dataset(
             "node": ("node", np.arange(chain.pieces + 1), {"long_name": "tip or hinge", "units": "1"}),
             "coordinate": coordinate_names(chain),
         },
-        attrs={"source": f"beammodes {__version__}", **attributes},
+        attrs={"source": SOURCE, **attributes},
     )
 
 

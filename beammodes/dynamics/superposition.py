@@ -30,6 +30,7 @@ from beammodes.exact.exact_beam import BeamModes, plain_modes
 from beammodes.numerics.arrays import Floats
 from beammodes.problem.beam import Beam
 from beammodes.problem.ends import Boundary, BoundaryLike
+from beammodes.version import SOURCE
 
 if TYPE_CHECKING:
     import xarray
@@ -302,8 +303,6 @@ def _integrals(shapes: BeamModes) -> tuple[Floats, Floats, Floats, Floats]:
 def _dataset(shapes: BeamModes, times: Floats, q: Floats) -> xarray.Dataset:
     import xarray
 
-    from beammodes import __version__
-
     labels: dict[str, tuple[tuple[str, ...], Any, str, str]] = {
         "q": (("time", "mode"), q, "modal coordinate", "kg^(1/2) m"),
         "tip_deflection": (
@@ -323,5 +322,5 @@ def _dataset(shapes: BeamModes, times: Floats, q: Floats) -> xarray.Dataset:
             "time": ("time", times, {"long_name": "time", "units": "s"}),
             "mode": ("mode", np.arange(1, q.shape[1] + 1), {"long_name": "elastic mode", "units": "1"}),
         },
-        attrs={"source": f"beammodes {__version__}", "boundary": shapes.boundary.name},
+        attrs={"source": SOURCE, "boundary": shapes.boundary.name},
     )

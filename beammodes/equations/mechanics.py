@@ -35,8 +35,8 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
 
-from beammodes.chains.chain import Chain, Number
-from beammodes.chains.pieces import each_once
+from beammodes.chains.chain import Chain
+from beammodes.chains.pieces import Number, each_once
 from beammodes.problem.loading import Load, checked_load
 
 __all__ = [

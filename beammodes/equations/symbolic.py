@@ -9,7 +9,8 @@ from typing import Any
 import mpmath
 import sympy
 
-from beammodes.chains.chain import Chain, Number
+from beammodes.chains.chain import Chain
+from beammodes.chains.pieces import Number
 from beammodes.checks import flag, shown
 from beammodes.equations.mechanics import (
     Algebra,

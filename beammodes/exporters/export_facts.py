@@ -10,7 +10,6 @@ from types import MappingProxyType
 
 import numpy as np
 
-from beammodes import __version__
 from beammodes.accuracy.error_table import SlendernessWarning, chain_errors, stout_remark
 from beammodes.chains.chain import Chain
 from beammodes.checks import positive_real, shown
@@ -20,6 +19,7 @@ from beammodes.equilibrium.equilibria import EquilibriumNotFound, find_equilibri
 from beammodes.exporters.planar_tree import Tree
 from beammodes.numerics.arrays import Floats
 from beammodes.problem.loading import Load
+from beammodes.version import SOURCE
 from beammodes.vibration.damping import Damping
 from beammodes.vibration.integrators import accuracy_limit, find_integrator
 from beammodes.vibration.linear import LinearModel, linearize
@@ -225,7 +225,7 @@ class Facts:
         kept += self.loaded
         usual = "m, kg, s and rad, if the beam was given in them; else the consistent set it was in"
         kept.append(f"units: {SYSTEMS[self.units].all if self.units else usual}")
-        return [f"written by beammodes {__version__}", *map(one_line, kept)]
+        return [f"written by {SOURCE}", *map(one_line, kept)]
 
 
 def facts_about(

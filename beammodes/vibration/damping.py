@@ -22,6 +22,7 @@ from beammodes.chains.pieces import MAX_PIECES
 from beammodes.checks import bounded, positive_real, real, shown, whole_number
 from beammodes.numerics.arrays import Floats
 from beammodes.problem.loading import Load
+from beammodes.version import SOURCE
 from beammodes.vibration.linear import linearize
 from beammodes.vibration.modes import MAX_DENSE, solve_modes
 from beammodes.vibration.spectrum import is_turned
@@ -313,8 +314,6 @@ def _labelled(columns: dict[str, tuple[Floats, str, str]], rigid_body_modes: int
     """Return columns of (values, description, unit) over the modes."""
     import xarray
 
-    from beammodes import __version__
-
     mode = np.arange(1, len(columns["damping_ratio"][0]) + 1)
     return xarray.Dataset(
         {
@@ -322,5 +321,5 @@ def _labelled(columns: dict[str, tuple[Floats, str, str]], rigid_body_modes: int
             for name, (values, text, unit) in columns.items()
         },
         coords={"mode": ("mode", mode, {"long_name": "elastic mode", "units": "1"})},
-        attrs={"source": f"beammodes {__version__}", "rigid_body_modes": rigid_body_modes},
+        attrs={"source": SOURCE, "rigid_body_modes": rigid_body_modes},
     )

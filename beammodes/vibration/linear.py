@@ -14,7 +14,8 @@ from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
 
-from beammodes.chains.chain import Chain, Number
+from beammodes.chains.chain import Chain
+from beammodes.chains.pieces import Number
 from beammodes.checks import shown
 from beammodes.equations.mechanics import axial_pull, straight_load
 from beammodes.numerics.arrays import Floats

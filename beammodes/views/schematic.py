@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from beammodes.chains.chain import Chain, Number
+from beammodes.chains.chain import Chain
+from beammodes.chains.pieces import Number
 from beammodes.checks import choice, flag, positive_real, shown
 from beammodes.problem.ends import End
 from beammodes.views.pose import Pose, Shape, pose_of
