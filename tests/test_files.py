@@ -393,8 +393,8 @@ def test_a_special_file_that_comes_meanwhile_is_no_target(tmp_path: Path) -> Non
 
 
 @POSIX
-@pytest.mark.parametrize("method", ["rk4", "dop853"])
-def test_a_motion_outlives_a_full_disk(tmp_path: Path, method: str) -> None:
+@pytest.mark.parametrize("integrator", ["rk4", "dop853"])
+def test_a_motion_outlives_a_full_disk(tmp_path: Path, integrator: str) -> None:
     """The limit of a file's size is met as the end of a disk is, in the middle of a write."""
     import resource
     import signal
@@ -402,7 +402,7 @@ def test_a_motion_outlives_a_full_disk(tmp_path: Path, method: str) -> None:
     path = tmp_path / "motion.nc"
     path.write_bytes(b"old")
     start = bm.mode_start(CHAIN, 1, 0.1)
-    arguments: dict[str, Any] = {"duration": 1.0, "method": method, "initial": start}
+    arguments: dict[str, Any] = {"duration": 1.0, "integrator": integrator, "initial": start}
     whole = bm.simulate(CHAIN, **arguments)
     limit, told = resource.getrlimit(resource.RLIMIT_FSIZE), signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
     try:

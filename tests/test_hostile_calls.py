@@ -343,7 +343,7 @@ CALLS: dict[str, Arguments] = {
     "simulate": lambda: {
         "chain": chain(),
         "duration": 0.004,
-        "method": "rk4",
+        "integrator": "rk4",
         "step": 1e-3,
         "output_step": 1e-3,
         "initial": bm.mode_start(chain(), 1, 0.01),

@@ -75,7 +75,7 @@ class ChainState:
     ----------
     angle, spin, gain : list
         Angle and rate of every piece, and its angular acceleration where an end holds it, else None.
-    place, speed, thrust : pair
+    place, speed, acceleration : pair
         Position and velocity of the left tip, and its acceleration where the base gives it, else None.
     """
 
@@ -84,7 +84,7 @@ class ChainState:
     gain: list[Any]
     place: Vector
     speed: Vector
-    thrust: tuple[Any, Any]
+    acceleration: tuple[Any, Any]
     base: list[Any]
 
     @classmethod
@@ -99,8 +99,8 @@ class ChainState:
             gain.append(base[8] if held else None)
         free = {name: (q[i], u[i], None) for i, name in enumerate(tips)}
         x, y = free.get("x_0", tuple(base[:3])), free.get("y_0", tuple(base[3:6]))
-        place, speed, thrust = zip(x, y, strict=True)
-        return cls(angle, spin, gain, place, speed, thrust, base)
+        place, speed, acceleration = zip(x, y, strict=True)
+        return cls(angle, spin, gain, place, speed, acceleration, base)
 
 
 # Accelerations of a chain at a cost that grows linearly with its length: one sweep in and one out.
@@ -189,7 +189,7 @@ class Sweep:
             a, b, turning = self._carried(i, a, b)
             inward.append(turning)
         node = self._left_tip(a, b, -pull)
-        found = [value for value, given in zip(node, self.state.thrust, strict=True) if given is None]
+        found = [value for value, given in zip(node, self.state.acceleration, strict=True) if given is None]
         for i, (h, d, k) in enumerate(reversed(inward)):
             gain = self.state.gain[i]
             if gain is None:
@@ -227,7 +227,7 @@ class Sweep:
 
     def _left_tip(self, a: Symmetric, b: Vector, pull: float) -> Vector:
         """Return the acceleration of the left tip: the base's, or what the forces on it make of it."""
-        (ax, ay), force = self.state.thrust, self._support(0, 0)
+        (ax, ay), force = self.state.acceleration, self._support(0, 0)
         if ax is None:
             determinant = a[0] * a[2] - a[1] ** 2
             fx, fy = pull - b[0], force - b[1]

@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     import xarray
 
 __all__ = [
-    "METHODS",
+    "MOTION_INTEGRATORS",
     "DivergedWarning",
     "UnsavedMotion",
     "UnstableStepWarning",
@@ -47,10 +47,10 @@ __all__ = [
 # What a motion starts from: a chain at rest with its base, in the shape of a mode, or as given.
 
 
-State = tuple[Floats, Floats]
+Start = tuple[Floats, Floats]
 
 
-def mode_start(chain: Chain, mode: int, amplitude: float, *, load: Load | None = None) -> State:
+def mode_start(chain: Chain, mode: int, amplitude: float, *, load: Load | None = None) -> Start:
     """Return coordinates and speeds of a chain at rest in the shape of a mode.
 
     Parameters
@@ -86,7 +86,7 @@ def mode_start(chain: Chain, mode: int, amplitude: float, *, load: Load | None =
     return _onto(chain, start, BaseMotion()) if chain.boundary.right.holds_deflection else start
 
 
-def initial_state(chain: Chain, initial: Any, base: BaseMotion) -> State:
+def initial_state(chain: Chain, initial: Any, base: BaseMotion) -> Start:
     """Return the first state, on the closure of a chain whose right end is held."""
     course, names = base.at(0.0), coordinate_names(chain)
     rest = [{"x_0": course[0, k], "y_0": course[1, k]} for k in (0, 1)]
@@ -110,7 +110,7 @@ def initial_state(chain: Chain, initial: Any, base: BaseMotion) -> State:
     return state
 
 
-def _onto(chain: Chain, start: State, base: BaseMotion) -> State:
+def _onto(chain: Chain, start: Start, base: BaseMotion) -> Start:
     """Return the nearest state on the closure."""
     onto = projection(chain)
     state = np.concatenate(start)
@@ -177,8 +177,8 @@ def motion_dataset(
         "u": (("time", "coordinate"), u),
     }
     phi = course[2, 0]
-    across = (y[:, -1] - course[1, 0]) * np.cos(phi) - (x[:, -1] - course[0, 0]) * np.sin(phi)
-    series = {"tip_deflection": across}
+    deflection = (y[:, -1] - course[1, 0]) * np.cos(phi) - (x[:, -1] - course[0, 0]) * np.sin(phi)
+    series = {"tip_deflection": deflection}
     # A diverging run may end in numbers whose squares are too large.
     with np.errstate(over="ignore", invalid="ignore"):
         series |= _energies(chain, tip, tip_speed, angle, spin, load, course)
@@ -254,7 +254,7 @@ def _momenta(
 
 #: Classical fixed-step Runge-Kutta, the implicit midpoint rule, and variable-step Runge-Kutta pairs of order
 #: 5(4) and 8(5,3), for which the step is the largest one and the one of output: the report's recipe.
-METHODS: tuple[str, ...] = tuple(name for name, record in INTEGRATORS.items() if record.run)
+MOTION_INTEGRATORS: tuple[str, ...] = tuple(name for name, record in INTEGRATORS.items() if record.run)
 
 
 #: How many output times a run has unless told otherwise.
@@ -294,7 +294,7 @@ def simulate(
     chain: Chain,
     *,
     duration: float,
-    method: str = "rk4",
+    integrator: str = "rk4",
     step: float | None = None,
     output_step: float | None = None,
     initial: Any = None,
@@ -315,11 +315,11 @@ def simulate(
         Its left end tied to the base, or neither end held.
     duration : float [s]
         A fixed step ends the motion with the first step that reaches it.
-    method : str
+    integrator : str
         "rk4", "midpoint", or with a variable step "rk45" or "dop853".
     step : float [s], optional
-        At most `duration`. Of a fixed-step method, by default half the longest stable one of Runge-Kutta,
-        with the damping and with the pull of loads and base; the largest one of a variable-step method, by
+        At most `duration`. Of fixed steps by default half the longest stable one of Runge-Kutta,
+        with the damping and with the pull of loads and base; the largest one of variable steps, by
         default that of output.
     output_step : float [s], optional
         Between output times, rounded to whole steps; a thousandth of the duration by default. The motion is
@@ -332,7 +332,7 @@ def simulate(
     base : BaseMotion, optional
     damping : Damping, optional
     tolerance : float
-        Relative, of the variable-step methods; absolute is a thousandth of it.
+        Relative, of variable-step integrators; absolute is a thousandth of it.
     progress : bool or callable
         True writes to standard error how far a run is; a function is called with (steps or output times
         done, all of them).
@@ -380,7 +380,7 @@ def simulate(
     checked_system(chain, load, damping, base)
     given, ground = checked_load(load), base or BaseMotion()
     span = positive_real("duration", duration)
-    kind = choice("method", method, METHODS)
+    kind = choice("integrator", integrator, MOTION_INTEGRATORS)
     shown_step = span / OUTPUTS if output_step is None else positive_real("output_step", output_step)
     if not isinstance(progress, bool) and not callable(progress):
         raise TypeError(f"progress must be a bool or a function, got {shown(progress)}")
@@ -416,7 +416,7 @@ def simulate(
     run = Run(chain, given, ground, damping or Damping(), span, longest, every, steps, float(tolerance), kind)
     with held():
         time, q, u, why = runner(kind)(run, start, told)
-        attributes = {"method": kind, "step": longest, "complete": int(not why), "stopped": why}
+        attributes = {"integrator": kind, "step": longest, "complete": int(not why), "stopped": why}
         result = motion_dataset(chain, time, q, u, load=given, base=ground, attributes=attributes)
         if path is not None:
             _save(result, path)

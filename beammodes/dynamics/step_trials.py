@@ -142,7 +142,7 @@ def variable_step_cost(
     *,
     tolerance: float = 1e-6,
     amplitude: float = 0.1,
-    method: str = "RK45",
+    integrator: str = "rk45",
 ) -> VariableCost:
     """Return what the report's recipe costs: a variable step, at most its step, which is that of output.
 
@@ -156,7 +156,7 @@ def variable_step_cost(
         Relative; absolute is a thousandth of it.
     amplitude : float [rad]
         Largest angle at the start.
-    method : str
+    integrator : str
         A Runge-Kutta pair of `scipy.integrate`.
 
     Examples
@@ -169,7 +169,7 @@ def variable_step_cost(
     import scipy.integrate
 
     span = output_step * outputs
-    run = Run(chain, Load(), _STILL, Damping(), span, output_step, 1, outputs, tolerance, method.lower())
+    run = Run(chain, Load(), _STILL, Damping(), span, output_step, 1, outputs, tolerance, integrator)
     q, u = mode_start(chain, 1, amplitude)
     size, state, still = len(q), np.concatenate([q, u]), base_vector(_STILL, 0.0)
     rate, onto = Rate(run, size), projection(chain) if chain.boundary.right.holds_deflection else None
@@ -177,7 +177,7 @@ def variable_step_cost(
     steps = evaluations = 0
     largest, first = 0.0, None
     for _ in range(whole_number("outputs", outputs)):
-        solver = getattr(scipy.integrate, method)(
+        solver = getattr(scipy.integrate, integrator.upper())(
             rate,
             0.0,
             state,

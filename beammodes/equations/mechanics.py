@@ -54,7 +54,7 @@ __all__ = [
     "null_space",
     "piece_energies",
     "static_forces",
-    "straight_load",
+    "straight_chain_load",
     "support_units",
     "tip_names",
     "unpack",
@@ -64,17 +64,17 @@ __all__ = [
 # How hard loads along a straight chain pull on its pieces.
 
 
-def straight_load(chain: Chain, load: Load) -> Load:
+def straight_chain_load(chain: Chain, load: Load) -> Load:
     """Return `load`, or raise ValueError if the straight chain is not in equilibrium under it."""
     if load.bends:
         raise ValueError(
             f"load must leave the straight chain in equilibrium, got {load}: give linearize the bent shape, "
             "at=find_equilibrium(chain, load)"
         )
-    return hub_load(chain, load)
+    return held_chain_load(chain, load)
 
 
-def hub_load(chain: Chain, load: Load) -> Load:
+def held_chain_load(chain: Chain, load: Load) -> Load:
     """Return `load`, or raise ValueError if nothing holds the left end against it."""
     if load.needs_hub and not chain.boundary.left.is_grounded:
         raise ValueError(
@@ -273,7 +273,7 @@ def static_forces(
     With F_i on the centre of mass of piece i, P_i the sum of all forces beyond it and n_i its normal, loads
     do  n_i · (c_i F_i + l_i P_i)  to its angle.
     """
-    hub_load(chain, checked_load(load))
+    held_chain_load(chain, checked_load(load))
     number, tips, angles = algebra.number, *unpack(chain, q)
     zero, field, units = number(0), LoadField.of(chain, load, algebra), support_units(chain, algebra)
     moments = _spring_moments(chain, angles, algebra)
@@ -286,18 +286,18 @@ def static_forces(
         arm, reach = number(centre) * algebra.length, number(length) * algebra.length
         centres.append((x + arm * cosine, y + arm * sine, cosine, sine, arm, reach))
         x, y = x + reach * cosine, y + reach * sine
-    across, along = field.axial + field.tip[0], field.tip[1] - right * y
+    force_x, force_y = field.axial + field.tip[0], field.tip[1] - right * y
     if not field.idle or 0 < chain.scaled.supports[1][0] < math.inf:
         for i in range(chain.pieces - 1, -1, -1):
             cx, cy, cosine, sine, arm, reach = centres[i]
             mass = number(chain.scaled.mass[i]) * algebra.mass
             fx, fy = field.forces(mass, cx, cy)
-            moments[i] += sine * (arm * fx + reach * across) - cosine * (arm * fy + reach * along)
+            moments[i] += sine * (arm * fx + reach * force_x) - cosine * (arm * fy + reach * force_y)
             if not field.lag:
                 inertia = number(chain.scaled.rotary_inertia[i]) * algebra.mass * algebra.length**2
                 moments[i] += field.square_rate * inertia * sine * cosine
-            across, along = across + fx, along + fy
-    forces = {"x_0": zero, "y_0": left * tips[1] - along}
+            force_x, force_y = force_x + fx, force_y + fy
+    forces = {"x_0": zero, "y_0": left * tips[1] - force_y}
     return x, y, [*(forces[name] for name in tip_names(chain)), *(moments[i] for i in moving_pieces(chain))]
 
 
@@ -385,7 +385,7 @@ def energies(
     to it: what vibration about an equilibrium needs. (Coriolis forces are of second order in an inextensible
     beam's deflection.)
     """
-    hub_load(chain, checked_load(load))
+    held_chain_load(chain, checked_load(load))
     (tip, angle), (tip_speed, spin) = unpack(chain, q), unpack(chain, u)
     kinetic, potential, (x, y) = piece_energies(chain, tip, tip_speed, angle, spin, algebra, load)
     return Energies(kinetic, potential, _closures(chain, x, y, algebra))
@@ -422,18 +422,18 @@ def piece_energies(
         inertia = number(chain.scaled.rotary_inertia[i]) * algebra.mass * length_unit**2
         length, centre = (number(v[i]) * length_unit for v in (chain.scaled.length, chain.scaled.centre))
         cosine, sine = algebra.cos(angle[i]), algebra.sin(angle[i])
-        across, along = x_speed - centre * sine * spin[i], y_speed + centre * cosine * spin[i]
-        twice_kinetic += mass * (across**2 + along**2) + inertia * spin[i] ** 2
+        vx, vy = x_speed - centre * sine * spin[i], y_speed + centre * cosine * spin[i]
+        twice_kinetic += mass * (vx**2 + vy**2) + inertia * spin[i] ** 2
         work += field.work(mass, inertia, x + centre * cosine, y + centre * sine, cosine)
         x_speed, y_speed = x_speed - length * sine * spin[i], y_speed + length * cosine * spin[i]
         x, y = x + length * cosine, y + length * sine
     twice_potential: Any = number(0)
     for j, stiffness in enumerate(chain.scaled.joint_stiffness):
         twice_potential += number(stiffness) * algebra.stiffness * (angle[j + 1] - angle[j]) ** 2
-    for (along_y, turning), deflection, rotation in zip(
+    for (translation, turning), deflection, rotation in zip(
         support_units(chain, algebra), (tip[1], y), (angle[0], angle[-1]), strict=True
     ):
-        twice_potential += along_y * (deflection - base[0]) ** 2 + turning * (rotation - base[1]) ** 2
+        twice_potential += translation * (deflection - base[0]) ** 2 + turning * (rotation - base[1]) ** 2
     work += field.axial * (x - tip[0]) + field.tip[0] * x + field.tip[1] * y + field.moment * angle[-1]
     return twice_kinetic / 2, twice_potential / 2 - work, (x, y)
 

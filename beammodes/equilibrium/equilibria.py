@@ -16,7 +16,7 @@ from beammodes.equations.mechanics import (
     Algebra,
     coordinate_names,
     energies,
-    hub_load,
+    held_chain_load,
     static_forces,
     tip_names,
     unpack,
@@ -27,9 +27,9 @@ from beammodes.problem.loading import Load, checked_load
 __all__ = [
     "LONGEST_TURN",
     "MAX_BENT_PIECES",
+    "BalancedState",
     "Equilibrium",
     "EquilibriumNotFound",
-    "State",
     "Statics",
     "compile_statics",
     "find_equilibrium",
@@ -45,7 +45,7 @@ _NOTHING = 1e-14
 
 
 @dataclass(frozen=True)
-class State:
+class BalancedState:
     """Coordinates and multipliers at which forces balance.
 
     Attributes
@@ -155,7 +155,7 @@ class Statics:
         tolerance: float,
         steps: int = 12,
         longest: float = np.inf,
-    ) -> State | None:
+    ) -> BalancedState | None:
         """Return the state that Newton's method finds from q and λ, None if it finds none.
 
         Parameters
@@ -180,13 +180,15 @@ class Statics:
                 return self.state(q, multipliers, share, push)
         return None
 
-    def state(self, q: Floats, multipliers: Floats, share: float, push: Floats | float = 0.0) -> State:
+    def state(
+        self, q: Floats, multipliers: Floats, share: float, push: Floats | float = 0.0
+    ) -> BalancedState:
         """Return all that is known of a chain at q."""
         unbalanced, gap = self._forces(q, multipliers, share, push)
         tangent = self._tangent(q, multipliers, share)
         full = np.asarray(tangent.toarray() if self.is_sparse else tangent)
         residual = float(np.abs(np.concatenate([unbalanced, gap])).max(initial=0.0))
-        return State(q, multipliers, full, np.array(self.rows(q).full()), residual)
+        return BalancedState(q, multipliers, full, np.array(self.rows(q).full()), residual)
 
     def _forces(
         self, q: Floats, multipliers: Floats, share: float, push: Floats | float
@@ -285,12 +287,12 @@ _COARSE, _FINE = 1e-4, 1e-7
 _PUSHED = 0.01
 
 
-def shape_under(chain: Chain, statics: Statics, load: Load, tolerance: float) -> State | None:
+def shape_under(chain: Chain, statics: Statics, load: Load, tolerance: float) -> BalancedState | None:
     """Return the state that the chain is in when the whole load has been applied."""
     closures = statics.closures.size1_out(0)
     rest = statics.state(np.zeros(len(statics.scale)), np.zeros(closures), 0.0)
 
-    def loaded(state: State, share: float) -> State | None:
+    def loaded(state: BalancedState, share: float) -> BalancedState | None:
         return statics.solve((state.coordinates, state.multipliers), share=share, tolerance=tolerance)
 
     reached, last = _along(statics, rest, loaded, _COARSE)
@@ -302,7 +304,7 @@ def shape_under(chain: Chain, statics: Statics, load: Load, tolerance: float) ->
         return straight if straight is not None and straight.is_indifferent else None
     push = rest.tangent @ _softest(chain, last)
 
-    def pushed(state: State, share: float, amount: float = 1.0) -> State | None:
+    def pushed(state: BalancedState, share: float, amount: float = 1.0) -> BalancedState | None:
         start = state.coordinates, state.multipliers
         return statics.solve(start, share=share, push=amount * push, tolerance=tolerance)
 
@@ -314,8 +316,11 @@ def shape_under(chain: Chain, statics: Statics, load: Load, tolerance: float) ->
 
 
 def _along(
-    statics: Statics, state: State, solve: Callable[[State, float], State | None], least: float
-) -> tuple[bool, State]:
+    statics: Statics,
+    state: BalancedState,
+    solve: Callable[[BalancedState, float], BalancedState | None],
+    least: float,
+) -> tuple[bool, BalancedState]:
     """Follow stable states from 0 to 1: whether 1 is reached, and the last of them."""
     done, step = 0.0, 0.125
     while done < 1.0 and step > least:
@@ -327,12 +332,12 @@ def _along(
     return done == 1.0, state
 
 
-def _turned(statics: Statics, state: State, following: State) -> float:
+def _turned(statics: Statics, state: BalancedState, following: BalancedState) -> float:
     moved = (following.coordinates - state.coordinates) / statics.scale
     return float(np.abs(moved).max(initial=0.0))
 
 
-def _softest(chain: Chain, state: State) -> Floats:
+def _softest(chain: Chain, state: BalancedState) -> Floats:
     """Return the motion that stores least: its largest rotation is small, its largest deflection upwards."""
     motion = state.basis @ np.linalg.eigh(state.reduced)[1][:, 0]
     (_, angles), (tip, turns) = (unpack(chain, q.tolist()) for q in (state.coordinates, motion))
@@ -464,7 +469,7 @@ def find_equilibrium(
     """
     if not isinstance(chain, Chain):
         raise TypeError(f"chain must be a Chain, got {shown(chain)}")
-    given = hub_load(chain, checked_load(load))
+    given = held_chain_load(chain, checked_load(load))
     if chain.pieces > MAX_BENT_PIECES:
         raise ValueError(f"chain must have at most {MAX_BENT_PIECES} pieces, got {chain.pieces}")
     if not 1e-13 <= real("tolerance", tolerance) <= MAX_TOLERANCE:
@@ -495,7 +500,7 @@ def _unit(chain: Chain) -> Floats:
     return np.where(np.arange(len(coordinate_names(chain))) < tips, chain.units.length, 1.0)
 
 
-def _in_physical_units(chain: Chain, load: Load, state: State) -> Equilibrium:
+def _in_physical_units(chain: Chain, load: Load, state: BalancedState) -> Equilibrium:
     unit, units = _unit(chain), chain.units
     return Equilibrium(
         chain,

@@ -17,7 +17,7 @@ import numpy as np
 from beammodes.chains.chain import Chain
 from beammodes.chains.pieces import Number
 from beammodes.checks import shown
-from beammodes.equations.mechanics import axial_pull, straight_load
+from beammodes.equations.mechanics import axial_pull, straight_chain_load
 from beammodes.numerics.arrays import Floats
 from beammodes.problem.loading import Load, checked_load
 
@@ -309,7 +309,7 @@ def linearize(
         raise TypeError(f"chain must be a Chain, got {shown(chain)}")
     if at is not None:
         return _about(chain, load, at)
-    return LinearModel(chain, straight_load(chain, checked_load(load)))
+    return LinearModel(chain, straight_chain_load(chain, checked_load(load)))
 
 
 def _about(chain: Chain, load: Load | None, at: Equilibrium) -> BentModel:
