@@ -68,7 +68,7 @@ def run_all(names: Sequence[str], folder: Path, jobs: int, say: Say) -> None:
 
 def missing(names: Sequence[str], folder: Path) -> list[str]:
     """Return the studies of which a folder lacks a file."""
-    endings = (".csv", ".svg", ".png")
+    endings = (".csv", ".svg")
     return [name for name in names if not all((folder / f"{name}{ending}").is_file() for ending in endings)]
 
 

@@ -14,8 +14,6 @@ __all__ = ["Cell", "bound", "caption_of", "escaped", "figure", "percent", "pictu
 
 STUDIES = Path(__file__).resolve().parent.parent
 Cell = str | int | float
-#: SVG is sharp at any size; one this much heavier than its PNG is embedded as that.
-HEAVIER = 1.4
 
 
 def escaped(text: str) -> str:
@@ -100,22 +98,16 @@ def _cell(tag: str, content: str, style: str, scope: str = "") -> str:
 
 def picture(folder: Path, name: str) -> str:
     """Return a study's picture as an image that is part of the page."""
-    svg, png = (folder / f"{name}{ending}" for ending in (".svg", ".png"))
-    vector, raster = _vector(svg.read_text(encoding="utf-8")), _encoded("image/png", png.read_bytes())
-    source = vector if len(vector) <= HEAVIER * len(raster) else raster
+    source = _vector((folder / f"{name}.svg").read_text(encoding="utf-8"))
     return f'<img src="{source}" alt="{escaped(caption_of(name))}">'
 
 
 def _vector(svg: str) -> str:
     body = svg[svg.index("<svg") :]
     if "'" in body:
-        return _encoded("image/svg+xml", body.encode())
+        return f"data:image/svg+xml;base64,{base64.b64encode(body.encode()).decode()}"
     # Quotation marks of the other kind need no escape in the attribute, and most of the rest none at all.
     return "data:image/svg+xml," + quote(body.replace('"', "'"), safe=" !$'()*+,/:;=?@[]|{}^`\n~")
-
-
-def _encoded(kind: str, data: bytes) -> str:
-    return f"data:{kind};base64,{base64.b64encode(data).decode()}"
 
 
 def caption_of(name: str) -> str:
