@@ -48,8 +48,7 @@ numerics/      arrays, roots, long decimals: what knows no physics
 problem/       a beam, its ends, sections and loads
 exact/         the beam's own modes, which judge every chain
 chains/        rules, and the chains of segments, hinges and springs that they make
-equations/     a chain's equations of motion, in symbols and compiled
-equilibrium/   the shapes in which a loaded chain rests
+equations/     a chain's equations of motion, in symbols and compiled; its shapes at rest
 vibration/     the linear model: modes, damping, stable time steps
 closed_form/   frequencies of uniform chains at a cost that does not grow with N
 accuracy/      how wrong a chain is, why, and how many segments are enough
@@ -73,7 +72,7 @@ _HOME = {
     "BaseMotion": "dynamics.base_motion",
     "Beam": "problem.beam",
     "BeamModes": "exact.exact_beam",
-    "BentModel": "equilibrium.bent_model",
+    "BentModel": "vibration.linear",
     "Boundary": "problem.ends",
     "Box": "problem.sections",
     "Case": "batch.cases",
@@ -81,13 +80,14 @@ _HOME = {
     "MissedFeatureWarning": "chains.rods",
     "Circle": "problem.sections",
     "Damping": "vibration.damping",
+    "DerivedChain": "equations.derivation",
     "DivergedWarning": "dynamics.simulation",
     "UnsavedMotion": "dynamics.simulation",
     "UnstableStepWarning": "dynamics.simulation",
     "ENDS": "problem.ends",
     "End": "problem.ends",
-    "Equilibrium": "equilibrium.equilibria",
-    "EquilibriumNotFound": "equilibrium.equilibria",
+    "Equilibrium": "equations.equilibria",
+    "EquilibriumNotFound": "equations.equilibria",
     "GivenSection": "problem.sections",
     "INTEGRATORS": "vibration.integrators",
     "ISection": "problem.sections",
@@ -124,6 +124,8 @@ _HOME = {
     "chain_statics": "accuracy.statics",
     "compile_equations": "equations.numeric",
     "damped_modes": "vibration.damping",
+    "derive_chain": "equations.derivation",
+    "derived_error_dataset": "accuracy.error_table",
     "draw_chain": "views.schematic",
     "elastic_modulus": "problem.materials",
     "equations_of_motion": "equations.symbolic",
@@ -132,7 +134,7 @@ _HOME = {
     "error_remarks": "accuracy.remarks",
     "euler_bernoulli": "exact.beam_theory",
     "export_chain": "exporters.export",
-    "find_equilibrium": "equilibrium.equilibria",
+    "find_equilibrium": "equations.equilibria",
     "frequency_error": "accuracy.errors",
     "frequency_spread": "accuracy.uncertainty",
     "from_sectionproperties": "problem.sections",
@@ -163,6 +165,7 @@ _HOME = {
     "symbolic_energies": "equations.symbolic",
     "theory_errors": "accuracy.error_table",
     "timoshenko": "exact.timoshenko_beam",
+    "wall_spring_weight": "equations.derivation",
     "wavenumber": "exact.exact_beam",
 }
 
@@ -174,6 +177,7 @@ if TYPE_CHECKING:
     from beammodes.accuracy.buckling import buckling_load as buckling_load
     from beammodes.accuracy.error_table import SlendernessWarning as SlendernessWarning
     from beammodes.accuracy.error_table import chain_errors as chain_errors
+    from beammodes.accuracy.error_table import derived_error_dataset as derived_error_dataset
     from beammodes.accuracy.error_table import error_dataset as error_dataset
     from beammodes.accuracy.error_table import theory_errors as theory_errors
     from beammodes.accuracy.errors import frequency_error as frequency_error
@@ -216,13 +220,15 @@ if TYPE_CHECKING:
     from beammodes.dynamics.simulation import mode_start as mode_start
     from beammodes.dynamics.simulation import simulate as simulate
     from beammodes.dynamics.superposition import modal_response as modal_response
+    from beammodes.equations.derivation import DerivedChain as DerivedChain
+    from beammodes.equations.derivation import derive_chain as derive_chain
+    from beammodes.equations.derivation import wall_spring_weight as wall_spring_weight
+    from beammodes.equations.equilibria import Equilibrium as Equilibrium
+    from beammodes.equations.equilibria import EquilibriumNotFound as EquilibriumNotFound
+    from beammodes.equations.equilibria import find_equilibrium as find_equilibrium
     from beammodes.equations.numeric import compile_equations as compile_equations
     from beammodes.equations.symbolic import equations_of_motion as equations_of_motion
     from beammodes.equations.symbolic import symbolic_energies as symbolic_energies
-    from beammodes.equilibrium.bent_model import BentModel as BentModel
-    from beammodes.equilibrium.equilibria import Equilibrium as Equilibrium
-    from beammodes.equilibrium.equilibria import EquilibriumNotFound as EquilibriumNotFound
-    from beammodes.equilibrium.equilibria import find_equilibrium as find_equilibrium
     from beammodes.exact.beam_theory import euler_bernoulli as euler_bernoulli
     from beammodes.exact.exact_beam import BeamModes as BeamModes
     from beammodes.exact.exact_beam import wavenumber as wavenumber
@@ -257,6 +263,7 @@ if TYPE_CHECKING:
     from beammodes.vibration.damping import joint_dampers as joint_dampers
     from beammodes.vibration.integrators import INTEGRATORS as INTEGRATORS
     from beammodes.vibration.integrators import Integrator as Integrator
+    from beammodes.vibration.linear import BentModel as BentModel
     from beammodes.vibration.linear import LinearModel as LinearModel
     from beammodes.vibration.linear import linearize as linearize
     from beammodes.vibration.modes import Modes as Modes

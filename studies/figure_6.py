@@ -6,7 +6,7 @@ import matplotlib
 import xarray
 from matplotlib.figure import Figure
 
-from beammodes.derivation import derived_error_dataset
+from beammodes.accuracy.error_table import derived_error_dataset
 from beammodes.views.plots import STYLE, label_line, plot_errors
 from beammodes.views.tables import csv_table, tidy_rows
 from studies import Progress

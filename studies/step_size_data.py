@@ -11,10 +11,10 @@ import xarray
 import beammodes as bm
 from beammodes.dynamics.runs import Stepper, runge_kutta
 from beammodes.dynamics.simulation import mode_start
-from beammodes.dynamics.step_trials import equal_start, largest_angles, modal_motion, variable_step_cost
 from beammodes.vibration.integrators import accuracy_limit
 from beammodes.vibration.stability import SAFE_CONSTANT, published_constants, step_constants
 from studies import Progress
+from studies.step_trials import equal_start, largest_angles, modal_motion, variable_step_cost
 
 BOUNDARIES = ("clamped-free", "clamped-clamped")
 

@@ -35,7 +35,6 @@ ORDER = [
     "exact",
     "chains",
     "equations",
-    "equilibrium",
     "vibration",
     "closed_form",
     "accuracy",
@@ -55,7 +54,7 @@ MAY_IMPORT = {
     "numeric": {"casadi"},
     "forward_dynamics": {"casadi"},
     "runs": {"casadi"},
-    "derivation": {"sympy", "casadi", "scipy"},
+    "derivation": {"sympy"},
 }
 
 

@@ -8,10 +8,11 @@ import numpy as np
 import pytest
 import sympy
 
-from beammodes import derivation
+from beammodes.accuracy import error_table
+from beammodes.accuracy.error_table import derived_error_dataset
 from beammodes.chains.chain import Chain
 from beammodes.chains.rules import RULES
-from beammodes.derivation import derived_error_dataset, wall_spring_weight
+from beammodes.equations.derivation import wall_spring_weight
 from beammodes.problem.beam import Beam
 
 
@@ -94,6 +95,6 @@ def test_progress_is_reported() -> None:
 
 
 def test_routes_that_disagree_stop_the_study(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(derivation, "ROUTES_AGREE", 0.0)
+    monkeypatch.setattr(error_table, "ROUTES_AGREE", 0.0)
     with pytest.raises(ArithmeticError, match="clamped-free"):
         derived_error_dataset("clamped-free", segments=[2], modes=1)

@@ -14,14 +14,13 @@ from scipy.special import ellipe, ellipk
 
 from beammodes.accuracy.buckling import buckling_load
 from beammodes.chains.chain import Chain
+from beammodes.equations.equilibria import Equilibrium, EquilibriumNotFound, find_equilibrium
 from beammodes.equations.mechanics import Algebra, coordinate_names, energies
 from beammodes.equations.numeric import compile_equations
-from beammodes.equilibrium.bent_model import BentModel
-from beammodes.equilibrium.equilibria import Equilibrium, EquilibriumNotFound, find_equilibrium
 from beammodes.problem.beam import Beam
 from beammodes.problem.ends import BOUNDARIES, End
 from beammodes.problem.loading import Load
-from beammodes.vibration.linear import linearize
+from beammodes.vibration.linear import BentModel, linearize
 from beammodes.vibration.modes import solve_modes
 
 BEAM = Beam(1.3, 2.0, 0.7)

@@ -197,6 +197,14 @@ CALLS: dict[str, Arguments] = {
     "chain_statics": lambda: {"chain": chain(), "load": "tip_force"},
     "compile_equations": lambda: {"chain": chain(), "load": bm.Load(axial_force=1.0)},
     "damped_modes": lambda: {"chain": chain(), "damping": bm.Damping(joint=0.1)},
+    "derive_chain": lambda: {"chain": small()},
+    "derived_error_dataset": lambda: {
+        "boundary": "clamped-free",
+        "segments": [2],
+        "modes": 1,
+        "rule": "gregory",
+        "progress": None,
+    },
     "draw_chain": lambda: {
         "chain": chain(),
         "ax": axes(),
@@ -389,6 +397,7 @@ CALLS: dict[str, Arguments] = {
         "shear_stiffness": 1e5,
         "rotary_inertia_per_length": 1e-3,
     },
+    "wall_spring_weight": of(),
     "wavenumber": of(boundary="clamped-free", mode=2),
 }
 
@@ -398,6 +407,7 @@ ANSWERS = {
     "BeamModes",
     "BentModel",
     "Case",
+    "DerivedChain",
     "Equilibrium",
     "Integrator",
     "Layout",

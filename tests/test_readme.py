@@ -11,10 +11,10 @@ import pytest
 
 import beammodes as bm
 from beammodes.__main__ import main
-from beammodes.dynamics.step_trials import variable_step_cost
 from beammodes.vibration.integrators import accuracy_limit
 from beammodes.vibration.stability import SAFE_CONSTANT
 from studies.step_size_data import OUTPUTS
+from studies.step_trials import variable_step_cost
 
 ROOT = Path(__file__).parent.parent
 README = (ROOT / "README.md").read_text(encoding="utf-8")

@@ -1020,7 +1020,7 @@ def test_a_shape_with_coordinates_starts_at_rest() -> None:
 
 @pytest.mark.parametrize("integrator", MOTION_INTEGRATORS)
 def test_an_equilibrium_stays_at_rest(integrator: str) -> None:
-    from beammodes.equilibrium.equilibria import find_equilibrium
+    from beammodes.equations.equilibria import find_equilibrium
 
     for boundary in ("clamped-free", "clamped-pinned"):
         chain, load = Chain(UNIT, boundary, 3), Load(gravity=8.0, tip_moment=0.7)

@@ -16,7 +16,6 @@ from beammodes.dynamics.base_motion import BaseMotion
 from beammodes.dynamics.forward_dynamics import forward_dynamics
 from beammodes.dynamics.runs import runge_kutta
 from beammodes.dynamics.simulation import mode_start
-from beammodes.dynamics.step_trials import equal_start, largest_angles, modal_motion, variable_step_cost
 from beammodes.problem.beam import Beam
 from beammodes.vibration.damping import Damping
 from beammodes.vibration.integrators import (
@@ -38,6 +37,7 @@ from beammodes.vibration.stability import (
 from studies import step_size
 from studies.compare import RELATIVE, rows_of, study_differs
 from studies.step_size_data import ANALYSED, BOUNDARIES
+from studies.step_trials import equal_start, largest_angles, modal_motion, variable_step_cost
 
 FIGURES = Path(__file__).parent.parent / "figures"
 RK4 = 2 * math.sqrt(2)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from contextlib import suppress
 from typing import TYPE_CHECKING
 
@@ -33,6 +33,7 @@ if TYPE_CHECKING:
 __all__ = [
     "SlendernessWarning",
     "chain_errors",
+    "derived_error_dataset",
     "error_dataset",
     "exact_frequencies",
     "labelled_errors",
@@ -199,6 +200,93 @@ def labelled_errors(
         },
         attrs={"source": SOURCE, "route": route},
     )
+
+
+#: Relative disagreement of two routes that cannot be rounding.
+ROUTES_AGREE = 1e-10
+#: Segments of a chain that is derived in symbols; more would take hours.
+MAX_DERIVED = 100
+
+
+def derived_error_dataset(
+    boundary: BoundaryLike,
+    *,
+    segments: Iterable[int],
+    modes: int,
+    rule: AnyRule = "mitiguy",
+    progress: Callable[[int, int], None] | None = None,
+) -> xarray.Dataset:
+    """Return the errors of a rule by the report's route, `derive_chain`, as in its Figures 6 and 7.
+
+    The compiled equations of motion and the chain in its factors check every frequency.
+
+    Parameters
+    ----------
+    boundary : boundary
+    segments : iterable of int
+        At most 100: the derivation grows as N², its eigenvalues as N³ in 30-digit arithmetic.
+    modes : int
+    rule : rule
+    progress : callable, optional
+        Called with (points done, points in all).
+
+    Returns
+    -------
+    xarray.Dataset
+        As `error_dataset`; the attribute `disagreement` is the largest relative difference of the routes.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If an argument is not of its kind.
+    ArithmeticError
+        If the routes disagree by more than 1e-10.
+
+    Examples
+    --------
+    >>> import beammodes as bm
+    >>> table = bm.derived_error_dataset("clamped-free", segments=[1, 2], modes=2)
+    >>> table.relative_error.sel(mode=1).squeeze().values.round(5)
+    array([-0.14676, -0.03366])
+    """
+    pair, record = Boundary.of(boundary).canonical, layout_of(rule)
+    counts = [whole_number("segments", n, most=MAX_DERIVED) for n in listed("segments", segments, (str,))]
+    exact = np.asarray(wavenumber(pair, np.arange(1, whole_number("modes", modes, most=MAX_MODES) + 1))) ** 2
+    omega, worst = np.full((len(counts), modes), np.nan), 0.0
+    for i, count in enumerate(counts):
+        found, disagreement = _by_three_routes(Chain(Beam.unit(), pair, count, record))
+        worst = max(worst, disagreement)
+        omega[i, : min(modes, len(found))] = found[:modes]
+        if progress is not None:
+            progress(i + 1, len(counts))
+    table = labelled_errors(
+        [record.name],
+        [pair.name],
+        counts,
+        angular_frequency=omega[None, None],
+        exact=exact[None],
+        error=(omega / exact - 1)[None, None],
+        route="SymPy: nonlinear equations of motion, linearized",
+    )
+    return table.assign_attrs(disagreement=worst)
+
+
+def _by_three_routes(chain: Chain) -> tuple[Floats, float]:
+    """Return the chain's derived frequencies, and how far two other routes are from them."""
+    from scipy.linalg import eigvalsh
+
+    from beammodes.equations.derivation import derive_chain
+    from beammodes.equations.numeric import compile_equations
+
+    derived = derive_chain(chain).angular_frequency
+    mass, stiffness = compile_equations(chain).linearize().reduced()
+    compiled = np.sqrt(eigvalsh(stiffness, mass)[chain.boundary.rigid_body_modes :]) if len(mass) else []
+    others = [np.asarray(compiled), solve_modes(linearize(chain)).angular_frequency]
+    alike = all(len(other) == len(derived) for other in others)
+    apart = max(float(np.abs(other / derived - 1).max(initial=0.0)) for other in others) if alike else np.inf
+    if not apart < ROUTES_AGREE:
+        raise ArithmeticError(f"routes disagree for {chain!r}: {derived}, {others}")
+    return derived, apart
 
 
 # A chain beside the beam that it stands for, and beside what Euler-Bernoulli theory itself leaves out.

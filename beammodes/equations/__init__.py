@@ -1,1 +1,1 @@
-"""The nonlinear equations of motion: the physics, once, and the two engines that read it."""
+"""The nonlinear equations of motion, once, the two engines that read them, and the shapes at rest."""

@@ -13,16 +13,15 @@ import numpy as np
 from beammodes.accuracy.error_table import SlendernessWarning, chain_errors, stout_remark
 from beammodes.chains.chain import Chain
 from beammodes.checks import positive_real, shown
+from beammodes.equations.equilibria import EquilibriumNotFound, find_equilibrium
 from beammodes.equations.mechanics import axial_pull
-from beammodes.equilibrium.bent_model import BentModel
-from beammodes.equilibrium.equilibria import EquilibriumNotFound, find_equilibrium
 from beammodes.exporters.planar_tree import Tree
 from beammodes.numerics.arrays import Floats
 from beammodes.problem.loading import Load
 from beammodes.version import SOURCE
 from beammodes.vibration.damping import Damping
 from beammodes.vibration.integrators import accuracy_limit, find_integrator
-from beammodes.vibration.linear import LinearModel, linearize
+from beammodes.vibration.linear import BentModel, LinearModel, linearize
 from beammodes.vibration.modes import solve_modes
 from beammodes.vibration.stability import GRAVITY, stable_time_step, taut_load
 

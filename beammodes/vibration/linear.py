@@ -1,4 +1,4 @@
-"""The linear chain in its factors: small transverse vibration about the straight chain at rest.
+"""The linear chain: small transverse vibration about the straight chain at rest, in factors, or a bent one.
 
 Coordinates are the deflections of the nodes: the left tip, the hinges, the right tip. Nodes at either side
 of a piece that is held or has no length share one. A piece of length zero that turns (a body with rotary
@@ -10,23 +10,27 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, overload
+from typing import Any, overload
 
 import numpy as np
 
 from beammodes.chains.chain import Chain
 from beammodes.chains.pieces import Number
 from beammodes.checks import shown
-from beammodes.equations.mechanics import axial_pull, straight_chain_load
+from beammodes.equations.equilibria import Equilibrium
+from beammodes.equations.mechanics import (
+    axial_pull,
+    coordinate_names,
+    moving_pieces,
+    straight_chain_load,
+    tip_names,
+)
 from beammodes.numerics.arrays import Floats
 from beammodes.problem.loading import Load, checked_load
 
-if TYPE_CHECKING:
-    from beammodes.equilibrium.bent_model import BentModel
-    from beammodes.equilibrium.equilibria import Equilibrium
-
 __all__ = [
     "MAX_ASSEMBLED",
+    "BentModel",
     "LinearModel",
     "free_angles",
     "independent_nodes",
@@ -254,6 +258,100 @@ class LinearModel:
         return f"LinearModel({self.chain!r}{under})"
 
 
+@dataclass(frozen=True, eq=False, repr=False)
+class BentModel:
+    """The chain  M z'' + K z = 0  about an equilibrium, q = q_0 + basis z,  M and K full.
+
+    Relative to a turning hub the energies are those of motion seen from it. What they leave out, Coriolis
+    forces, is of second order about a straight shape. About a bent one it is of first order in the plane of
+    rotation, which is therefore refused; across that plane a Coriolis force points out of it.
+
+    Attributes
+    ----------
+    equilibrium : Equilibrium
+        What it vibrates about. `equilibrium.basis` spans the motions that the closures allow; without
+        closures z are the coordinates themselves.
+
+    Examples
+    --------
+    >>> from beammodes.problem.beam import Beam
+    >>> from beammodes.equations.equilibria import find_equilibrium
+    >>> chain = Chain(Beam.unit(), "clamped-free", segments=2)
+    >>> linearize(chain, at=find_equilibrium(chain, None)).mass_matrix
+    array([[0.16666667, 0.0625    ],
+           [0.0625    , 0.04166667]])
+    """
+
+    equilibrium: Equilibrium
+
+    @property
+    def chain(self) -> Chain:
+        """The chain that vibrates."""
+        return self.equilibrium.chain
+
+    @property
+    def load(self) -> Load:
+        """The load under which it rests."""
+        return self.equilibrium.load
+
+    @property
+    def coordinates(self) -> tuple[str, ...]:
+        """Names of q, one for each row of `equilibrium.basis`."""
+        return tuple(coordinate_names(self.chain))
+
+    @property
+    def elastic_modes(self) -> int:
+        """How many modes store energy: all of them."""
+        return int(self.equilibrium.basis.shape[1])
+
+    @property
+    def rigid_body_modes(self) -> int:
+        """How many motions store nothing: none, or the equilibrium would not be stable."""
+        return 0
+
+    @property
+    def rotations(self) -> Floats:
+        """Angle of every piece per unit z, shape (pieces, independent) [rad]."""
+        turns = np.zeros((self.chain.pieces, self.elastic_modes))
+        turns[moving_pieces(self.chain)] = self.equilibrium.basis[len(tip_names(self.chain)) :]
+        return turns
+
+    @property
+    def displacements(self) -> Floats:
+        """Displacement (x, y) of every node per unit z, shape (2, nodes, independent) [m]."""
+        angle, names = self.equilibrium.angle, tip_names(self.chain)
+        normal = np.stack([-np.sin(angle), np.cos(angle)]) * self.chain.length
+        moved = np.zeros((2, self.chain.pieces + 1, self.elastic_modes))
+        for row, name in enumerate(names):
+            moved["xy".index(name[0]), 0] = self.equilibrium.basis[row]
+        moved[:, 1:] = normal[:, :, None] * self.rotations
+        return np.cumsum(moved, axis=1)
+
+    @property
+    def root_mass(self) -> Floats:
+        """Pieces' speeds times √mass and √inertia per unit z', shape (3 pieces, independent): M's root."""
+        angle, chain, turns = self.equilibrium.angle, self.chain, self.rotations
+        normal = np.stack([-np.sin(angle), np.cos(angle)]) * chain.centre
+        centres = self.displacements[:, :-1] + normal[:, :, None] * turns
+        spins = np.sqrt(chain.rotary_inertia)[:, None] * turns
+        return np.vstack([*(np.sqrt(chain.mass)[:, None] * centres), spins])
+
+    @property
+    def mass_matrix(self) -> Floats:
+        """M, shape (independent, independent) [kg m²]."""
+        root = self.root_mass
+        return root.T @ root
+
+    @property
+    def stiffness_matrix(self) -> Floats:
+        """K, shape (independent, independent) [N m]."""
+        basis = self.equilibrium.basis
+        return np.asarray(basis.T @ self.equilibrium.tangent @ basis)
+
+    def __repr__(self) -> str:
+        return f"BentModel(about {self.equilibrium!r})"
+
+
 @overload
 def linearize(chain: Chain, *, load: Load | None = None, at: None = None) -> LinearModel: ...
 
@@ -300,7 +398,7 @@ def linearize(
 
     About the shape that it takes under its own weight, in angles:
 
-    >>> from beammodes.equilibrium.equilibria import find_equilibrium
+    >>> from beammodes.equations.equilibria import find_equilibrium
     >>> linearize(chain, at=find_equilibrium(chain, Load(gravity=20.0))).stiffness_matrix.round(6)
     array([[13.071977, -2.      ],
            [-2.      ,  4.416262]])
@@ -313,13 +411,15 @@ def linearize(
 
 
 def _about(chain: Chain, load: Load | None, at: Equilibrium) -> BentModel:
-    from beammodes.equilibrium.bent_model import bent_model
-    from beammodes.equilibrium.equilibria import Equilibrium
-
     if not isinstance(at, Equilibrium):
         raise TypeError(f"at must be an Equilibrium from find_equilibrium() or None, got {shown(at)}")
     if at.chain is not chain and at.chain != chain:
         raise ValueError(f"at must be of the same chain, {shown(chain)}, got one of {shown(at.chain)}")
     if load is not None and checked_load(load) != at.load:
         raise ValueError(f"load must be left out or be that of at, {at.load}, got {load}")
-    return bent_model(at)
+    if at.load.spin_rate and at.load.plane == "lag" and np.abs(np.sin(at.angle)).max() > 1e-9:
+        raise ValueError(
+            "at must be straight in the plane of rotation of a turning hub, where Coriolis forces about a "
+            f'bent shape are of first order and left out here, got {at.load}: plane="flap" has none'
+        )
+    return BentModel(at)

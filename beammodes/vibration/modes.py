@@ -8,10 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from beammodes.checks import row_shown, shown, whole_number
-from beammodes.equilibrium.bent_model import BentModel, bent_shapes
 from beammodes.numerics.arrays import Floats
 from beammodes.problem.loading import Load
-from beammodes.vibration.linear import LinearModel
+from beammodes.vibration.linear import BentModel, LinearModel
 from beammodes.vibration.spectrum import (
     Buckled,
     FlexibilityForm,
@@ -100,7 +99,7 @@ def solve_modes(model: LinearModel | BentModel, modes: int | None = None) -> Mod
     count = model.elastic_modes if modes is None else whole_number("modes", modes)
     count = min(count, model.elastic_modes)
     if isinstance(model, BentModel):
-        omega, lift, turned = bent_shapes(model, count)
+        omega, lift, turned = _bent_shapes(model, count)
         return Modes(omega, model.rigid_body_modes, chain.node_position, lift, turned)
     form = flexibility_form(chain, model.load)
     try:
@@ -113,6 +112,32 @@ def solve_modes(model: LinearModel | BentModel, modes: int | None = None) -> Mod
     if is_turned(chain):
         shape, slope = shape[::-1], -slope[::-1]
     return _in_physical_units(model, _seen_from_hub(model, 1 / inverse), shape, slope)
+
+
+def _bent_shapes(model: BentModel, count: int) -> tuple[Floats, Floats, Floats]:
+    """Return ω, nodes' y and pieces' angles of the lowest modes, of unit modal mass, a row each.
+
+    With K = L Lᵀ and M = Aᵀ A the singular values of  A L^{-T}  are 1/ω: the lowest keep their digits, which
+    an eigen-solve of (K, M) would lose to the highest.
+    """
+    from scipy.linalg import solve_triangular
+
+    if not model.equilibrium.is_stable:
+        raise ValueError(
+            f"model must be about a stable equilibrium, got an unstable one of {shown(model.chain)} under "
+            f"{model.load}"
+        )
+    if not model.elastic_modes:
+        none = np.zeros((0, model.chain.pieces + 1))
+        return np.zeros(0), none, none[:, 1:]
+    lower = np.linalg.cholesky(model.stiffness_matrix)
+    root = solve_triangular(lower, model.root_mass.T, lower=True).T
+    _, inverse, turn = np.linalg.svd(root, full_matrices=False)
+    shapes = solve_triangular(lower, turn[:count].T, lower=True, trans="T") / inverse[:count]
+    lift, turned = model.displacements[1] @ shapes, model.rotations @ shapes
+    sign = np.sign(lift[np.abs(lift).argmax(axis=0), np.arange(shapes.shape[1])])
+    sign[sign == 0] = 1.0
+    return 1 / inverse[:count], (lift * sign).T, (turned * sign).T
 
 
 def _solved(form: FlexibilityForm, count: int) -> tuple[Floats, Floats]:

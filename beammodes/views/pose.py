@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from beammodes.chains.chain import Chain
 from beammodes.checks import positive_real, real_numbers, shown, whole_number
-from beammodes.equilibrium.equilibria import Equilibrium
+from beammodes.equations.equilibria import Equilibrium
 from beammodes.numerics.arrays import Floats
 from beammodes.vibration.modes import Modes
 

@@ -54,7 +54,7 @@ def _derived() -> tuple[Any, Fraction, int]:
     """Return the wall's and the inner spring, and up to which N the rule has been checked against them."""
     import sympy
 
-    from beammodes.derivation import wall_spring_weight
+    from beammodes.equations.derivation import wall_spring_weight
 
     weight, most = wall_spring_weight(), 100
     for count in range(1, most + 1):

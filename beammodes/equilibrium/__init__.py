@@ -1,1 +1,0 @@
-"""Large static deflection: bent, spinning and buckled shapes, and the linear model about them."""
