@@ -1,4 +1,4 @@
-"""Argument checks whose messages name the argument, the value received and what is allowed."""
+"""Argument checks whose messages name the argument, its value and what is allowed; values as text."""
 
 from __future__ import annotations
 
@@ -19,6 +19,7 @@ __all__ = [
     "bounded",
     "choice",
     "flag",
+    "percent",
     "plain_array",
     "positive_real",
     "real",
@@ -63,6 +64,19 @@ def row_shown(values: Iterable[float], form: str, unit: str) -> str:
     listed = [float(value) for value in values]
     more = f", ... ({len(listed)} in all)" if len(listed) > _SHOWN_NUMBERS else ""
     return f"{', '.join(map(form.format, listed[:_SHOWN_NUMBERS])) or 'none'} {unit}{more}"
+
+
+def percent(fraction: float, digits: int = 3, unit: str = " %", *, rounding: float = 0.0) -> str:
+    """Return a fraction in percent with its sign; what is at most `rounding` is shown as zero.
+
+    Examples
+    --------
+    >>> percent(0.1114, 2), percent(-0.00351753, 4, ""), percent(2e-16, rounding=1e-14)
+    ('+11 %', '-0.3518', '0 %')
+    """
+    if math.isnan(fraction):
+        return "nan"
+    return ("0" if abs(fraction) <= rounding else f"{100 * fraction:+.{digits}g}") + unit
 
 
 def real(name: str, value: object) -> float:

@@ -1,4 +1,4 @@
-"""How far long work has come: one line on a terminal, nothing elsewhere."""
+"""Long work: a line that shows how far it is, and Ctrl-C that loses nothing of what is finished."""
 
 from __future__ import annotations
 
@@ -10,17 +10,16 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from types import FrameType
-from typing import TextIO
 
 from beammodes.checks import shown
 
-__all__ = ["ProgressLine", "held", "pause", "progress_of"]
+__all__ = ["Progress", "ProgressLine", "held", "pause", "progress_of"]
 
+#: Called with how much is done, and of how much.
+Progress = Callable[[int, int], object]
 
-_BAR = 20
-
-
-_PERIOD = 0.1  # seconds between two lines: more would only slow the work down
+_BAR = 20  # characters
+_PERIOD = 0.1  # seconds between two lines: more would slow the work down
 
 
 @dataclass
@@ -31,13 +30,14 @@ class ProgressLine:
     ----------
     label, unit : str
         What is being done, and what is counted.
-    stream : text file
+    write : callable
+        Takes the text.
     clock : callable
         Time in seconds.
 
     Examples
     --------
-    >>> line = ProgressLine("study", "chunks", sys.stdout, iter([0.0, 2.0]).__next__)
+    >>> line = ProgressLine("study", "chunks", print, iter([0.0, 2.0]).__next__)
     >>> print(line.text(10, 40), line.text(20, 40), sep="\\n")
     study: [#####               ] 10 of 40 chunks
     study: [##########          ] 20 of 40 chunks, 5/s, 4 s left
@@ -45,24 +45,25 @@ class ProgressLine:
 
     label: str
     unit: str
-    stream: TextIO
+    write: Callable[[str], object]
     clock: Callable[[], float] = time.monotonic
     _first: tuple[float, int] | None = field(default=None, init=False)
     _shown: float = field(default=float("-inf"), init=False)
+    _width: int = field(default=0, init=False)
 
     def __call__(self, done: int, total: int) -> None:
         """Show that `done` of `total` are done."""
         if done < total and time.monotonic() - self._shown < _PERIOD:
             return
         self._shown = time.monotonic()
-        # What the last line had more is wiped.
-        self.stream.write(f"\r{self.text(done, total)}\x1b[K" + ("\n" if done == total else ""))
-        self.stream.flush()
+        text = self.text(done, total)
+        # Blanks cover the rest of a longer line before it.
+        self.write(f"\r{text:<{self._width}}" + ("\n" if done == total else ""))
+        self._width = len(text)
 
     def say(self, text: str) -> None:
         """Write one more line below."""
-        self.stream.write(f"{self.label}: {text}\n")
-        self.stream.flush()
+        self.write(f"{self.label}: {text}\n")
 
     def text(self, done: int, total: int) -> str:
         """Return the line."""
@@ -73,48 +74,42 @@ class ProgressLine:
         rate = (done - before) / (now - start) if now > start else 0.0
         if not rate:
             return text
-        return f"{text}, {rate:.3g}/s" + (f", {_clock((total - done) / rate)} left" if done < total else "")
+        left = f", {_duration((total - done) / rate)} left" if done < total else ""
+        return f"{text}, {rate:.3g}/s{left}"
 
 
 def progress_of(
-    progress: object, label: str, unit: str, stream: TextIO | None = None
-) -> Callable[[int, int], None]:
+    progress: object, label: str, unit: str, write: Callable[[str], object] | None = None
+) -> Progress:
     """Return a callable that shows progress as asked for.
 
     Parameters
     ----------
     progress : callable, bool or None
-        Called with (done, total); True or False for a line or none, None for one on a terminal only.
-    label, unit : str
-    stream : text file, optional
-        Standard error by default.
+        Called with (done, total); True or False for a line on standard error or none, None for a line only
+        where that is a terminal.
+    label, unit, write
+        As of `ProgressLine`; standard error by default.
 
     Raises
     ------
     TypeError
         If it is something else.
-
-    Examples
-    --------
-    >>> import io
-    >>> progress_of(None, "study", "chunks", io.StringIO())(1, 2)               # not a terminal: quiet
     """
-    out = stream or sys.stderr
     if progress is None:
-        progress = out.isatty()
+        progress = sys.stderr.isatty()
     if isinstance(progress, bool):
-        return ProgressLine(label, unit, out) if progress else _quiet
+        return ProgressLine(label, unit, write or sys.stderr.write) if progress else _quiet
     if not callable(progress):
         raise TypeError(f"progress must be a function, True, False or None, got {shown(progress)}")
     return progress
 
 
 def _quiet(_done: int, _total: int) -> None:
-    """Show nothing."""
+    pass
 
 
-def _clock(seconds: float) -> str:
-    """Return a duration as people say it."""
+def _duration(seconds: float) -> str:
     whole = round(seconds)
     if whole < 120:
         return f"{whole} s"
@@ -123,10 +118,8 @@ def _clock(seconds: float) -> str:
     return f"{whole // 3600} h {whole % 3600 // 60:02d} min"
 
 
-# Ctrl-C during work that keeps what it has finished: noted when it comes, obeyed where nothing can break.
-#
-# Python raises KeyboardInterrupt wherever it happens to be. Within CasADi's wrappers that becomes an error of
-# another kind, or nothing; while a result is put together it loses the result.
+# Ctrl-C is noted when it comes and obeyed where nothing can break: Python raises KeyboardInterrupt wherever
+# it happens to be, which within CasADi's wrappers becomes an error of another kind, or nothing.
 
 #: Of the work in progress: how often Ctrl-C has come. Signals reach the main thread only.
 _noted: list[int] = []

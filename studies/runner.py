@@ -4,11 +4,9 @@ from __future__ import annotations
 
 import os
 import signal
-import sys
 import time
 from collections.abc import Callable, Sequence
 from concurrent.futures import Future, ProcessPoolExecutor, as_completed
-from functools import partial
 from importlib import import_module
 from multiprocessing import active_children, get_context
 from pathlib import Path
@@ -23,6 +21,7 @@ from matplotlib.figure import Figure
 
 from beammodes.files import write_atomically
 from beammodes.numerics.blas import one_thread
+from beammodes.progress import progress_of
 from beammodes.views.plots import STYLE
 from studies import SLOWEST
 
@@ -108,7 +107,7 @@ def run_study(name: str, folder: Path, say: Say) -> None:
     start = time.perf_counter()
     study = import_module(f"studies.{name}")
     with one_thread():
-        table = study.data(progress=partial(_show_progress, say, name))
+        table = study.data(progress=progress_of(None, name, "points", say))
         if "disagreement" in table.attrs:
             say(f"\r{name}: three routes agree to {table.attrs['disagreement']:.0e}\n")
         figure = study.draw(table)
@@ -123,11 +122,6 @@ def run_study(name: str, folder: Path, say: Say) -> None:
             _save(figure, folder / f"{name}{ending}")
     written = ", ".join(f"{name}{ending}" for ending in (*contents, ".svg", ".png"))
     say(f"\r{name}: {written} ({time.perf_counter() - start:.1f} s)\n")
-
-
-def _show_progress(say: Say, name: str, done: int, total: int) -> None:
-    if sys.stderr.isatty() or done == total:
-        say(f"\r{name}: {done} of {total} points{'' if sys.stderr.isatty() else chr(10)}")
 
 
 def write_bytes(path: Path, data: bytes) -> None:

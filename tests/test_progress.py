@@ -41,20 +41,20 @@ def test_quiet_elsewhere(capsys: pytest.CaptureFixture[str]) -> None:
 )
 def test_time_left(seconds: float, said: str) -> None:
     # Half done, from 10 to 55 of 100: what is left takes as long as what was done.
-    line = ProgressLine("x", "points", io.StringIO(), iter([0.0, seconds]).__next__)
+    line = ProgressLine("x", "points", print, iter([0.0, seconds]).__next__)
     line.text(10, 100)
     assert line.text(55, 100).endswith(f", {said} left")
 
 
 def test_a_resumed_study_counts_from_where_it_was() -> None:
-    line = ProgressLine("x", "points", io.StringIO(), iter([0.0, 1.0]).__next__)
+    line = ProgressLine("x", "points", print, iter([0.0, 1.0]).__next__)
     line.text(90, 100)
     assert line.text(92, 100).endswith("92 of 100 points, 2/s, 4 s left")
 
 
 def test_not_every_step_is_shown() -> None:
     stream = io.StringIO()
-    line = ProgressLine("x", "points", stream)
+    line = ProgressLine("x", "points", stream.write)
     for k in range(1001):
         line(k, 1000)
     assert stream.getvalue().count("\r") < 100 and "1000 of 1000" in stream.getvalue()

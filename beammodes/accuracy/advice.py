@@ -20,7 +20,7 @@ from beammodes.accuracy.remarks import error_remarks
 from beammodes.accuracy.statics import LOADS, beam_statics, chain_statics
 from beammodes.chains.chain import Chain
 from beammodes.chains.rules import RULES, AnyRule, Layout, layout_of
-from beammodes.checks import bounded, shown, small_fraction, whole_number
+from beammodes.checks import bounded, percent, shown, small_fraction, whole_number
 from beammodes.exact.beam_theory import euler_bernoulli
 from beammodes.numerics.arrays import Floats
 from beammodes.problem.beam import Beam
@@ -86,9 +86,9 @@ class Recommendation:
         static = max(self.static_error.values(), key=abs, default=math.nan)
         told = [f"frequency error {100 * self.largest_error:.3g} %"]
         if not math.isnan(static):
-            told.append(f"static error {100 * static:+.3g} %")
+            told.append(f"static error {percent(static)}")
         if not math.isnan(self.theory_error):
-            told.append(f"theory error {100 * self.theory_error:+.3g} %")
+            told.append(f"theory error {percent(self.theory_error)}")
         told += [f"stable step {self.stable_time_step:.4g} s", f"cost {self.cost:.3g}"]
         return f"Recommendation({self.rule}, {self.segments} segments: {', '.join(told)})"
 

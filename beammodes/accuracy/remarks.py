@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from beammodes.accuracy.errors import frequency_error
 from beammodes.chains.rules import RULES, AnyRule, Layout, Rule, RuleMaker, axially_corrected, layout_of
-from beammodes.checks import whole_number
+from beammodes.checks import percent, whole_number
 from beammodes.problem.ends import Boundary, BoundaryLike, End
 from beammodes.problem.loading import Load, checked_load
 
@@ -164,7 +164,7 @@ def _short(record: Layout, case: _Case, error: float) -> Iterator[str]:
     known = {name: found for name, found in errors.items() if not math.isnan(found)}
     best = min(known, key=lambda name: abs(known[name]), default="")
     if best and abs(known[best]) < abs(error) / 1.02:
-        yield f"{best}, of lower order and with the same pieces, errs less here: {_percent(known[best])}"
+        yield f"{best}, of lower order and with the same pieces, errs less here: {percent(known[best], 4)}"
 
 
 def _loaded(record: Layout, case: _Case, error: float) -> Iterator[str]:
@@ -178,7 +178,7 @@ def _loaded(record: Layout, case: _Case, error: float) -> Iterator[str]:
     if case.load.is_axial:
         corrected = case.error(axially_corrected(record, case.load, case.beam))
         if abs(corrected) < abs(error):
-            better = f"; springs of axially_corrected: {_percent(corrected)}"
+            better = f"; springs of axially_corrected: {percent(corrected, 4)}"
     yield f"under load {record.name} has order 2, not {order}{better}"
 
 
@@ -195,9 +195,5 @@ def _bodies(record: Layout, case: _Case) -> Iterator[str]:
         here, there = "behind a hinge of its own", "on the last segment (on_segment=true)"
         if end.on_segment:
             here, there = "on the last segment", "behind a hinge of its own (on_segment=false)"
-        error = "" if math.isnan(found) else f": {_percent(found)}"
+        error = "" if math.isnan(found) else f": {percent(found, 4)}"
         yield f"the body at the {side} end is {here}; {there}{error}"
-
-
-def _percent(error: float) -> str:
-    return f"{100 * error:+.4g} %"

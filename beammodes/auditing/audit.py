@@ -9,10 +9,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from beammodes.accuracy.error_table import stout_remark
-from beammodes.auditing.judged_pieces import UNKNOWN, Columns, Found, JudgedPieces, percent
+from beammodes.auditing.judged_pieces import SOLVED, UNKNOWN, Columns, Found, JudgedPieces
 from beammodes.chains.chain import Chain
 from beammodes.chains.rules import RULES
-from beammodes.checks import row_shown, shown, small_fraction
+from beammodes.checks import percent, row_shown, shown, small_fraction
 from beammodes.numerics.arrays import Floats
 from beammodes.problem.beam import Beam
 from beammodes.problem.ends import Boundary, BoundaryLike
@@ -85,7 +85,9 @@ def listed_errors(errors: Floats) -> str:
     >>> listed_errors(np.array([0.1, np.nan]))
     'errors +10 %, no such mode'
     """
-    return "errors " + ", ".join("no such mode" if np.isnan(e) else percent(e) for e in errors)
+    return "errors " + ", ".join(
+        "no such mode" if np.isnan(e) else percent(e, rounding=SOLVED) for e in errors
+    )
 
 
 def suggestions_for(judged: JudgedPieces, layouts: list[Found]) -> tuple[Suggestion, ...]:
@@ -331,7 +333,7 @@ class Audit:
         """What is said of matter that is not the beam's, before any spring is blamed."""
         off = {"length": self.length_mismatch, "mass": self.mass_mismatch}
         found = [
-            f"{name} is {100 * part:+.3g} % off the beam's: more segments do not remove that error"
+            f"{name} is {percent(part)} off the beam's: more segments do not remove that error"
             for name, part in off.items()
             if abs(part) > _SAME
         ]
@@ -383,7 +385,7 @@ class Audit:
 
 
 def _listed(parts: list[float]) -> str:
-    return ", ".join("no such mode" if math.isnan(part) else percent(part) for part in parts)
+    return ", ".join("no such mode" if math.isnan(part) else percent(part, rounding=SOLVED) for part in parts)
 
 
 def _ratio(value: float) -> str:
@@ -441,7 +443,7 @@ def audit_chain(
     clamped-free chain does not meet 1 %: errors +11.1 %, +11.8 %
     first segment is rigid with its parent: rigid_stub, +11 % at N = 10, falls only as 1/N
       rigid_stub_corrected: springs 5.2174, 17.143, 10, 10, ...: errors +0.29 %, +3.42 %
-      first_spring_tuned: springs 6.0949, 10, 10, 10, ...: errors +0 %, +5.23 %
+      first_spring_tuned: springs 6.0949, 10, 10, 10, ...: errors 0 %, +5.23 %
       gregory: hinges moved to 0, 0.1, ...:
         springs 26.667, 8.5714, 10.435, 10, ...: errors +0.000515 %, -0.00976 %
     """

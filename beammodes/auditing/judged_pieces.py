@@ -15,7 +15,7 @@ from beammodes.auditing.body_tree import FileStep
 from beammodes.chains.chain import Chain
 from beammodes.chains.pieces import Number, piece_numbers
 from beammodes.chains.rules import RULES, Rule
-from beammodes.checks import shown, whole_number
+from beammodes.checks import percent, shown, whole_number
 from beammodes.exact.beam_theory import euler_bernoulli
 from beammodes.numerics.arrays import Floats
 from beammodes.problem.beam import Beam
@@ -28,7 +28,7 @@ from beammodes.vibration.linear import linearize
 from beammodes.vibration.modes import MAX_DENSE, solve_modes
 from beammodes.vibration.stability import modal_time_step, stable_time_step, taut_load
 
-__all__ = ["UNKNOWN", "Found", "JudgedPieces", "damping_ratios", "longest_step", "percent", "with_armature"]
+__all__ = ["SOLVED", "UNKNOWN", "Found", "JudgedPieces", "damping_ratios", "longest_step", "with_armature"]
 
 
 # How a chain swings in its file: with the armature and dampers of its hinges, at the file's time step.
@@ -137,20 +137,8 @@ _KIND = 0.01
 _NOTED = 1e-3
 
 
-#: Less is the rounding of numbers in files.
-_ROUNDING = 1e-5
-
-
-def percent(error: float, digits: int = 3) -> str:
-    """Return a relative error as text.
-
-    Examples
-    --------
-    >>> percent(0.1114, 2), percent(-1e-12)
-    ('+11 %', '+0 %')
-    """
-    # What is smaller is rounding.
-    return f"{100 * error if abs(error) > 1e-10 else 0.0:+.{digits}g} %"
+#: Less is the rounding of numbers in files, and of frequencies that are solved for.
+_ROUNDING, SOLVED = 1e-5, 1e-10
 
 
 @dataclass(frozen=True, eq=False)
@@ -382,13 +370,14 @@ class JudgedPieces:
         if not layouts:
             return f"{UNKNOWN}: hinges are not where a rule with equal segments puts them"
         where = self._where((rules or layouts)[0][0])
+        said = percent(error, 2, rounding=SOLVED)
         if not rules:
-            return f"{where}, with springs of no rule: {UNKNOWN}, {percent(error, 2)} at N = {layouts[0][1]}"
+            return f"{where}, with springs of no rule: {UNKNOWN}, {said} at N = {layouts[0][1]}"
         (rule, count), order = rules[0], self.order(rules[0][0])
         falls = "falls only as 1/N" if order == 1 else f"falls as 1/N{'⁰¹²³⁴⁵⁶⁷⁸⁹'[order]}"
         same = ", ".join(other.name for other, _ in rules[1:])
         text = f"{where}: {rule.name}{f' (here the same as {same})' if same else ''}"
-        return f"{text}, {percent(error, 2)} at N = {count}, {falls}{self._down_to(rule, error)}"
+        return f"{text}, {said} at N = {count}, {falls}{self._down_to(rule, error)}"
 
     def _down_to(self, rule: Rule, error: float) -> str:
         if not self._is_uniform:
@@ -401,7 +390,7 @@ class JudgedPieces:
         if not self._has_section:
             return " with rods of a rod's rotary inertia, which these are not"
         if self.rotary_inertia_mismatch > _ROUNDING:
-            return f" down to the {percent(cost, 2)} of the rods' own rotary inertia"
+            return f" down to the {percent(cost, 2, rounding=SOLVED)} of the rods' own rotary inertia"
         return ""
 
     def _where(self, rule: Rule) -> str:
@@ -436,7 +425,7 @@ class JudgedPieces:
 
     def _about_rotation(self) -> str:
         rods = "slender rods" if self._rod_ratio < 1 / 6 else "masses at their tips"
-        off = f"{100 * self.rotary_inertia_mismatch:+.3g} %"
+        off = percent(self.rotary_inertia_mismatch)
         part = f"rotary inertia of the segments is {off} off that of {rods}"
         if not self._has_section or self.rotary_inertia_mismatch < 0:
             return f"{part}, which no section explains"

@@ -20,7 +20,7 @@ from beammodes.batch.store import BadChunk, Evaluated, Store, definition_digest,
 from beammodes.batch.study_axes import AXES, SECTIONS, Axis, Normal, Uniform, axis_values, dimensions_of
 from beammodes.checks import choice, shown, whole_number
 from beammodes.numerics.arrays import Floats
-from beammodes.progress import ProgressLine, progress_of
+from beammodes.progress import Progress, ProgressLine, progress_of
 from beammodes.version import __version__
 
 if TYPE_CHECKING:
@@ -339,7 +339,7 @@ class Study:
         *,
         engine: Any = "serial",
         workers: int | None = None,
-        progress: Callable[[int, int], None] | bool | None = None,
+        progress: Progress | bool | None = None,
     ) -> xarray.Dataset:
         """Compute what is not in the store yet, and return everything.
 
@@ -510,8 +510,6 @@ def _coordinate(axis: Axis, own: bool) -> tuple[Any, ...]:
 
 # Running a study: what is missing in its store is computed, saved as it comes, and read back.
 
-Report = Callable[[int, int], None]
-
 
 def run_study(
     study: Study, store: str | Path | None, *, engine: Any, workers: int | None, progress: Any
@@ -542,7 +540,7 @@ def run_study(
         return _closed(study_dataset(kept.definition, _sound(kept)), report)
 
 
-def _closed(found: xarray.Dataset, report: Report) -> xarray.Dataset:
+def _closed(found: xarray.Dataset, report: Progress) -> xarray.Dataset:
     """Say on the line of progress, if there is one, how many cases have no answer, and return the dataset."""
     if isinstance(report, ProgressLine) and found.failed_cases:
         report.say(f"{found.failed_cases} of {found.cases} cases have no answer: {found.reasons}")
@@ -604,7 +602,7 @@ def _compute(
     done: Container[int],
     engine: Any,
     workers: int | None,
-    report: Report,
+    report: Progress,
     save: Callable[[int, Evaluated], object],
 ) -> None:
     """Compute the chunks that are not among `done`, and save each as it comes."""

@@ -8,7 +8,7 @@ import shlex
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
-from beammodes.checks import choice, positive_real, shown
+from beammodes.checks import choice, percent, positive_real, shown
 from beammodes.command_line.text_tables import (
     DECLARED,
     GIVEN,
@@ -87,7 +87,7 @@ def answer_error(options: argparse.Namespace) -> Answer:
     )
     if remarks:
         answer["remarks"] = list(remarks)
-    said = [f"{100 * error:+.6g} %{_numbers_note(options)}", *(f"  {remark}" for remark in remarks)]
+    said = [f"{percent(error, 6)}{_numbers_note(options)}", *(f"  {remark}" for remark in remarks)]
     return answer | _CASE, "\n".join([*said, f"rule {_rule_said(options)}, {_CASE['holds_for']}"])
 
 

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
 from types import MappingProxyType
 from typing import Any
+
+from beammodes.checks import percent
 
 __all__ = [
     "DECLARED",
@@ -122,9 +123,7 @@ def percents(fraction: float) -> str:
     >>> percents(-0.00351753), percents(2e-16), percents(float("nan"))
     ('-0.3518', '0', 'nan')
     """
-    if math.isnan(fraction):
-        return "nan"
-    return "0" if abs(fraction) < 1e-14 else f"{100 * fraction:+.4g}"
+    return percent(fraction, 4, "", rounding=1e-14)
 
 
 def frequency_table(rows: Sequence[dict[str, Any]], key: str = "frequency_hz", unit: str = "Hz") -> str:

@@ -17,7 +17,7 @@ from beammodes.dynamics.forward_dynamics import ChainState, base_vector, checked
 from beammodes.equations.mechanics import Algebra, coordinate_names, piece_energies, tip_names
 from beammodes.numerics.arrays import Floats
 from beammodes.problem.loading import Load, checked_load
-from beammodes.progress import pause
+from beammodes.progress import Progress, pause
 from beammodes.vibration.damping import Damping
 from beammodes.vibration.integrators import INTEGRATORS
 
@@ -315,9 +315,6 @@ def _dissipation(chain: Chain, damping: Damping, state: ChainState, algebra: Alg
     return lost
 
 
-Progress = Callable[[int, int], None] | None
-
-
 #: Times, coordinates, speeds, and why the run stopped early, or nothing.
 Found = tuple[Floats, Floats, Floats, str]
 
@@ -424,8 +421,7 @@ def _fixed(run: Run, stepper: Stepper, state: Floats, progress: Progress) -> tup
             kept.append(states[:count][wanted])
             times.extend((numbers[wanted] * run.step).tolist())
             state, done = states[-1], done + count
-            if progress is not None:
-                progress(done, run.steps)
+            progress(done, run.steps)
     except KeyboardInterrupt:
         why = f"interrupted after step {done}"
     return np.array(times), np.concatenate(kept), why
@@ -472,8 +468,7 @@ def variable_run(run: Run, start: tuple[Floats, Floats], progress: Progress) -> 
                     break
                 kept.append(state)
                 times.append(time)
-                if progress is not None:
-                    progress(k, outputs)
+                progress(k, outputs)
     except KeyboardInterrupt:
         why = f"interrupted after t = {times[-1]:.6g} s"
     states = np.array(kept)

@@ -4,9 +4,7 @@ from __future__ import annotations
 
 import io
 import math
-import sys
 import warnings
-from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -21,7 +19,7 @@ from beammodes.equations.mechanics import Algebra, coordinate_names, piece_energ
 from beammodes.files import file_target, write_atomically
 from beammodes.numerics.arrays import Floats
 from beammodes.problem.loading import Load, checked_load
-from beammodes.progress import held
+from beammodes.progress import Progress, held, progress_of
 from beammodes.version import SOURCE
 from beammodes.vibration.damping import Damping
 from beammodes.vibration.integrators import INTEGRATORS
@@ -302,7 +300,7 @@ def simulate(
     base: BaseMotion | None = None,
     damping: Damping | None = None,
     tolerance: float = 1e-9,
-    progress: Callable[[int, int], None] | bool = False,
+    progress: Progress | bool | None = False,
     path: str | Path | None = None,
 ) -> xarray.Dataset:
     """Return the motion of a chain, large rotations included.
@@ -333,9 +331,9 @@ def simulate(
     damping : Damping, optional
     tolerance : float
         Relative, of variable-step integrators; absolute is a thousandth of it.
-    progress : bool or callable
-        True writes to standard error how far a run is; a function is called with (steps or output times
-        done, all of them).
+    progress : bool, callable or None
+        True shows on standard error how far a run is, None only on a terminal; a function is called with
+        (steps or output times done, all of them).
     path : str or Path, optional
         netCDF file for the result, also for what an interrupted run has. It is asked for before the motion
         whether it can be written, and replaced in one step.
@@ -382,9 +380,7 @@ def simulate(
     span = positive_real("duration", duration)
     kind = choice("integrator", integrator, MOTION_INTEGRATORS)
     shown_step = span / OUTPUTS if output_step is None else positive_real("output_step", output_step)
-    if not isinstance(progress, bool) and not callable(progress):
-        raise TypeError(f"progress must be a bool or a function, got {shown(progress)}")
-    told = _say if progress is True else progress or None
+    told = progress_of(progress, "simulation", "steps")
     if path is not None:
         file_target(path)
     if positive_real("tolerance", tolerance) < 1e-13:
@@ -455,11 +451,6 @@ def _largest_pull(chain: Chain, load: Load, base: BaseMotion, span: float) -> fl
         carried = np.hypot(ax, ay) + chain.length.sum() * np.hypot(spin**2, gain)
         push += float(chain.mass.sum() * carried.max())
     return max(0.0, float(load.axial_force)) + 3 * push
-
-
-def _say(done: int, whole: int) -> None:
-    sys.stderr.write(f"\r{done} of {whole}" + ("\n" if done == whole else ""))
-    sys.stderr.flush()
 
 
 def _save(result: xarray.Dataset, path: str | Path) -> None:

@@ -12,7 +12,7 @@ import numpy as np
 
 from beammodes.accuracy.error_table import SlendernessWarning, chain_errors, stout_remark
 from beammodes.chains.chain import Chain
-from beammodes.checks import positive_real, shown
+from beammodes.checks import percent, positive_real, shown
 from beammodes.equations.equilibria import EquilibriumNotFound, find_equilibrium
 from beammodes.equations.mechanics import axial_pull
 from beammodes.exporters.planar_tree import Tree
@@ -216,7 +216,8 @@ class Facts:
         shown_first = ", ".join(f"{omega / (2 * math.pi):.8g}" for omega in self.first)
         kept.append(f"natural frequencies of the chain: {shown_first or 'none'} Hz, undamped, without load")
         if self.errors:
-            kept.append(f"their errors against the exact beam: {', '.join(map(_percent, self.errors))}")
+            errors = (percent(error, 5, rounding=1e-10) for error in self.errors)
+            kept.append(f"their errors against the exact beam: {', '.join(errors)}")
         if chain.beam is not None:
             kept += filter(None, [stout_remark(chain.beam, chain.boundary, np.array(self.errors))])
         if self.ratios:
@@ -442,10 +443,6 @@ def _accurate_step(engine: str, omega: float, ratio: float) -> float:
 def _rounded_down(step: float) -> float:
     unit = math.floor(math.log10(step)) - 2
     return float(f"{math.floor(step / 10.0**unit)}e{unit}")
-
-
-def _percent(error: float) -> str:
-    return f"{100 * error:+.5g} %" if abs(error) > 1e-10 else "below 1e-8 %"
 
 
 def digits(value: float) -> str:
