@@ -7,10 +7,11 @@ import numpy as np
 import xarray
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from numpy.typing import ArrayLike
 
 import beammodes as bm
-from beammodes.dynamics.superposition import pinned_shape, plucked
-from beammodes.exact.exact_beam import plain_modes
+from beammodes.exact.exact_beam import BeamModes, plain_modes
+from beammodes.numerics.arrays import Floats
 from beammodes.views.plots import COLOURS, GREY, STYLE, label_along, label_line
 from beammodes.views.tables import csv_table, tidy_rows
 from studies import Progress
@@ -27,6 +28,27 @@ COLUMNS = ("quantity", "modes", "relative_error")
 SHAPE_COLUMNS = ("mode", "x", "shape")
 #: Where sums of one, two and three modes are named.
 PLACES = ((8.0, 6.0), (4.0, 8.0), (-3.0, 17.0))
+
+
+def plucked(shapes: BeamModes, force: float, at: float) -> Floats:
+    """Return modal coordinates  q_n = F φ_n(a) / ω_n²  of a beam that a force F at a holds aside."""
+    return np.asarray(force * shapes.shape(at) / shapes.angular_frequency**2)
+
+
+def pinned_shape(beam: bm.Beam, force: float, at: float, x: ArrayLike, derivative: int = 0) -> Floats:
+    """Return deflection, slope or curvature of a pinned-pinned beam that a force at `at` holds aside.
+
+        y = F b x (L² - b² - x²) / (6 EI L)  for x ≤ a = L - b,  and its mirror image beyond
+
+    Source: S. P. Timoshenko, Strength of Materials, part I (1930), chapter V.
+    """
+    length, position = beam.length, np.asarray(x, dtype=np.float64)
+    beyond = position > at
+    # Seen from the nearer support of the two: a mirror changes the sign of the slope.
+    arm, near = np.where(beyond, at, length - at), np.where(beyond, length - position, position)
+    rest = length**2 - arm**2
+    values = (near * (rest - near**2), np.where(beyond, -1.0, 1.0) * (rest - 3 * near**2), -6 * near)
+    return np.asarray(force * arm * values[derivative] / (6 * beam.mean_bending_stiffness * length))
 
 
 def data(progress: Progress | None = None) -> xarray.Dataset:

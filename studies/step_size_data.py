@@ -12,8 +12,9 @@ import beammodes as bm
 from beammodes.dynamics.runs import Stepper, runge_kutta
 from beammodes.dynamics.simulation import mode_start
 from beammodes.vibration.integrators import accuracy_limit
-from beammodes.vibration.stability import SAFE_CONSTANT, published_constants, step_constants
+from beammodes.vibration.stability import published_constants
 from studies import Progress
+from studies.c_table import SAFE_CONSTANT, step_constants
 from studies.step_trials import equal_start, largest_angles, modal_motion, variable_step_cost
 
 BOUNDARIES = ("clamped-free", "clamped-clamped")

@@ -12,9 +12,10 @@ from PIL import Image
 
 import beammodes as bm
 from beammodes.dynamics.base_motion import BaseMotion, harmonic, spin_up
-from beammodes.dynamics.superposition import modal_response, pinned_shape, plucked
+from beammodes.dynamics.superposition import modal_response
 from beammodes.exact.exact_beam import plain_modes
 from studies import motion_spectrum
+from studies.appendix import pinned_shape, plucked
 from studies.compare import rows_of
 from studies.motions import moved, repeatable
 
@@ -127,16 +128,6 @@ def test_refusals(changed: dict[str, Any], error: type[Exception], message: str)
     arguments = {"beam": UNIT, "boundary": "clamped-free", "modes": 2, "time": [0.0, 1.0]} | changed
     with pytest.raises(error, match=message):
         modal_response(**arguments)
-
-
-def test_plucking_outside_the_beam() -> None:
-    shapes = plain_modes(UNIT, "pinned-pinned", 2)
-    with pytest.raises(ValueError, match=r"^at must be in \[0, 1\.0\], got 1\.5"):
-        plucked(shapes, 1.0, 1.5)
-    with pytest.raises(TypeError, match=r"^shapes must be BeamModes"):
-        plucked(None, 1.0, 0.5)
-    with pytest.raises(ValueError, match=r"^x must be inside \[0, 1\.0\]"):
-        pinned_shape(UNIT, 1.0, 0.5, 1.5)
 
 
 # --- The studies -----------------------------------------------------------------------------------------

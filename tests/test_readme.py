@@ -12,7 +12,7 @@ import pytest
 import beammodes as bm
 from beammodes.__main__ import main
 from beammodes.vibration.integrators import accuracy_limit
-from beammodes.vibration.stability import SAFE_CONSTANT
+from studies.c_table import SAFE_CONSTANT
 from studies.step_size_data import OUTPUTS
 from studies.step_trials import variable_step_cost
 

@@ -13,12 +13,12 @@ from beammodes.problem.beam import Beam
 from beammodes.problem.ends import BOUNDARIES
 from beammodes.vibration.integrators import stability_limit
 from beammodes.vibration.stability import (
-    exact_constants,
     highest_angular_frequency,
     published_constants,
     published_time_step,
     stable_time_step,
 )
+from studies.c_table import exact_constants
 
 
 def runge_kutta_amplification(z: complex) -> float:

@@ -28,13 +28,12 @@ from beammodes.vibration.integrators import (
 from beammodes.vibration.linear import linearize
 from beammodes.vibration.modes import solve_modes
 from beammodes.vibration.stability import (
-    SAFE_CONSTANT,
     highest_angular_frequency,
     published_time_step,
     stable_time_step,
-    step_constants,
 )
 from studies import step_size
+from studies.c_table import SAFE_CONSTANT, step_constants
 from studies.compare import RELATIVE, rows_of, study_differs
 from studies.step_size_data import ANALYSED, BOUNDARIES
 from studies.step_trials import equal_start, largest_angles, modal_motion, variable_step_cost

@@ -24,14 +24,12 @@ import numpy as np
 from beammodes.chains.chain import Chain
 from beammodes.checks import shown, whole_number
 from beammodes.equations.mechanics import axial_pull
-from beammodes.exact.exact_beam import wavenumber
 from beammodes.numerics.arrays import Floats
 from beammodes.problem.beam import Beam
 from beammodes.problem.loading import Load, checked_load
 from beammodes.vibration.damping import Damping, ModalDamping, damped_eigenvalues, damping_of_modes
 from beammodes.vibration.integrators import (
     Integrator,
-    accuracy_limit,
     fixed_step_integrator,
     stability_limit,
 )
@@ -42,24 +40,17 @@ from beammodes.vibration.spectrum import is_turned
 __all__ = [
     "GRAVITY",
     "ROARK_CLAMPED_CLAMPED",
-    "SAFE_CONSTANT",
-    "exact_constants",
     "highest_angular_frequency",
     "modal_time_step",
     "published_constants",
     "published_time_step",
     "stable_time_step",
-    "step_constants",
     "taut_load",
 ]
 
 
 #: Gravity that a step is held against where none is given [m/s²], in any direction.
 GRAVITY = 9.81
-#: Of rk4, times N²: no uniform undamped chain between plain ends, with the report's springs, has a mode
-#: above the band edge √48 N², so h ≤ ell² √(ρA/(6 EI)) is stable for small motions without any eigen-solve.
-SAFE_CONSTANT = 1 / math.sqrt(6)
-
 #: K_1 to K_5 as printed by Roark and Young, Formulas for Stress and Strain, p. 576, both ends fixed.
 ROARK_CLAMPED_CLAMPED = (22.4, 61.7, 121.0, 200.0, 299.0)
 
@@ -75,25 +66,6 @@ def published_constants() -> Floats:
     array([0.357, 0.13 , 0.066, 0.04 , 0.027])
     """
     return np.round(8 / np.array(ROARK_CLAMPED_CLAMPED), 3)
-
-
-def exact_constants(modes: int, *, limit: float = 8.0) -> Floats:
-    """Return  limit / K_n  with the exact roots K_n = β_n² of the clamped-clamped beam, shape (modes,).
-
-    Parameters
-    ----------
-    modes : int
-        How many, from the first.
-    limit : float
-        8 as in the report; 2√2 makes one such mode alone stable under fixed-step RK4.
-
-    Examples
-    --------
-    >>> exact_constants(2).round(4)
-    array([0.3576, 0.1297])
-    """
-    count = whole_number("modes", modes, most=100_000)
-    return np.asarray(limit / wavenumber("clamped-clamped", np.arange(1, count + 1)) ** 2)
 
 
 def published_time_step(beam: Beam, modes: int) -> float:
@@ -366,42 +338,3 @@ def _joint_matrices(chain: Chain, load: Load, damping: Damping) -> tuple[Floats,
     lower = np.linalg.inv(np.linalg.cholesky(inertia))
     local, lost = (lower @ each @ np.swapaxes(lower, 1, 2) for each in (stiffness, rate))
     return local, lost
-
-
-def step_constants(
-    chain: Chain, modes: int, integrator: str = "rk4", *, damping_ratio: float = 0.0
-) -> tuple[float, Floats]:
-    """Return C of the longest stable step, and of the longest accurate ones for 1 to `modes` modes.
-
-        h = C L² √(ρA/EI)
-
-    Accurate is: frequency within 0.1 %, amplitude within 1 % of the first one, over 100 periods of each mode.
-    A step to use is the smaller of both.
-
-    Parameters
-    ----------
-    chain : Chain
-    modes : int
-        How many, from the first; NaN for those that the chain does not have.
-    integrator : str
-        Of fixed step.
-    damping_ratio : float
-        Of the first mode, by dampers in proportion to the springs: ratios of other modes go with ω.
-
-    Examples
-    --------
-    >>> stable, accurate = step_constants(Chain(Beam.unit(), "clamped-free", segments=4), 3)
-    >>> round(stable, 4), accurate.round(4)
-    (0.0305, array([0.0853, 0.0146, 0.0056]))
-    """
-    count = whole_number("modes", modes)
-    solved = solve_modes(linearize(chain)).angular_frequency
-    if chain.beam is None:
-        raise ValueError("chain must be cut from a beam, in whose units C is")
-    omega = np.asarray(solved, dtype=np.float64) / chain.beam.frequency_unit
-    ratios = (damping_ratio * omega / omega[0]).tolist()
-    stable = min(stability_limit(integrator, r) / w for r, w in zip(ratios, omega.tolist(), strict=True))
-    each = [accuracy_limit(integrator, r) / w for r, w in zip(ratios[:count], omega.tolist(), strict=False)]
-    accurate = np.full(count, np.nan)
-    accurate[: len(each)] = np.minimum.accumulate(each)
-    return stable, accurate

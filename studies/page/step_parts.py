@@ -9,14 +9,9 @@ import numpy as np
 import beammodes as bm
 from beammodes.closed_form.dispersion import chain_frequency
 from beammodes.vibration.integrators import accuracy_limit, amplification, stability_limit
-from beammodes.vibration.stability import (
-    ROARK_CLAMPED_CLAMPED,
-    SAFE_CONSTANT,
-    exact_constants,
-    published_constants,
-    step_constants,
-)
+from beammodes.vibration.stability import ROARK_CLAMPED_CLAMPED, published_constants
 from studies import c_table, figure_1, step_size_data
+from studies.c_table import SAFE_CONSTANT, exact_constants, step_constants
 from studies.page.evidence import note
 from studies.page.markup import Cell, significant, table
 from studies.page.tables import Parts, agree, read, worst_of
