@@ -57,7 +57,7 @@ dynamics/      motion in time
 exporters/     a chain as a file for a simulator
 auditing/      chains that others made: read, judged and mended
 batch/         studies of many chains, in chunks, kept in a store
-views/         figures, tables and films
+views/         drawings and films
 command_line/  the questions that the shell answers
 """
 

@@ -18,10 +18,11 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from scipy.sparse.linalg import eigsh
 
-from beammodes.views.plots import COLOURS, STYLE, label_line
-from beammodes.views.tables import csv_table, tidy_rows
+from beammodes.views.symbols import COLOURS, STYLE
 from studies import Progress
+from studies.plots import label_line
 from studies.rivals import METHODS
+from studies.tables import csv_table, tidy_rows
 
 __all__ = ["beam_frequency", "chain_frequency", "data", "draw", "hermite_frequency", "tables"]
 

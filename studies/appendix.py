@@ -12,11 +12,12 @@ from numpy.typing import ArrayLike
 import beammodes as bm
 from beammodes.exact.exact_beam import BeamModes, plain_modes
 from beammodes.numerics.arrays import Floats
-from beammodes.views.plots import COLOURS, GREY, STYLE, label_along, label_line
-from beammodes.views.tables import csv_table, tidy_rows
+from beammodes.views.symbols import COLOURS, GREY, STYLE
 from studies import Progress
 from studies.drawing import bold_title
 from studies.motions import repeatable
+from studies.plots import label_along, label_line
+from studies.tables import csv_table, tidy_rows
 
 BEAM, BOUNDARY = bm.Beam.unit(), "pinned-pinned"
 #: The beam is held aside by a force here, then let go.

@@ -16,9 +16,10 @@ from beammodes.accuracy.buckling import buckling_dataset, buckling_load
 from beammodes.accuracy.error_table import chain_errors
 from beammodes.chains.rules import AnyRule, axially_corrected
 from beammodes.problem.loading import Load
-from beammodes.views.plots import COLOURS, GREY, STYLE, label_along, mark_point, method_style
-from beammodes.views.tables import csv_table, tidy_rows
+from beammodes.views.symbols import COLOURS, GREY, STYLE
 from studies import Progress
+from studies.plots import label_along, mark_point, method_style
+from studies.tables import csv_table, tidy_rows
 
 BOUNDARIES = ("pinned-pinned", "clamped-free")
 CASES = ("mitiguy", "gregory", "gregory corrected", "gregory, no force")

@@ -13,7 +13,7 @@ import numpy as np
 
 import beammodes as bm
 from beammodes.batch.executors import executor_of
-from beammodes.views.tables import markdown_table
+from studies.tables import markdown_table
 
 __all__ = ["BODIES", "PLAIN", "batch_table", "measured", "needs", "seconds_of"]
 

@@ -28,11 +28,11 @@ from sympy.core.cache import clear_cache
 import beammodes as bm
 from beammodes.chains.rules import RULES
 from beammodes.files import write_atomically
-from beammodes.views.tables import markdown_table
 from studies.accuracy import beam_frequency, chain_frequency
 from studies.batch_speed import batch_table
 from studies.motion_rivals import moving
 from studies.rivals import KANE_UNITS, MEMORY, METHODS, duration, kane_equations, nodal_matrices, timed
+from studies.tables import markdown_table
 
 __all__ = [
     "batches",

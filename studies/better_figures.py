@@ -9,10 +9,11 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 import beammodes as bm
-from beammodes.views.plots import GREY, STYLE, label_line, method_style
-from beammodes.views.tables import csv_table, tidy_rows
+from beammodes.views.symbols import GREY, STYLE
 from studies import Progress
 from studies.largest_errors import MATCHED, MODES, ROUNDING
+from studies.plots import label_line, method_style
+from studies.tables import csv_table, tidy_rows
 
 __all__ = ["data", "draw", "tables"]
 

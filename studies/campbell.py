@@ -14,10 +14,11 @@ from numpy.typing import NDArray
 
 import beammodes as bm
 from beammodes.problem.loading import PLANES
-from beammodes.views.plots import COLOURS, GREY, STYLE, label_along, label_line, method_style
-from beammodes.views.tables import csv_table, tidy_rows
+from beammodes.views.symbols import COLOURS, GREY, STYLE
 from studies import Progress
 from studies.drawing import bold_title
+from studies.plots import label_along, label_line, method_style
+from studies.tables import csv_table, tidy_rows
 
 Side = Literal["above", "below"]
 Label = tuple[Line2D, str, float, Side]

@@ -13,18 +13,11 @@ from numpy.typing import NDArray
 
 import beammodes as bm
 from beammodes.chains.rules import AnyRule
-from beammodes.views.plots import (
-    GREY,
-    STYLE,
-    label_along,
-    mark_exact,
-    mark_point,
-    method_style,
-    places_along,
-)
-from beammodes.views.tables import csv_table, tidy_rows
+from beammodes.views.symbols import GREY, STYLE
 from studies import Progress
 from studies.largest_errors import MATCHED, largest_error
+from studies.plots import label_along, mark_exact, mark_point, method_style, places_along
+from studies.tables import csv_table, tidy_rows
 
 __all__ = ["cost", "data", "draw", "front", "tables"]
 

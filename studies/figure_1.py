@@ -14,12 +14,12 @@ from matplotlib.patches import Circle, FancyArrowPatch
 import beammodes as bm
 from beammodes.dynamics.base_motion import BaseMotion, harmonic, spin_up
 from beammodes.dynamics.superposition import modal_response
-from beammodes.views.plots import COLOURS, STYLE, label_line
-from beammodes.views.symbols import BLOCK, EDGE, draw_block
-from beammodes.views.tables import csv_table, tidy_rows
+from beammodes.views.symbols import BLOCK, COLOURS, EDGE, STYLE, draw_block
 from studies import Progress
 from studies.drawing import bold_title, picture
 from studies.motions import moved, repeatable
+from studies.plots import label_line
+from studies.tables import csv_table, tidy_rows
 
 #: J. C. Simo and L. Vu-Quoc, J. Appl. Mech. 53 (1986) 855: EI, ρA, L, run-up to 6 rad/s in 15 s.
 BEAM = bm.Beam(length=10.0, bending_stiffness=14000.0, mass_per_length=1.2)

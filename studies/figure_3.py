@@ -12,12 +12,12 @@ from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 
 import beammodes as bm
-from beammodes.views.plots import GREY, STYLE, label_along, method_style
-from beammodes.views.symbols import ROD, SPRING
-from beammodes.views.tables import csv_table, tidy_rows
+from beammodes.views.symbols import GREY, ROD, SPRING, STYLE
 from studies import Progress, figure_6
 from studies.drawing import bold_title, mode_shapes, picture
 from studies.motions import repeatable
+from studies.plots import label_along, method_style
+from studies.tables import csv_table, tidy_rows
 
 #: The report gives its body no numbers; these are chosen: a square block as heavy as the beam, the beam
 #: clamped to the middle of one side. In units of the beam's mass and length.

@@ -7,9 +7,10 @@ import xarray
 from matplotlib.figure import Figure
 
 from beammodes.accuracy.error_table import derived_error_dataset
-from beammodes.views.plots import STYLE, label_line, plot_errors
-from beammodes.views.tables import csv_table, tidy_rows
+from beammodes.views.symbols import STYLE
 from studies import Progress
+from studies.plots import label_line, plot_errors
+from studies.tables import csv_table, tidy_rows
 
 BOUNDARY = "clamped-free"
 TITLE = "Figure 6 · cantilever/free beam, the report's springs"

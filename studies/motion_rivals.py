@@ -22,8 +22,8 @@ from beammodes.dynamics.base_motion import BaseMotion
 from beammodes.dynamics.runs import Rate, Run, runge_kutta
 from beammodes.problem.loading import Load
 from beammodes.vibration.damping import Damping
-from beammodes.views.tables import markdown_table
 from studies.rivals import duration, kane_equations, timed
+from studies.tables import markdown_table
 
 __all__ = ["METHODS", "moving", "state_of"]
 

@@ -14,11 +14,12 @@ from numpy.typing import NDArray
 
 import beammodes as bm
 from beammodes.dynamics.simulation import mode_start
-from beammodes.views.plots import COLOURS, GREY, STYLE, label_along
-from beammodes.views.tables import csv_table, tidy_rows
+from beammodes.views.symbols import COLOURS, GREY, STYLE
 from studies import Progress
 from studies.drawing import bold_title
 from studies.motions import moved, repeatable
+from studies.plots import label_along
+from studies.tables import csv_table, tidy_rows
 
 BEAM, BOUNDARY, RULE = bm.Beam.unit(), "clamped-free", "gregory"
 #: A small knock: the last rod's first angular velocity; the chain is followed for some 22 periods.

@@ -14,9 +14,10 @@ from matplotlib.lines import Line2D
 import beammodes as bm
 from beammodes.accuracy.error_table import chain_errors
 from beammodes.problem.profiles import Table, value_at
-from beammodes.views.plots import COLOURS, GREY, STYLE, label_along, method_style
-from beammodes.views.tables import csv_table, tidy_rows
+from beammodes.views.symbols import COLOURS, GREY, STYLE
 from studies import Progress
+from studies.plots import label_along, method_style
+from studies.tables import csv_table, tidy_rows
 
 BOUNDARY, RULES = "clamped-free", ("mitiguy", "gregory")
 TAPER = bm.Beam(1.0, Table((0.0, 1.0), (1.0, 0.5)), 1.0)

@@ -11,9 +11,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 import beammodes as bm
-from beammodes.views.plots import COLOURS, STYLE
-from beammodes.views.tables import csv_table, tidy_rows
+from beammodes.views.symbols import COLOURS, STYLE
 from studies import Progress
+from studies.tables import csv_table, tidy_rows
 
 BOUNDARY, SEGMENTS = "clamped-free", 6
 #: Where a cell of width w ell is drawn about its hinge: a wall's hinge has one side only.

@@ -22,7 +22,7 @@ from matplotlib.figure import Figure
 from beammodes.files import write_atomically
 from beammodes.numerics.blas import one_thread
 from beammodes.progress import progress_of
-from beammodes.views.plots import STYLE
+from beammodes.views.symbols import STYLE
 from studies import SLOWEST
 
 __all__ = ["missing", "run_all", "run_study", "write_bytes"]

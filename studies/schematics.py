@@ -13,13 +13,12 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 import beammodes as bm
-from beammodes.views.plots import GREY, STYLE
 from beammodes.views.pose import Shape, pose_of
-from beammodes.views.symbols import EDGE, GROUND_SPRING, ROD, SPRING
-from beammodes.views.tables import csv_table, tidy_rows
+from beammodes.views.symbols import EDGE, GREY, GROUND_SPRING, ROD, SPRING, STYLE
 from studies import Progress
 from studies.drawing import bold_title
 from studies.motions import moved, repeatable
+from studies.tables import csv_table, tidy_rows
 
 UNIT, DRAWN = bm.Beam.unit(), 4
 COLUMNS = ("panel", "node", "x", "y", "stiffness")

@@ -9,10 +9,11 @@ from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 
 import beammodes as bm
-from beammodes.views.plots import GREY, NUMBER_MAP, STYLE, plot_number_map
-from beammodes.views.tables import csv_table, tidy_rows
+from beammodes.views.symbols import GREY, STYLE
 from studies import Progress
 from studies.largest_errors import MATCHED, MODES
+from studies.plots import NUMBER_MAP, plot_number_map
+from studies.tables import csv_table, tidy_rows
 
 __all__ = ["data", "draw", "tables"]
 

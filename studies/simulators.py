@@ -12,10 +12,10 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 from numpy.typing import NDArray
 
-from beammodes.views.plots import COLOURS, GREY, STYLE
-from beammodes.views.tables import csv_table, tidy_rows
+from beammodes.views.symbols import COLOURS, GREY, STYLE
 from studies import Progress
 from studies.drawing import bold_title
+from studies.tables import csv_table, tidy_rows
 from studies.tool_layouts import TOOLS, Tool, springs_at_the_wall
 
 __all__ = ["data", "draw", "tables"]

@@ -12,12 +12,12 @@ from matplotlib.figure import Figure
 
 import beammodes as bm
 from beammodes.views.animation import film_bytes, film_of, plot_motion, seen_from
-from beammodes.views.plots import COLOURS, STYLE
-from beammodes.views.tables import csv_table, tidy_rows
+from beammodes.views.symbols import COLOURS, STYLE
 from studies import Progress
 from studies.drawing import bold_title
 from studies.figure_1 import AT, BEAM, BOUNDARY, LARGEST, MOTIONS
 from studies.motions import moved, repeatable
+from studies.tables import csv_table, tidy_rows
 
 BASE = MOTIONS["rotational"][0]
 DURATION, EVERY = 20.0, 0.02

@@ -6,10 +6,10 @@ import math
 
 import xarray
 
-from beammodes.views.tables import csv_table, tidy_rows
 from studies.step_size_data import data
 from studies.step_size_figure import draw
 from studies.step_size_page import page
+from studies.tables import csv_table, tidy_rows
 
 __all__ = ["data", "draw", "tables"]
 

@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patheffects import withStroke
 
-from beammodes.views.plots import COLOURS, GREY, STYLE
+from beammodes.views.symbols import COLOURS, GREY, STYLE
 from studies.step_size_data import RECIPE_MODES, SHOWN, SMALL, STARTS, STEPS, TOLERANCES
 
 

@@ -9,7 +9,6 @@ import numpy as np
 import xarray
 
 from beammodes.vibration.integrators import accuracy_limit
-from beammodes.views.tables import markdown_table
 from studies.step_size_data import (
     ANALYSED,
     BOUNDARIES,
@@ -21,6 +20,7 @@ from studies.step_size_data import (
     STARTS,
     TOLERANCES,
 )
+from studies.tables import markdown_table
 
 PAGE = """# The step size, settled
 

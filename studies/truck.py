@@ -11,11 +11,10 @@ from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.patches import Circle
 
 import beammodes as bm
-from beammodes.views.plots import COLOURS, GREY, STYLE
-from beammodes.views.symbols import ROD, draw_block, draw_coil
-from beammodes.views.tables import csv_table, tidy_rows
+from beammodes.views.symbols import COLOURS, GREY, ROD, STYLE, draw_block, draw_coil
 from studies import Progress
 from studies.drawing import bold_title, mode_shapes, picture
+from studies.tables import csv_table, tidy_rows
 
 # A light truck; the report's picture has no numbers, so these are chosen. SI units.
 BED = bm.Beam(

@@ -12,11 +12,12 @@ from matplotlib.figure import Figure
 from matplotlib.patheffects import withStroke
 
 import beammodes as bm
-from beammodes.views.plots import GREY, STYLE, method_style
-from beammodes.views.tables import csv_table, tidy_rows
+from beammodes.views.symbols import GREY, STYLE
 from studies import Progress
 from studies.drawing import bold_title
 from studies.motions import repeatable
+from studies.plots import method_style
+from studies.tables import csv_table, tidy_rows
 
 FIGURES = {"clamped-free": "Figure 6", "clamped-clamped": "Figure 7"}
 RULES, MODES, SAMPLES, FRACTION = ("mitiguy", "gregory"), 3, 10_000, 1 / 3

@@ -12,7 +12,7 @@ import xarray
 from hypothesis import given
 from hypothesis import strategies as st
 
-from beammodes.views.tables import csv_table, markdown_table, tidy_rows
+from studies.tables import csv_table, markdown_table, tidy_rows
 
 NAN = math.nan
 

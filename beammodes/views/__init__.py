@@ -1,1 +1,1 @@
-"""Data made visible: axes, text tables, films. Nothing here computes."""
+"""Films of motions and drawings of chains."""

@@ -14,7 +14,7 @@ from beammodes.checks import positive_real, real, shown
 from beammodes.dynamics.base_motion import BaseMotion
 from beammodes.files import file_target, write_atomically
 from beammodes.numerics.arrays import Floats
-from beammodes.views.plots import COLOURS, GREY, STYLE
+from beammodes.views.symbols import COLOURS, GREY, STYLE
 
 if TYPE_CHECKING:
     import xarray

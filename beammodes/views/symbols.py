@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
+from types import MappingProxyType
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -11,17 +13,19 @@ from numpy.typing import ArrayLike
 
 from beammodes.numerics.arrays import Floats
 from beammodes.problem.ends import End
-from beammodes.views.plots import COLOURS
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 __all__ = [
     "BLOCK",
+    "COLOURS",
     "EDGE",
+    "GREY",
     "GROUND_SPRING",
     "ROD",
     "SPRING",
+    "STYLE",
     "Body",
     "EndPlace",
     "Point",
@@ -44,6 +48,27 @@ __all__ = [
 
 Point = tuple[float, float]
 
+#: Okabe and Ito's colours, which the colour-blind can tell apart; source: Color Universal Design (2008).
+COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
+GREY = "#767676"
+
+#: Settings for `matplotlib.rc_context` under which the project's figures are drawn.
+STYLE: Mapping[str, object] = MappingProxyType(
+    {
+        "font.size": 11,
+        "font.family": "DejaVu Sans",
+        "axes.spines.top": False,
+        "axes.spines.right": False,
+        "axes.grid": True,
+        "grid.color": "#DDDDDD",
+        "grid.linewidth": 0.6,
+        "axes.axisbelow": True,
+        "lines.linewidth": 1.6,
+        "lines.markersize": 4.5,
+        "svg.hashsalt": "beammodes",
+        "svg.fonttype": "path",
+    }
+)
 
 #: Rods and hinges, springs between rods, springs to the ground, what is rigid, and its edges.
 ROD, SPRING, GROUND_SPRING, BLOCK, EDGE = COLOURS[0], COLOURS[1], COLOURS[2], "#C9D8E6", "#44515C"

@@ -1,12 +1,13 @@
-"""Datasets on axes. Nothing here computes physics, opens a window or changes matplotlib's settings."""
+"""Datasets on axes, and labels beside their lines. Nothing here changes matplotlib's settings."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
+
+from beammodes.views.symbols import COLOURS, GREY
 
 if TYPE_CHECKING:
     import xarray
@@ -14,10 +15,7 @@ if TYPE_CHECKING:
     from matplotlib.lines import Line2D
 
 __all__ = [
-    "COLOURS",
-    "GREY",
     "NUMBER_MAP",
-    "STYLE",
     "label_along",
     "label_line",
     "mark_exact",
@@ -29,11 +27,8 @@ __all__ = [
     "plot_step_constants",
 ]
 
-#: Okabe and Ito's colours, which the colour-blind can tell apart; source: Color Universal Design (2008).
-COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
 #: Colours of `plot_number_map`: they darken steadily, so no two are confused whatever one's eyes.
 NUMBER_MAP = "YlGnBu"
-GREY = "#767676"
 _MARKERS = ("o", "s", "^", "D", "v", "P", "X")
 
 # Six rules that tell the story have a colour; the rest stay grey, apart by their dashes.
@@ -50,24 +45,6 @@ _LOOKS: dict[str, tuple[str, str | tuple[int, tuple[int, ...]]]] = {
     "gregory2": (GREY, "-"),
     "rigid_stub_corrected": (GREY, (0, (6, 2, 1, 2))),
 }
-
-#: Settings for `matplotlib.rc_context` under which the project's figures are drawn.
-STYLE: Mapping[str, object] = MappingProxyType(
-    {
-        "font.size": 11,
-        "font.family": "DejaVu Sans",
-        "axes.spines.top": False,
-        "axes.spines.right": False,
-        "axes.grid": True,
-        "grid.color": "#DDDDDD",
-        "grid.linewidth": 0.6,
-        "axes.axisbelow": True,
-        "lines.linewidth": 1.6,
-        "lines.markersize": 4.5,
-        "svg.hashsalt": "beammodes",
-        "svg.fonttype": "path",
-    }
-)
 
 
 def plot_errors(table: xarray.Dataset, ax: Axes, *, magnitude: bool = False) -> None:
