@@ -47,7 +47,8 @@ Array = np.ndarray
 
 UNIT = Beam.unit()
 CANTILEVER = Chain(UNIT, "clamped-free", segments=3)
-FIXED, VARIABLE = ("rk4", "midpoint"), ("rk45", "dop853")
+VARIABLE = tuple(name for name in MOTION_INTEGRATORS if INTEGRATORS[name].variable_step)
+FIXED = tuple(name for name in MOTION_INTEGRATORS if name not in VARIABLE)
 RK4_LIMIT = 2 * math.sqrt(2)
 
 
@@ -137,6 +138,15 @@ def test_observed_orders_and_a_common_limit(case: str) -> None:
     # Richardson's extrapolation of the midpoint rule meets the other method's limit.
     limit = midpoint[2] + (midpoint[2] - midpoint[1]) / 3
     assert np.abs(limit - rk4[3]).max() < by_speed[2] / 10 + 1e-9
+
+
+@pytest.mark.parametrize("integrator", [name for name in FIXED if INTEGRATORS[name].run == "runge_kutta"])
+def test_every_runge_kutta_method_has_its_order(integrator: str) -> None:
+    case = "moving base, all loads, damping"
+    least = math.ceil(0.4 * highest_angular_frequency(CASES[case][0]))
+    states = last_states(case, integrator, [8 * least, 16 * least], 0.4)
+    error = np.abs(states - last_states(case, "rk4", [128 * least], 0.4)).max(axis=1)
+    assert np.log2(error[0] / error[1]) == pytest.approx(INTEGRATORS[integrator].order, abs=0.4)
 
 
 @pytest.mark.parametrize("integrator", VARIABLE)
@@ -1151,7 +1161,7 @@ def test_bad_starts_are_refused_by_name(initial: Any, error: type[Exception]) ->
     [
         (
             {"integrator": "rk5"},
-            r'integrator must be one of rk4, midpoint, rk45, dop853, got .rk5. \(did you mean "rk',
+            rf'integrator must be one of {", ".join(MOTION_INTEGRATORS)}, got .rk5. \(did you mean "rk',
         ),
         ({"integrator": "mid-point"}, 'did you mean "midpoint"'),
         ({"integrator": 4}, "integrator must be one of"),

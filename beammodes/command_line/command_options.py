@@ -143,7 +143,7 @@ def advice_options(sub: Options) -> None:
 
 
 def _integrator_option(sub: Options, more: str = "") -> None:
-    text = "rk4, leapfrog, semi_implicit_euler, implicit_damping_euler and others"
+    text = "of fixed step, such as leapfrog or 'MuJoCo implicitfast' (an unknown name lists all)"
     text += f"; {more}" if more else ""
     sub.add_argument("--integrator", default="rk4", metavar="NAME", help=f"{text} (default: rk4)")
 

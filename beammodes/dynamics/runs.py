@@ -365,8 +365,8 @@ def runner(integrator: str) -> Runner:
     >>> runner("dop853").__name__
     'variable_run'
     """
-    found: Runner = globals()[INTEGRATORS[integrator].run]
-    return found
+    runs = {"runge_kutta": runge_kutta_run, "midpoint": midpoint_run, "variable": variable_run}
+    return runs[INTEGRATORS[integrator].run]
 
 
 def runge_kutta_run(run: Run, start: tuple[Floats, Floats], progress: Progress) -> Found:

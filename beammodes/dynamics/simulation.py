@@ -250,8 +250,7 @@ def _momenta(
     }
 
 
-#: Classical fixed-step Runge-Kutta, the implicit midpoint rule, and variable-step Runge-Kutta pairs of order
-#: 5(4) and 8(5,3), for which the step is the largest one and the one of output: the report's recipe.
+#: Of variable-step ones the step is the largest one and the one of output: the report's recipe.
 MOTION_INTEGRATORS: tuple[str, ...] = tuple(name for name, record in INTEGRATORS.items() if record.run)
 
 
@@ -314,11 +313,11 @@ def simulate(
     duration : float [s]
         A fixed step ends the motion with the first step that reaches it.
     integrator : str
-        "rk4", "midpoint", or with a variable step "rk45" or "dop853".
+        One of `INTEGRATORS` that has a run, such as "rk4", "midpoint", or with a variable step "dop853".
     step : float [s], optional
-        At most `duration`. Of fixed steps by default half the longest stable one of Runge-Kutta,
-        with the damping and with the pull of loads and base; the largest one of variable steps, by
-        default that of output.
+        At most `duration`. Of fixed steps by default half the longest stable one (of "rk4" for an integrator
+        that takes springs implicitly), with the damping and with the pull of loads and base; the largest one
+        of variable steps, by default that of output.
     output_step : float [s], optional
         Between output times, rounded to whole steps; a thousandth of the duration by default. The motion is
         held in memory, and refused if it takes more than 4 GiB.
@@ -390,8 +389,7 @@ def simulate(
     longest = step or min(shown_step, span)
     if step is None and not INTEGRATORS[kind].variable_step:
         pull = _largest_pull(chain, given, ground, span)
-        explicit = INTEGRATORS[kind].damping == "explicit"
-        limit = _safe_step(chain, span, Load(axial_force=pull), damping if explicit else None)
+        limit = _safe_step(kind, chain, span, Load(axial_force=pull), damping)
         longest /= max(1, math.ceil(longest / limit))
     if span / longest > 1e9:
         raise ValueError(
@@ -432,11 +430,18 @@ def _check_memory(chain: Chain, span: float, output: float) -> None:
         )
 
 
-def _safe_step(chain: Chain, span: float, pull: Load, damping: Damping | None) -> float:
+def _safe_step(integrator: str, chain: Chain, span: float, pull: Load, damping: Damping | None) -> float:
     """Return a fixed step at which every mode is stable, and short beside the whole motion."""
+    name, dampings = (
+        (integrator, {None, damping}) if INTEGRATORS[integrator].springs == "explicit" else ("rk4", {None})
+    )
     # Dampers may stop the highest modes: their limit is then far below the undamped one.
-    steps = [stable_time_step(chain, load=pull, damping=each) for each in {None, damping}]
-    return min(span / OUTPUTS, *(step / 2 for step in steps))
+    step = min(stable_time_step(chain, name, load=pull, damping=each) for each in dampings)
+    if not step:
+        raise ValueError(
+            f"step must be given for {integrator}, at no step of which an undamped motion is stable"
+        )
+    return min(span / OUTPUTS, step / 2)
 
 
 def _largest_pull(chain: Chain, load: Load, base: BaseMotion, span: float) -> float:

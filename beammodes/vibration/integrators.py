@@ -9,15 +9,16 @@ wanted does not enter the former. Two families cover all integrators here:
 - A kick of the speed, then a drift:  v' = v - h (ω² p + 2 ζ ω v*),  p' = p + h v'.  It takes the spring
   explicitly, and the damper explicitly (v* = v) or implicitly (v* = v').
 
-A new integrator is one record below: limits, studies and the command line take it from there, and `simulate`
-too where it is an explicit Runge-Kutta method with the run "runge_kutta_run".
+A new integrator is one record below, from which limits, `simulate`, studies, exports and the command line
+take it. One that is no explicit Runge-Kutta method moves chains only with a run of its own in
+`beammodes.dynamics.runs`.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cache
 from types import MappingProxyType
 
@@ -34,7 +35,6 @@ __all__ = [
     "amplification",
     "find_integrator",
     "fixed_step_integrator",
-    "growth_polynomial",
     "stability_limit",
 ]
 
@@ -43,27 +43,29 @@ Complex = NDArray[np.complex128]
 
 @dataclass(frozen=True)
 class Integrator:
-    """What is known of an integrator; everything that needs one reads it from `INTEGRATORS`.
+    """An integrator, one of `INTEGRATORS`.
 
     Attributes
     ----------
     name : str
     order : int
         The error of a motion falls as step^order.
-    springs, damping : str
-        How forces of springs and dampers are taken: "explicit" or "implicit".
+    source : str
     engines : tuple of str
         What engines call it, such as "MuJoCo implicitfast".
     stages, weights : tuple
         Butcher's A, row by row, and b of a Runge-Kutta method; empty for a kick and a drift.
+    damping : str
+        How a kick takes the forces of dampers: "explicit" or "implicit". Springs it takes explicitly. Of a
+        Runge-Kutta method both follow from its stages.
     tendon_damping : str
         Where it is not as `damping`: that of MuJoCo's tendons, by which an exported chain's far support is
         damped.
-    variable_step : bool
-        Whether it chooses its steps itself, by its estimate of the error.
     run : str
-        Of the integrators of `simulate`: the function of `dynamics.runs` that runs it.
-    source : str
+        How `simulate` runs it: "runge_kutta", "midpoint" or "variable"; empty if it cannot. An explicit
+        Runge-Kutta method is run as one.
+    springs : str
+        How forces of springs are taken.
 
     Examples
     --------
@@ -73,15 +75,26 @@ class Integrator:
 
     name: str
     order: int
-    springs: str
-    damping: str
+    source: str
     engines: tuple[str, ...] = ()
     stages: tuple[tuple[float, ...], ...] = ()
     weights: tuple[float, ...] = ()
+    damping: str = "explicit"
     tendon_damping: str = ""
-    variable_step: bool = False
     run: str = ""
-    source: str = ""
+    springs: str = field(init=False, default="explicit")
+
+    def __post_init__(self) -> None:
+        if any(len(row) > i for i, row in enumerate(self.stages)):
+            object.__setattr__(self, "springs", "implicit")
+            object.__setattr__(self, "damping", "implicit")
+        elif self.stages:
+            object.__setattr__(self, "run", "runge_kutta")
+
+    @property
+    def variable_step(self) -> bool:
+        """Whether it chooses its steps itself, by its estimate of the error."""
+        return self.run == "variable"
 
     @property
     def rational(self) -> tuple[Floats, Floats]:
@@ -110,43 +123,33 @@ _RECORDS = (
     Integrator(
         name="rk4",
         order=4,
-        springs="explicit",
-        damping="explicit",
         engines=("MuJoCo RK4",),
         stages=((), (1 / 2,), (0.0, 1 / 2), (0.0, 0.0, 1.0)),
         weights=(1 / 6, 1 / 3, 1 / 3, 1 / 6),
-        run="runge_kutta_run",
         source="the classical method: C. W. Gear, Numerical Initial Value Problems (1971), p. 41",
     ),
     Integrator(
         name="midpoint",
         order=2,
-        springs="implicit",
-        damping="implicit",
         stages=((1 / 2,),),
         weights=(1.0,),
-        run="midpoint_run",
+        run="midpoint",
         source="E. Hairer, C. Lubich and G. Wanner, Geometric Numerical Integration (2006), § II.1.1",
     ),
     Integrator(
         name="leapfrog",
         order=2,
-        springs="explicit",
-        damping="explicit",
         source="Hairer, Lubich and Wanner, § I.1.4; damping of the velocity half a step ago",
     ),
     Integrator(
         name="semi_implicit_euler",
         order=1,
-        springs="explicit",
-        damping="explicit",
         engines=("MuJoCo Euler without eulerdamp",),
         source="Hairer, Lubich and Wanner, § I.1.2; damping of the velocity at the step's start",
     ),
     Integrator(
         name="implicit_damping_euler",
         order=1,
-        springs="explicit",
         damping="implicit",
         engines=("MuJoCo implicit", "MuJoCo implicitfast", "Drake discrete"),
         source="measured with MuJoCo 4.0.0 and Drake 1.51.1 by the tests",
@@ -154,7 +157,6 @@ _RECORDS = (
     Integrator(
         name="implicit_joint_damping_euler",
         order=1,
-        springs="explicit",
         damping="implicit",
         tendon_damping="explicit",
         engines=("MuJoCo Euler",),
@@ -163,8 +165,6 @@ _RECORDS = (
     Integrator(
         name="implicit_euler",
         order=1,
-        springs="implicit",
-        damping="implicit",
         engines=("MuJoCo discrete", "Gazebo DART"),
         stages=((1.0,),),
         weights=(1.0,),
@@ -173,19 +173,13 @@ _RECORDS = (
     Integrator(
         name="rk45",
         order=5,
-        springs="explicit",
-        damping="explicit",
-        variable_step=True,
-        run="variable_run",
+        run="variable",
         source="J. R. Dormand and P. J. Prince (1980), as scipy.integrate.RK45",
     ),
     Integrator(
         name="dop853",
         order=8,
-        springs="explicit",
-        damping="explicit",
-        variable_step=True,
-        run="variable_run",
+        run="variable",
         source="Dormand and Prince, as scipy.integrate.DOP853",
     ),
 )
@@ -293,7 +287,7 @@ def _first_crossing(excess: Callable[[Floats], Floats], low: float, high: float)
 
 
 @cache
-def growth_polynomial(integrator: str, ratio: float) -> Floats:
+def _growth_polynomial(integrator: str, ratio: float) -> Floats:
     """Return  (|R(r e^{iφ})|² - 1)/r,  cos φ = -ζ, of an explicit Runge-Kutta method, in powers of r.
 
     Free of the rounding of |R|² beside 1: cosines of multiples of the angle by recurrence.
@@ -349,7 +343,7 @@ def stability_limit(integrator: str, damping_ratio: float = 0.0) -> float:
     if ratio > 1.0:
         # The faster one of two real eigenvalues decides.
         return stability_limit(record.name, 1.0) / (ratio + math.sqrt(ratio**2 - 1))
-    growth = np.polynomial.Polynomial(np.trim_zeros(growth_polynomial(record.name, ratio), "f"))
+    growth = np.polynomial.Polynomial(np.trim_zeros(_growth_polynomial(record.name, ratio), "f"))
     if growth.coef[0] > 0:
         return 0.0
     roots = np.asarray(growth.roots(), dtype=np.complex128)
