@@ -23,7 +23,7 @@ from beammodes.auditing.model_ends import (
     with_wall_hinges,
 )
 from beammodes.auditing.planar_chain import far_end, planar_chain
-from beammodes.auditing.read_mjcf import read_mjcf, with_includes
+from beammodes.auditing.read_mjcf import read_mjcf
 from beammodes.auditing.read_sdf import read_sdf
 from beammodes.auditing.read_urdf import read_springs, read_urdf
 from beammodes.auditing.serial_chains import (
@@ -427,7 +427,7 @@ def _model(place: Path, springs: Path | None) -> Model:
         )
     if root.tag == "sdf":
         return read_sdf(root)
-    return read_mjcf(with_includes(root, place.parent))
+    return read_mjcf(root, place.parent)
 
 
 def _labelled(frames: Sequence[Frame]) -> dict[str, Frame]:

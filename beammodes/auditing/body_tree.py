@@ -1,10 +1,10 @@
-"""A model as a tree of bodies and joints, whatever its file format, and its rigid groups."""
+"""A model as a tree of bodies and joints, whatever its file format, and its groups of rigid bodies."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -14,47 +14,85 @@ from beammodes.numerics.arrays import Floats
 
 __all__ = [
     "FileStep",
+    "Frame",
     "Group",
     "Inertial",
     "Model",
     "ModelBody",
     "ModelJoint",
     "ModelTie",
-    "Pose",
     "Solid",
     "about",
     "ends_of",
     "from_euler",
     "from_quaternion",
-    "from_rpy",
     "from_z_to",
     "joined",
     "rigid_groups",
     "solid",
 ]
 
+#: A link that only passes a joint on has some mass in formats that want it; this share of what it carries, or
+#: less, moves no frequency.
+_NOTHING = 1e-8
 
-# Poses, and masses with their inertia in space: what model files say of rigid bodies.
+
+def about(axis: Floats, angle: float) -> Floats:
+    """Return the rotation about a unit axis, by Rodrigues' formula."""
+    x, y, z = axis
+    cross = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+    return np.asarray(np.eye(3) + math.sin(angle) * cross + (1 - math.cos(angle)) * cross @ cross)
+
+
+def from_quaternion(w: float, x: float, y: float, z: float) -> Floats:
+    """Return the rotation of a quaternion other than zero, of any size."""
+    size = math.sqrt(x * x + y * y + z * z)
+    return np.eye(3) if not size else about(np.array([x, y, z]) / size, 2 * math.atan2(size, w))
+
+
+def from_euler(angles: Sequence[float] | Floats, sequence: str) -> Floats:
+    """Return the rotation by three angles about the axes of `sequence`, lower case about turned axes.
+
+    Letters of both cases may be mixed, as in MuJoCo and other than in scipy.
+    """
+    turned = np.eye(3)
+    for angle, letter in zip(angles, sequence, strict=True):
+        step = about(np.eye(3)["xyz".index(letter.lower())], angle)
+        turned = turned @ step if letter.islower() else step @ turned
+    return turned
+
+
+def from_z_to(direction: Floats) -> Floats:
+    """Return the smallest rotation that takes z to a unit direction."""
+    axis, cosine = np.cross([0.0, 0.0, 1.0], direction), float(direction[2])
+    sine = float(np.linalg.norm(axis))
+    if sine < 1e-15:
+        return np.eye(3) if cosine > 0 else np.diag([1.0, -1.0, -1.0])
+    return about(axis / sine, math.atan2(sine, cosine))
 
 
 @dataclass(frozen=True, eq=False)
-class Pose:
+class Frame:
     """A frame in another: x_outer = rotation x_inner + position."""
 
-    rotation: Floats
-    position: Floats
+    rotation: Floats = field(default_factory=lambda: np.eye(3))
+    position: Floats = field(default_factory=lambda: np.zeros(3))
 
     @classmethod
-    def identity(cls) -> Pose:
-        """Return the pose that changes nothing."""
-        return cls(np.eye(3), np.zeros(3))
+    def by_angles(cls, position: Sequence[float], roll_pitch_yaw: Sequence[float] | Floats) -> Frame:
+        """Return the frame turned about fixed x, y and z, as URDF and SDFormat write it."""
+        return cls(from_euler(roll_pitch_yaw, "XYZ"), np.array(position))
 
-    def __matmul__(self, inner: Pose) -> Pose:
-        return Pose(self.rotation @ inner.rotation, self.rotation @ inner.position + self.position)
+    def __matmul__(self, inner: Frame) -> Frame:
+        return Frame(self.rotation @ inner.rotation, self.rotation @ inner.position + self.position)
 
     def point(self, inner: Floats) -> Floats:
         """Return where a point of the inner frame is in the outer one."""
         return self.rotation @ inner + self.position
+
+    def points(self, inner: Iterable[Floats]) -> tuple[Floats, ...]:
+        """Return where points of the inner frame are in the outer one."""
+        return tuple(map(self.point, inner))
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,10 +103,20 @@ class Inertial:
     centre: Floats
     inertia: Floats
 
-    def seen_from(self, pose: Pose) -> Inertial:
-        """Return the same in the outer frame of a pose."""
-        turned = pose.rotation @ self.inertia @ pose.rotation.T
-        return Inertial(self.mass, pose.point(self.centre), turned)
+    @classmethod
+    def of(cls, mass: float, moments: Sequence[float]) -> Inertial:
+        """Return a body about its centre of mass; moments are xx, yy, zz, xy, xz, yz."""
+        xx, yy, zz, xy, xz, yz = moments
+        return cls(mass, np.zeros(3), np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]))
+
+    def seen_from(self, frame: Frame) -> Inertial:
+        """Return the same in the outer frame."""
+        turned = frame.rotation @ self.inertia @ frame.rotation.T
+        return Inertial(self.mass, frame.point(self.centre), turned)
+
+    def scaled(self, share: float) -> Inertial:
+        """Return the same body of another density."""
+        return Inertial(self.mass * share, self.centre, self.inertia * share)
 
 
 def joined(parts: Iterable[Inertial]) -> Inertial:
@@ -84,56 +132,13 @@ def joined(parts: Iterable[Inertial]) -> Inertial:
     kept = [part for part in parts if part.mass]
     mass = math.fsum(part.mass for part in kept)
     if not mass:
-        return Inertial(0.0, np.zeros(3), np.zeros((3, 3)))
+        return Inertial.of(0.0, [0.0] * 6)
     centre = sum((part.mass * part.centre for part in kept), start=np.zeros(3)) / mass
     inertia = np.zeros((3, 3))
     for part in kept:
         arm = part.centre - centre
         inertia += part.inertia + part.mass * (arm @ arm * np.eye(3) - np.outer(arm, arm))
     return Inertial(mass, centre, inertia)
-
-
-def about(axis: Floats, angle: float) -> Floats:
-    """Return the rotation about a unit axis, by Rodrigues' formula."""
-    x, y, z = axis
-    cross = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
-    return np.asarray(np.eye(3) + math.sin(angle) * cross + (1 - math.cos(angle)) * cross @ cross)
-
-
-def from_quaternion(w: float, x: float, y: float, z: float) -> Floats:
-    """Return the rotation of a quaternion, which need not be of unit size but not zero.
-
-    Examples
-    --------
-    >>> from_quaternion(1.0, 0.0, 0.0, 0.0).diagonal()
-    array([1., 1., 1.])
-    """
-    size = math.sqrt(x * x + y * y + z * z)
-    return np.eye(3) if not size else about(np.array([x, y, z]) / size, 2 * math.atan2(size, w))
-
-
-def from_euler(angles: Sequence[float] | Floats, sequence: str) -> Floats:
-    """Return the rotation by three angles about the axes of `sequence`, lower case about turned axes."""
-    turned = np.eye(3)
-    for angle, letter in zip(angles, sequence, strict=True):
-        step = about(np.eye(3)["xyz".index(letter.lower())], angle)
-        turned = turned @ step if letter.islower() else step @ turned
-    return turned
-
-
-def from_rpy(roll: float, pitch: float, yaw: float) -> Floats:
-    """Return the rotation by angles about fixed x, y and z, as URDF and SDFormat write it."""
-    return from_euler([roll, pitch, yaw], "XYZ")
-
-
-def from_z_to(direction: Floats) -> Floats:
-    """Return the smallest rotation that takes z to a unit direction."""
-    z = np.array([0.0, 0.0, 1.0])
-    axis, cosine = np.cross(z, direction), float(direction[2])
-    sine = float(np.linalg.norm(axis))
-    if sine < 1e-15:
-        return np.eye(3) if cosine > 0 else np.diag([1.0, -1.0, -1.0])
-    return about(axis / sine, math.atan2(sine, cosine))
 
 
 def solid(kind: str, size: Sequence[float], mass: float | None, density: float) -> Inertial:
@@ -168,13 +173,13 @@ def ends_of(kind: str, size: Sequence[float]) -> list[Floats]:
     >>> [point.tolist() for point in ends_of("capsule", [0.1, 2.0])]
     [[0.0, 0.0, 2.0], [0.0, 0.0, -2.0]]
     """
-    if kind in ("capsule", "cylinder"):
-        half = [0.0, 0.0, size[1]]
-    elif kind == "sphere":
+    if kind == "sphere":
         return [np.zeros(3)]
-    else:
-        half = list(size[:3])
+    half = [0.0, 0.0, size[1]] if kind in ("capsule", "cylinder") else list(size[:3])
     return [sign * half[i] * np.eye(3)[i] + 0.0 for i in range(3) if half[i] for sign in (1.0, -1.0)]
+
+
+# Volume and moments of inertia per mass of each kind of solid.
 
 
 def _sphere(r: float) -> tuple[float, list[float]]:
@@ -213,11 +218,6 @@ _SOLIDS: dict[str, Callable[..., tuple[float, list[float]]]] = {
 }
 
 
-#: A link that only passes a joint on has some mass in formats that want it; this share of what it carries, or
-#: less, moves no frequency.
-_NOTHING = 1e-8
-
-
 @dataclass(frozen=True, eq=False)
 class ModelJoint:
     """One coordinate of a body relative to its parent, in the world's frame at rest.
@@ -226,7 +226,7 @@ class ModelJoint:
     ----------
     name : str
     kind : str
-        "hinge", "slide", "free", or another word, which only messages use.
+        "hinge", "slide", "free", "ball", or another word, which only messages use.
     axis, position : ndarray, shape (3,)
     stiffness : float [N m/rad or N/m]
     refusal : str
@@ -263,27 +263,30 @@ class ModelBody:
     name : str
     parent : int
         Index of the body that it is fixed or jointed to; -1 is the ground.
-    origin : ndarray, shape (3,)
-        Of its frame.
     inertial : Inertial
-    extent : tuple of ndarray
+    extent : sequence of ndarray, shape (3,)
         Points that show how far it reaches: the ends of its geometry.
     joints : tuple of ModelJoint
         To its parent; none welds it there.
     refusal : str
         Why it must not be in a chain, empty if it may.
-    solids : tuple of Solid
-        What it is made of; empty where the file gives its mass as one number.
+    solids : sequence of Solid
+        The solids that it is made of; empty where the file gives its mass as one number.
     """
 
     name: str
     parent: int
-    origin: Floats
     inertial: Inertial
-    extent: tuple[Floats, ...] = ()
+    extent: Sequence[Floats] = ()
     joints: tuple[ModelJoint, ...] = ()
     refusal: str = ""
-    solids: tuple[Solid, ...] = ()
+    solids: Sequence[Solid] = ()
+
+    def placed(self, frame: Frame) -> ModelBody:
+        """Return a body whose inertial, extent and solids are in its own frame in the world's."""
+        solids = [Solid(s.inertial.seen_from(frame), frame.points(s.ends)) for s in self.solids]
+        inertial = self.inertial.seen_from(frame)
+        return replace(self, inertial=inertial, extent=frame.points(self.extent), solids=solids)
 
 
 @dataclass(frozen=True)
@@ -344,7 +347,7 @@ class Group:
     bodies: list[ModelBody]
     joints: tuple[ModelJoint, ...]
     parent: Group | None
-    children: list[Group]
+    children: list[Group] = field(default_factory=list)
 
     @property
     def name(self) -> str:
@@ -372,7 +375,7 @@ def rigid_groups(bodies: Sequence[ModelBody]) -> list[Group]:
     BadModel
         If a parent stands after its child, as in a loop.
     """
-    ground = Group([], (), None, [])
+    ground = Group([], (), None)
     groups, home = [ground], {-1: ground}
     for i, body in enumerate(bodies):
         if body.parent not in home:
@@ -382,14 +385,14 @@ def rigid_groups(bodies: Sequence[ModelBody]) -> list[Group]:
             home[i] = parent
             parent.bodies.append(body)
             continue
-        home[i] = Group([body], body.joints, parent, [])
+        home[i] = Group([body], body.joints, parent)
         parent.children.append(home[i])
         groups.append(home[i])
     return [group for group in groups if group is ground or not _passed_on(group)]
 
 
 def _passed_on(group: Group) -> bool:
-    """Whether a group only passes joints on; if so it is taken out of the tree."""
+    """Take a group that only passes joints on out of the tree; return whether it does so."""
     if len(group.children) != 1 or group.parent is None:
         return False
     (child,) = group.children
@@ -398,18 +401,11 @@ def _passed_on(group: Group) -> bool:
         return False
     # The child may be such a link itself.
     carried = [child.inertial, *(after.inertial for after in child.children)]
-    for size in (_mass, _turning):
-        if size(group.inertial) > _NOTHING * max(map(size, carried)):
-            return False
+    own = group.inertial
+    heavy = own.mass > _NOTHING * max(each.mass for each in carried)
+    if heavy or np.trace(own.inertia) > _NOTHING * max(np.trace(each.inertia) for each in carried):
+        return False
     child.joints = (*group.joints, *child.joints)
     child.parent = group.parent
     group.parent.children[group.parent.children.index(group)] = child
     return True
-
-
-def _mass(inertial: Inertial) -> float:
-    return inertial.mass
-
-
-def _turning(inertial: Inertial) -> float:
-    return float(np.trace(inertial.inertia))

@@ -1,16 +1,19 @@
-"""XML of strangers as a plain tree, read within bounds of size, depth and time; no entities."""
+"""An XML file as a plain tree, read within bounds of size, depth and time; entities are refused."""
 
 from __future__ import annotations
 
 import math
 import os
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import Any, NoReturn
 from xml.parsers import expat
 
+import numpy as np
+
 from beammodes.checks import shown
 from beammodes.files import named_path, ordinary_bytes
+from beammodes.numerics.arrays import Floats
 
 __all__ = [
     "MAX_BYTES",
@@ -31,18 +34,18 @@ MAX_DEPTH = 600
 _CHUNK = 2**16
 #: No length, mass or stiffness is larger, in any unit; products of two stay finite.
 _LARGEST = 1e30
-#: A smaller number than this, other than 0, is none of matter; its square would underflow.
+#: The square of a smaller number, other than 0, would underflow.
 _SMALLEST = 1e-100
 _LONGEST_NUMBER, _LONGEST_NAME = 100, 200
 
 
 class BadModel(ValueError):
-    """A model file that cannot be read, or holds what cannot be honoured."""
+    """A model file that cannot be read, or that holds what the audit cannot honour."""
 
 
 @dataclass(slots=True)
 class XmlElement:
-    """One element: its attributes, its own text, its children, and the line that it starts on."""
+    """One element: attributes, own text, children, the line that it starts on, the file if included."""
 
     tag: str
     attributes: dict[str, str]
@@ -77,6 +80,20 @@ class XmlElement:
             self.refuse(f"must have the attribute {name}")
         return self.read(name, text, count)
 
+    def number(self, name: str, default: str | None = None) -> float:
+        """Return the one number of an attribute."""
+        return self.numbers(name, 1, default)[0]
+
+    def child_text(self, tag: str) -> str:
+        """Return the text of the first child of that tag, empty if there is none."""
+        child = self.first(tag)
+        return "" if child is None else child.text.strip()
+
+    def child_numbers(self, tag: str, count: int, default: str) -> list[float]:
+        """Return the numbers that the first child of that tag has as its text."""
+        child = self.first(tag)
+        return self.read(tag, default, count) if child is None else child.read(tag, child.text, count)
+
     def read(self, name: str, text: str, count: int | tuple[int, ...]) -> list[float]:
         """Return the numbers of a text, which stands in this element under that name."""
         allowed = count if isinstance(count, tuple) else (count,)
@@ -84,6 +101,19 @@ class XmlElement:
         if len(words) not in allowed:
             self.refuse(f"must have {' or '.join(map(str, allowed))} numbers in {name}, got {shown(text)}")
         return [finite_number(f"{self.where} {name}", word) for word in words]
+
+    def at_least_0(self, name: str, value: float) -> float:
+        """Return the value of what `name` says; refuse one below 0."""
+        if value < 0:
+            self.refuse(f"must have {'an' if name[0] == 'a' else 'a'} {name} of at least 0, got {value:g}")
+        return value
+
+    def direction(self, vector: Sequence[float] | Floats, name: str = "axis") -> Floats:
+        """Return a unit vector; refuse zero."""
+        size = float(np.linalg.norm(vector))
+        if not size:
+            self.refuse(f"must have {'an' if name[0] == 'a' else 'a'} {name} that is not zero")
+        return np.asarray(vector, dtype=np.float64) / size
 
 
 def finite_number(name: str, text: str) -> float:
@@ -121,13 +151,6 @@ def bounded_bytes(path: str | os.PathLike[str]) -> bytes:
         If it is a device or a pipe, which might never end, or larger.
     OSError
         If it cannot be read.
-
-    Examples
-    --------
-    >>> import tempfile
-    >>> with tempfile.NamedTemporaryFile() as file:
-    ...     bounded_bytes(file.name)
-    b''
     """
     place = named_path(path)
     try:
@@ -138,8 +161,8 @@ def bounded_bytes(path: str | os.PathLike[str]) -> bytes:
         raise BadModel(str(error)) from None
 
 
-def read_xml(path: str | os.PathLike[str]) -> XmlElement:
-    """Return the root element of a file.
+def read_xml(path: str | os.PathLike[str], file: str = "") -> XmlElement:
+    """Return the root element of a file, which messages name by `file`.
 
     A document type declaration, the only place for entities, is refused before it is read. On files made to
     be costly (a million bodies, endless nesting, half a million attributes, names and numbers of 8 MB,
@@ -162,16 +185,16 @@ def read_xml(path: str | os.PathLike[str]) -> XmlElement:
     'worldbody'
     """
     data = _tolerated(bounded_bytes(path))
-    builder = _Builder()
+    builder = _Builder(file)
     try:
         for start in range(0, max(len(data), 1), _CHUNK):
             builder.parser.Parse(data[start : start + _CHUNK], False)
         builder.parser.Parse(b"", True)
     except expat.ExpatError as error:
         raise BadModel(f"line {error.lineno}: no well-formed XML: {expat.ErrorString(error.code)}") from None
-    except (LookupError, ValueError, UnicodeError) as error:
-        if isinstance(error, BadModel):
-            raise
+    except BadModel:
+        raise
+    except (LookupError, ValueError) as error:
         raise BadModel(f"must be XML in UTF-8, UTF-16 or Latin-1: {str(error)[:80]}") from None
     return builder.root.children[0]
 
@@ -197,16 +220,17 @@ def _tolerated(data: bytes) -> bytes:
 class _Builder:
     """Collects elements while expat reports them."""
 
-    def __init__(self) -> None:
+    def __init__(self, file: str) -> None:
+        self.root = XmlElement("", {}, 0)
+        self.open = [self.root]
         self.parser: Any = expat.ParserCreate()
         self.parser.buffer_text = True
         self.parser.StartElementHandler = self._start
-        self.parser.EndElementHandler = self._end
+        self.parser.EndElementHandler = lambda _: self.open.pop()
         self.parser.CharacterDataHandler = self._text
         self.parser.StartDoctypeDeclHandler = self._doctype
-        self.root = XmlElement("", {}, 0)
-        self.open = [self.root]
         self.count = 0
+        self.file = file
 
     def _start(self, tag: str, attributes: dict[str, str]) -> None:
         self.count += 1
@@ -215,15 +239,12 @@ class _Builder:
             raise BadModel(f"line {line}: must have at most {MAX_ELEMENTS} elements")
         if len(self.open) > MAX_DEPTH:
             raise BadModel(f"line {line}: must have elements nested at most {MAX_DEPTH} deep")
-        element = XmlElement(tag, attributes, line)
+        element = XmlElement(tag, attributes, line, file=self.file)
         name = attributes.get("name", "")
         if len(name) > _LONGEST_NAME or not name.isprintable():
             element.refuse(f"must have a printable name of at most {_LONGEST_NAME} characters")
         self.open[-1].children.append(element)
         self.open.append(element)
-
-    def _end(self, _: str) -> None:
-        self.open.pop()
 
     def _text(self, text: str) -> None:
         # Only short texts are numbers or names; of a long one a piece too many is kept, to be refused.

@@ -1,22 +1,25 @@
-"""MJCF, MuJoCo's format, read without MuJoCo: bodies, joints, solids, fixed tendons."""
+"""MJCF, MuJoCo's format, read without MuJoCo: bodies, joints, solids, fixed tendons.
+
+In order: included files; settings and default classes; frames and replicates; masses; what acts on joints.
+"""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
 from beammodes.auditing.body_tree import (
     FileStep,
+    Frame,
     Inertial,
     Model,
     ModelBody,
     ModelJoint,
     ModelTie,
-    Pose,
     Solid,
     about,
     ends_of,
@@ -31,242 +34,102 @@ from beammodes.checks import shown
 from beammodes.numerics.arrays import Floats
 from beammodes.vibration.integrators import find_integrator
 
-__all__ = [
-    "Placed",
-    "Settings",
-    "acted_sites",
-    "compiled_masses",
-    "held_ends",
-    "linear_damping",
-    "linear_stiffness",
-    "matter_of",
-    "read_mjcf",
-    "servo_dampers",
-    "servos",
-    "settings_of",
-    "ties",
-    "with_includes",
-]
+__all__ = ["read_mjcf"]
 
+_MOST_INCLUDED = 20
+_MOST_BODIES = 20_000
+#: More copies by replicates than these are no chain that anybody looks at.
+_MAX_COPIES = 10_000
 
-# What an MJCF model says once for all its elements: the compiler's settings and default classes.
-
-Attributes = dict[str, str]
-
-
-@dataclass(frozen=True)
-class Settings:
-    """How to read the elements of one model.
-
-    Attributes
-    ----------
-    angle : float
-        Radians in one of the file's units of angle.
-    sequence : str
-        Axes of its Euler angles.
-    inertia_from_geometry : str
-        "true", "false" or "auto".
-    groups : tuple of int
-        First and last group of geometry whose mass counts.
-    classes : dict
-        For every class, the default attributes of each tag.
-    automatic_limits : bool
-        Whether a range alone makes a joint limited.
-    left_out : tuple of str
-        What is said of the surroundings that the audit leaves out.
-    step : FileStep or None
-    gravity : tuple of float
-    compiler : XmlElement
-        The file's own, for what it does to masses.
-    copies : list of int
-        How many copies replicates have made so far.
-    """
-
-    angle: float
-    sequence: str
-    inertia_from_geometry: str
-    groups: tuple[float, float]
-    classes: dict[str, dict[str, Attributes]]
-    automatic_limits: bool = True
-    left_out: tuple[str, ...] = ()
-    step: FileStep | None = None
-    gravity: tuple[float, ...] = (0.0, 0.0, 0.0)
-    compiler: XmlElement = field(default_factory=lambda: XmlElement("compiler", {}, 0))
-    copies: list[int] = field(default_factory=list)
-
-    def with_defaults(self, element: XmlElement, tag: str, class_name: str) -> XmlElement:
-        """Return an element with the attributes that it takes from its class."""
-        name = element.attributes.get("class", class_name)
-        if name not in self.classes:
-            element.refuse(f"must have a class that <default> defines, got {name[:40]!r}")
-        attributes = self.classes[name].get(tag, {}) | element.attributes
-        return replace(element, attributes=attributes)
-
-    def limited(self, joint: XmlElement) -> bool:
-        """Whether a joint has stops."""
-        given = joint.attributes.get("limited", "auto")
-        return given == "true" or (given == "auto" and self.automatic_limits and "range" in joint.attributes)
-
-    def counts(self, geom: XmlElement) -> bool:
-        """Whether a geom's mass is part of its body's."""
-        return self.groups[0] <= geom.numbers("group", 1, "0")[0] <= self.groups[1]
-
-    def inside(self, element: XmlElement, class_name: str, *tags: str) -> Iterator[Placed]:
-        """Yield an element's children of these tags, with those in frames and copies of replicates."""
-        waiting: list[Placed] = [(element, Pose.identity(), class_name, "")]
-        while waiting:
-            top, outer, inherited, suffix = waiting.pop()
-            if top is not element and top.tag in tags:
-                yield top, outer, inherited, suffix
-                continue
-            inherited = top.attributes.get("childclass", inherited) if top is not element else inherited
-            places = [("", outer)] if top is element else list(self._copies(top, outer))
-            self.copies[:] = [sum(self.copies) + len(places) - 1]
-            if self.copies[0] > MAX_COPIES:
-                top.refuse(f"must make at most {MAX_COPIES} copies, with all others of the file")
-            children = [child for child in top.children if child.tag in (*tags, "frame", "replicate")]
-            waiting += [
-                (child, place, inherited, suffix + more) for more, place in places for child in children
-            ][::-1]
-
-    def _copies(self, element: XmlElement, outer: Pose) -> Iterator[tuple[str, Pose]]:
-        """Yield the poses of what is in a frame or a replicate, and what is added to names there."""
-        if element.tag == "frame":
-            yield "", outer @ self.pose(element)
-            return
-        (count,) = element.numbers("count", 1)
-        if not 0 < count <= MAX_COPIES or count != int(count):
-            element.refuse(f"must have a count from 1 to {MAX_COPIES}, got {count:g}")
-        turn = self.angle * np.array(element.numbers("euler", 3, "0 0 0"))
-        step = Pose(from_euler(turn, self.sequence), np.array(element.numbers("offset", 3, "0 0 0")))
-        digits = len(str(int(count) - 1))
-        place = outer
-        for i in range(int(count)):
-            yield f"{element.attributes.get('sep', '')}{i:0{digits}d}", place
-            place = place @ step
-
-    def pose(self, element: XmlElement) -> Pose:
-        """Return an element's pose in its parent."""
-        position = np.array(element.numbers("pos", 3, "0 0 0"))
-        given = element.attributes.keys() & _TURNS.keys()
-        if len(given) > 1:
-            element.refuse(f"must have one of {', '.join(sorted(given))}")
-        if not given:
-            return Pose(np.eye(3), position)
-        (name,) = given
-        values = np.array(element.numbers(name, _TURNS[name]))
-        if name == "euler":
-            return Pose(from_euler(self.angle * values, self.sequence), position)
-        if name == "quat":
-            return Pose(from_quaternion(*_unit(element, values)), position)
-        if name == "axisangle":
-            return Pose(about(_unit(element, values[:3]), self.angle * values[3]), position)
-        if name == "zaxis":
-            return Pose(from_z_to(_unit(element, values)), position)
-        return Pose(_from_axes(element, values), position)
-
-
-#: An element's child, its pose in that element, its class, and what replication adds to its name.
-Placed = tuple[XmlElement, Pose, str, str]
-
-
-#: More copies than these are no chain that anybody looks at.
-MAX_COPIES = 10_000
-
+#: Elements that only MuJoCo can expand, or whose effect on a body's motion is not read, and why.
+_UNREAD = {
+    "composite": "only MuJoCo can expand it; of a cable (mujoco.elasticity.cable) the page on MuJoCo "
+    "(beammodes/pages/mujoco.md) has the error",
+    "flexcomp": "a flex has no hinges and is not judged here; the page on MuJoCo "
+    "(beammodes/pages/mujoco.md) has its error",
+    "attach": "only MuJoCo can expand it; save what it makes of the file by mj_saveLastXML",
+    "plugin": "what a plugin such as mujoco.elasticity.cable does is not read; the page on MuJoCo "
+    "(beammodes/pages/mujoco.md) has the error of its cable",
+}
 
 _TURNS = {"euler": 3, "quat": 4, "axisangle": 4, "zaxis": 3, "xyaxes": 6}
+_SIZES = {"sphere": 1, "capsule": 2, "cylinder": 2, "box": 3, "ellipsoid": 3}
+_MASSLESS = ("plane", "hfield")
+
+_PLAIN_ACTUATORS = ("motor", "damper", "plugin", "adhesion")
+#: Shortcuts that make a servo of every <general> of their class.
+_SERVO_DEFAULTS = {"position", "velocity", "intvelocity", "muscle", "cylinder", "dcmotor"}
+
+#: An element, the frame that its pose is given in, its class, and what replication adds to its name.
+_Placed = tuple[XmlElement, Frame, str, str]
 
 
-def _unit(element: XmlElement, vector: np.ndarray) -> np.ndarray:
-    size = np.linalg.norm(vector)
-    if not size:
-        element.refuse("must have a direction that is not zero")
-    return np.asarray(vector / size)
+def read_mjcf(root: XmlElement, folder: Path) -> Model:
+    """Return the bodies, joints and ties of an MJCF model, with the files of its folder that it includes.
 
-
-def _from_axes(element: XmlElement, values: np.ndarray) -> np.ndarray:
-    x = _unit(element, values[:3])
-    y = _unit(element, values[3:] - (values[3:] @ x) * x)
-    return np.column_stack([x, y, np.cross(x, y)])
-
-
-def settings_of(root: XmlElement) -> Settings:
-    """Return the settings of an MJCF model.
+    Honoured are frames, replicates, the compiler's angle, eulerseq, autolimits, inertiafromgeom,
+    inertiagrouprange and settotalmass, default classes, explicit inertials, solids with mass or density,
+    poses, hinges, slides and free joints, fixed tendons with stiffness, and equality constraints on these.
+    Armature is inertia of a hinge's own rotation; servos of velocity without other terms are dampers. What
+    cannot be honoured is refused where a chain needs it: composites, plugins, flexes, meshes, balls without a
+    spring, dry friction, stops at rest, servos that act like springs, spatial tendons with springs.
 
     Raises
     ------
     BadModel
-        If a setting cannot be followed.
+        If an element is not as MuJoCo wants it, or an included file cannot be read.
     """
-    found: Attributes = {}
-    for compiler in root.all("compiler"):
-        found |= compiler.attributes
-    said = XmlElement("compiler", found, next((c.line for c in root.all("compiler")), 0))
-    if found.get("coordinate", "local") != "local":
-        said.refuse("must have local coordinates, as MuJoCo 3 wants")
-    sequence = found.get("eulerseq", "xyz")
-    if len(sequence) != 3 or set(sequence.lower()) - set("xyz"):
-        said.refuse(f"must have an eulerseq of three axes, got {sequence[:10]!r}")
-    low, high = said.numbers("inertiagrouprange", 2, "0 1000000")
-    return Settings(
-        1.0 if found.get("angle") == "radian" else math.pi / 180,
-        sequence,
-        found.get("inertiafromgeom", "auto"),
-        (low, high),
-        _classes(root),
-        found.get("autolimits", "true") == "true",
-        tuple(_left_out(root, *options_of(root))),
-        _step(*options_of(root)),
-        _gravity(*options_of(root)),
-        said,
-    )
+    _include(root, folder)
+    if root.tag not in ("mujoco", "mujocoinclude"):
+        root.refuse("must be <mujoco>")
+    for element in root.all("attach"):
+        element.refuse(f"must be left out: {_UNREAD['attach']}")
+    return _Reader(root).model()
 
 
-def options_of(root: XmlElement) -> tuple[XmlElement, XmlElement]:
-    """Return a model's <option> and its <flag>, each with the attributes of all of its kind."""
-    said, flags = XmlElement("option", {}, 0), XmlElement("flag", {}, 0)
-    for option in root.all("option"):
-        said = XmlElement("option", said.attributes | option.attributes, option.line)
-        for flag in option.all("flag"):
-            flags = XmlElement("flag", flags.attributes | flag.attributes, flag.line)
-    return said, flags
+def _include(root: XmlElement, folder: Path) -> None:
+    """Put what <include> elements name in their place, as MuJoCo does."""
+    inside, seen = folder.resolve(), set()
+    waiting = [root]
+    while waiting:
+        element = waiting.pop()
+        children: list[XmlElement] = []
+        found = element.children[::-1]
+        while found:
+            child = found.pop()
+            if child.tag != "include":
+                children.append(child)
+                continue
+            name = child.attributes.get("file", "")
+            place = (folder / name).resolve()
+            if not name or inside not in place.parents:
+                child.refuse(f"must name a file in the model's own folder, got {shown(name)}")
+            if place in seen:
+                child.refuse(f"must not include a file twice, got {shown(name)}")
+            seen.add(place)
+            if len(seen) > _MOST_INCLUDED:
+                child.refuse(f"must be one of at most {_MOST_INCLUDED} files")
+            try:
+                found += read_xml(place, name).children[::-1]
+            except OSError as error:
+                child.refuse(f"must name a file that can be read: {error.strerror or error}")
+            except BadModel as error:
+                child.refuse(f"must name a file that can be read: {shown(name)}: {error}")
+        element.children = children
+        waiting += children
 
 
-def _step(said: XmlElement, flags: XmlElement) -> FileStep | None:
-    """Return the step and the integrator, MuJoCo's own where the file says none."""
-    integrator = said.attributes.get("integrator", "Euler")
-    try:
-        record = find_integrator(f"MuJoCo {integrator}")
-    except ValueError:
-        said.refuse(f"must have one of MuJoCo's integrators, got {shown(integrator)}")
-    (timestep,) = said.numbers("timestep", 1, "0.002")
-    if timestep <= 0:
-        said.refuse(f"must have a timestep greater than 0, got {timestep:g}")
-    if integrator == "Euler" and flags.attributes.get("eulerdamp") == "disable":
-        record = find_integrator("semi_implicit_euler")
-    return FileStep(timestep, integrator, record.name)
+def _merged(elements: list[XmlElement], tag: str) -> XmlElement:
+    """Return elements that say things once for the whole model as one."""
+    found = XmlElement(tag, {}, 0)
+    for each in elements:
+        found = XmlElement(tag, found.attributes | each.attributes, each.line)
+    return found
 
 
-def _gravity(said: XmlElement, flags: XmlElement) -> tuple[float, ...]:
-    if flags.attributes.get("gravity") == "disable":
-        return (0.0, 0.0, 0.0)
-    return tuple(said.numbers("gravity", 3, "0 0 -9.81"))
-
-
-def _left_out(root: XmlElement, said: XmlElement, flags: XmlElement) -> Iterator[str]:
-    """Yield what is left out of the surroundings; raises BadModel where springs are switched off."""
-    for name in ("spring", "passive"):
-        if flags.attributes.get(name) == "disable":
-            flags.refuse(f'must not have {name}="disable", which switches springs off')
-    if root.tag == "mujoco" and any(_gravity(said, flags)):
-        yield "gravity is left out here: with it the chain sags and rings at other frequencies"
-    if said.numbers("density", 1, "0")[0] or said.numbers("viscosity", 1, "0")[0]:
-        yield "the fluid around is left out here: its drag and added mass lower frequencies"
-
-
-def _classes(root: XmlElement) -> dict[str, dict[str, Attributes]]:
-    """Return the defaults of every class, each with what it takes from the one around it."""
-    found: dict[str, dict[str, Attributes]] = {"main": {}}
+def _classes(root: XmlElement) -> dict[str, dict[str, dict[str, str]]]:
+    """Return each class's default attributes by tag, with what it takes from the class around it."""
+    found: dict[str, dict[str, dict[str, str]]] = {"main": {}}
     for top in root.all("default"):
         waiting = [(top, found["main"], top.attributes.get("class", "main"))]
         while waiting:
@@ -283,543 +146,449 @@ def _classes(root: XmlElement) -> dict[str, dict[str, Attributes]]:
     return found
 
 
-# Mass, inertia and reach of an MJCF body: from its inertial, or from the solids that it is made of.
+class _Reader:
+    """The settings of one file, and what has been read of it."""
 
+    def __init__(self, root: XmlElement) -> None:
+        self.root = root
+        options = list(root.all("option"))
+        self.option = _merged(options, "option")
+        self.flags = _merged([flag for option in options for flag in option.all("flag")], "flag")
+        self.compiler = _merged(list(root.all("compiler")), "compiler")
+        said = self.compiler.attributes
+        if said.get("coordinate", "local") != "local":
+            self.compiler.refuse("must have local coordinates, as MuJoCo 3 wants")
+        self.sequence = said.get("eulerseq", "xyz")
+        if len(self.sequence) != 3 or set(self.sequence.lower()) - set("xyz"):
+            self.compiler.refuse(f"must have an eulerseq of three axes, got {self.sequence[:10]!r}")
+        #: Radians in one of the file's units of angle.
+        self.angle = 1.0 if said.get("angle") == "radian" else math.pi / 180
+        #: First and last group of geometry whose mass counts.
+        self.groups = self.compiler.numbers("inertiagrouprange", 2, "0 1000000")
+        self.inertia_from_geometry = said.get("inertiafromgeom", "auto")
+        self.automatic_limits = said.get("autolimits", "true") == "true"
+        self.classes = _classes(root)
+        self.copies = 0
+        # A file that others include takes its step and its gravity from these.
+        self.alone = root.tag == "mujoco"
+        self.surroundings = list(self._surroundings())
+        self.step = self._step()
+        self.bodies: list[ModelBody] = []
+        self.notes: list[str] = []
+        self.held_tendons = self._held_tendons()
+        self.dampers: dict[str, float] = {}
+        self.servos: list[XmlElement] = []
+        self._sort_actuators()
+        self.acted_joints = dict(self._acted_joints())
+        self.acted_sites = dict(self._acted_sites())
+        #: The body of each site.
+        self.homes: dict[str, str] = {}
 
-_SIZES = {"sphere": 1, "capsule": 2, "cylinder": 2, "box": 3, "ellipsoid": 3}
-
-
-_MASSLESS = ("plane", "hfield")
-
-
-def matter_of(
-    settings: Settings, element: XmlElement, class_name: str
-) -> tuple[Inertial, list[Floats], list[Solid], str]:
-    """Return a body's mass and inertia, the ends of its geometry, its solids, and why they cannot be told."""
-    extent: list[Floats] = []
-    solids: list[Solid] = []
-    why = ""
-    for child, place, inherited, _ in settings.inside(element, class_name, "geom"):
-        own = settings.with_defaults(child, "geom", inherited)
-        kind = "mesh" if "mesh" in own.attributes else own.attributes.get("type", "sphere")
-        if kind in _MASSLESS or (kind not in _SIZES and not _has_mass(settings, own)):
-            continue
-        if kind not in _SIZES or own.attributes.get("shellinertia") == "true":
-            why = f"{own.where} must be a {', '.join(_SIZES)}, filled, or have its body's mass in <inertial>"
-            continue
-        part, ends = _geometry(settings, own, kind)
-        ends = [place.point(end) for end in ends]
-        extent += ends
-        if settings.counts(own):
-            solids.append(Solid(part.seen_from(place), tuple(ends)))
-    given = element.first("inertial")
-    if given is not None and settings.inertia_from_geometry != "true":
-        return _given(settings, given), extent, [], ""
-    if settings.inertia_from_geometry == "false":
-        return joined([]), extent, [], ""
-    return joined(each.inertial for each in solids), extent, solids, why
-
-
-def compiled_masses(settings: Settings, bodies: Sequence[ModelBody]) -> list[ModelBody]:
-    """Return bodies as the compiler's settings change them: all masses scaled to a total.
-
-    Raises
-    ------
-    BadModel
-        If a least mass or inertia, or the balance of inertias, would change a single body.
-    """
-    said = settings.compiler
-    for name, sizes in (("boundmass", _own_mass), ("boundinertia", _own_inertia)):
-        (least,) = said.numbers(name, 1, "0")
-        light = next((body for body in bodies if least > 0 and sizes(body) < least), None)
-        if light is not None:
-            said.refuse(
-                f"must have a {name} that no body is below, got {least:g}: body {light.name} has less"
-            )
-    if said.attributes.get("balanceinertia") == "true":
-        odd = next((body for body in bodies if not _is_balanced(body)), None)
-        if odd is not None:
-            said.refuse(f"must have no balanceinertia, which changes the inertia of body {odd.name}")
-    (total,) = said.numbers("settotalmass", 1, "-1")
-    mass = sum(body.inertial.mass for body in bodies)
-    if total <= 0 or not mass:
-        return list(bodies)
-    odd = next((body for body in bodies if body.refusal), None)
-    if odd is not None:
-        said.refuse(f"must have no settotalmass, for which every mass must be known: {odd.refusal}")
-    share = total / mass
-    return [
-        replace(
-            body,
-            inertial=_scaled(body.inertial, share),
-            solids=tuple(replace(each, inertial=_scaled(each.inertial, share)) for each in body.solids),
+    def model(self) -> Model:
+        """Return what the file holds."""
+        bare = self.root.tag == "mujocoinclude" and self.root.first("worldbody") is None
+        for world in [self.root] if bare else self.root.all("worldbody"):
+            self._read_bodies(world)
+        return Model(
+            tuple(self._compiled()),
+            tuple(self._ties()),
+            tuple(self._held_ends()),
+            (*self.notes, *self.surroundings),
+            self.step if self.alone else None,
+            self._gravity() if self.alone else np.zeros(3),
         )
-        for body in bodies
-    ]
 
+    # Options.
 
-def _scaled(own: Inertial, share: float) -> Inertial:
-    return Inertial(own.mass * share, own.centre, own.inertia * share)
+    def _step(self) -> FileStep:
+        """Return the step and the integrator, MuJoCo's own where the file says none."""
+        integrator = self.option.attributes.get("integrator", "Euler")
+        try:
+            record = find_integrator(f"MuJoCo {integrator}")
+        except ValueError:
+            self.option.refuse(f"must have one of MuJoCo's integrators, got {shown(integrator)}")
+        timestep = self.option.number("timestep", "0.002")
+        if timestep <= 0:
+            self.option.refuse(f"must have a timestep greater than 0, got {timestep:g}")
+        if integrator == "Euler" and self.flags.attributes.get("eulerdamp") == "disable":
+            record = find_integrator("semi_implicit_euler")
+        return FileStep(timestep, integrator, record.name)
 
+    def _gravity(self) -> Floats:
+        off = self.flags.attributes.get("gravity") == "disable"
+        return np.zeros(3) if off else np.array(self.option.numbers("gravity", 3, "0 0 -9.81"))
 
-def _own_mass(body: ModelBody) -> float:
-    return body.inertial.mass
+    def _surroundings(self) -> Iterator[str]:
+        """Yield what is left out of the surroundings; refuse springs that are switched off."""
+        for name in ("spring", "passive"):
+            if self.flags.attributes.get(name) == "disable":
+                self.flags.refuse(f'must not have {name}="disable", which switches springs off')
+        if self.alone and any(self._gravity()):
+            yield "gravity is left out here: with it the chain sags and rings at other frequencies"
+        if self.option.number("density", "0") or self.option.number("viscosity", "0"):
+            yield "the fluid around is left out here: its drag and added mass lower frequencies"
 
+    # Elements: their defaults and where they stand.
 
-def _own_inertia(body: ModelBody) -> float:
-    return float(np.linalg.eigvalsh(body.inertial.inertia)[0])
+    def _with_defaults(self, element: XmlElement, tag: str, class_name: str = "main") -> XmlElement:
+        """Return an element with the attributes that it takes from its class."""
+        name = element.attributes.get("class", class_name)
+        if name not in self.classes:
+            element.refuse(f"must have a class that <default> defines, got {name[:40]!r}")
+        return replace(element, attributes=self.classes[name].get(tag, {}) | element.attributes)
 
+    def _inside(self, element: XmlElement, class_name: str, *tags: str) -> Iterator[_Placed]:
+        """Yield an element's children of these tags, with those in frames and copies of replicates."""
+        waiting: list[_Placed] = [(element, Frame(), class_name, "")]
+        while waiting:
+            top, outer, inherited, suffix = waiting.pop()
+            if top is not element and top.tag in tags:
+                yield top, outer, inherited, suffix
+                continue
+            places = [("", outer)]
+            if top is not element:
+                inherited = top.attributes.get("childclass", inherited)
+                places = list(self._places(top, outer))
+            self.copies += len(places) - 1
+            if self.copies > _MAX_COPIES:
+                top.refuse(f"must make at most {_MAX_COPIES} copies, with all others of the file")
+            children = list(top.all(*tags, "frame", "replicate"))
+            waiting += [
+                (child, place, inherited, suffix + more) for more, place in places for child in children
+            ][::-1]
 
-def _is_balanced(body: ModelBody) -> bool:
-    least, middle, most = np.linalg.eigvalsh(body.inertial.inertia)
-    return bool(least + middle >= most * (1 - 1e-9))
+    def _places(self, element: XmlElement, outer: Frame) -> Iterator[tuple[str, Frame]]:
+        """Yield where what is in a frame or a replicate stands, and what is added to names there."""
+        if element.tag == "frame":
+            yield "", outer @ self._pose(element)
+            return
+        count = element.number("count")
+        if not 0 < count <= _MAX_COPIES or count != int(count):
+            element.refuse(f"must have a count from 1 to {_MAX_COPIES}, got {count:g}")
+        turn = self.angle * np.array(element.numbers("euler", 3, "0 0 0"))
+        step = Frame(from_euler(turn, self.sequence), np.array(element.numbers("offset", 3, "0 0 0")))
+        digits = len(str(int(count) - 1))
+        for i in range(int(count)):
+            yield f"{element.attributes.get('sep', '')}{i:0{digits}d}", outer
+            outer = outer @ step
 
+    def _pose(self, element: XmlElement) -> Frame:
+        """Return an element's frame in its parent's."""
+        position = np.array(element.numbers("pos", 3, "0 0 0"))
+        given = sorted(element.attributes.keys() & _TURNS.keys())
+        if len(given) > 1:
+            element.refuse(f"must have one of {', '.join(given)}")
+        return Frame(self._rotation(element, given[0]), position) if given else Frame(position=position)
 
-def _has_mass(settings: Settings, geom: XmlElement) -> bool:
-    said = "mass" if "mass" in geom.attributes else "density"
-    return settings.counts(geom) and geom.numbers(said, 1, "1000")[0] > 0
+    def _rotation(self, element: XmlElement, name: str) -> Floats:
+        values = np.array(element.numbers(name, _TURNS[name]))
+        if name == "euler":
+            return from_euler(self.angle * values, self.sequence)
+        if name == "quat":
+            return from_quaternion(*element.direction(values, "direction"))
+        first = element.direction(values[:3], "direction")
+        if name == "axisangle":
+            return about(first, self.angle * values[3])
+        if name == "zaxis":
+            return from_z_to(first)
+        second = element.direction(values[3:] - (values[3:] @ first) * first, "direction")
+        return np.column_stack([first, second, np.cross(first, second)])
 
+    # Bodies and their matter.
 
-def _given(settings: Settings, element: XmlElement) -> Inertial:
-    pose = settings.pose(element)
-    (mass,) = element.numbers("mass", 1)
-    if mass < 0:
-        element.refuse(f"must have a mass of at least 0, got {mass:g}")
-    if "fullinertia" in element.attributes:
-        xx, yy, zz, xy, xz, yz = element.numbers("fullinertia", 6)
-        matrix = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
-    else:
-        matrix = np.diag(element.numbers("diaginertia", 3))
-    return Inertial(mass, np.zeros(3), matrix).seen_from(pose)
+    def _read_bodies(self, world: XmlElement) -> None:
+        """Read the bodies below an element, without recursion: a chain nests as deep as it is long."""
+        waiting = [(*found, -1, Frame()) for found in self._inside(world, "main", "body")][::-1]
+        for odd, *_ in self._inside(world, "main", *_UNREAD):
+            self.notes.append(f"{odd.where} is left out here: {_UNREAD[odd.tag]}")
+        while waiting:
+            element, place, class_name, suffix, parent, outer = waiting.pop()
+            class_name = element.attributes.get("childclass", class_name)
+            frame = outer @ place @ self._pose(element)
+            index = len(self.bodies)
+            self.bodies.append(self._body(element, parent, frame, class_name, suffix))
+            if index > _MOST_BODIES:
+                element.refuse(f"must be one of at most {_MOST_BODIES} bodies")
+            waiting += [
+                (child, at, inner, suffix + more, index, frame)
+                for child, at, inner, more in self._inside(element, class_name, "body")
+            ][::-1]
 
-
-def _geometry(settings: Settings, geom: XmlElement, kind: str) -> tuple[Inertial, list[Floats]]:
-    """Return a solid in its body's frame, and the two ends of its long axis without round caps."""
-    count = _SIZES[kind]
-    pose = settings.pose(geom)
-    ends = "fromto" in geom.attributes
-    if ends and kind == "sphere":
-        geom.refuse("must have no fromto")
-    text = geom.attributes.get("size", "")
-    size = geom.read("size", text, (1, 2, 3))
-    if ends:
-        points = np.array(geom.numbers("fromto", 6)).reshape(2, 3)
-        length = float(np.linalg.norm(points[1] - points[0]))
-        if not length:
-            geom.refuse("must have two different points in fromto")
-        pose = Pose(from_z_to((points[1] - points[0]) / length), points.mean(axis=0))
-        size = [size[0]] * (count - 1) + [length / 2]
-    if len(size) < count or min(size[:count]) <= 0:
-        geom.refuse(f"must have {count} sizes above 0 as a {kind}, got {text[:40]!r}")
-    mass = geom.numbers("mass", 1)[0] if "mass" in geom.attributes else None
-    (density,) = geom.numbers("density", 1, "1000")
-    if density < 0 or (mass or 0.0) < 0:
-        geom.refuse("must have a mass and a density of at least 0")
-    reach = [pose.point(point) for point in ends_of(kind, size)]
-    return solid(kind, size[:count], mass, density).seen_from(pose), reach
-
-
-# What acts on the joints of an MJCF model beside their own springs: servos, tendons, constraints.
-
-_PLAIN_ACTUATORS = ("motor", "damper", "plugin", "adhesion")
-
-
-#: Shortcuts that make a servo of every <general> of their class.
-_SERVO_DEFAULTS = ("position", "velocity", "intvelocity", "muscle", "cylinder", "dcmotor")
-
-
-def linear_stiffness(element: XmlElement) -> float:
-    """Return the stiffness of a joint or tendon; in MuJoCo 4 it may be a polynomial of one term."""
-    value, *more = element.numbers("stiffness", (1, 2, 3), "0")
-    if any(more):
-        element.refuse("must have a linear spring, got a stiffness with more than one number")
-    if value < 0:
-        element.refuse(f"must have a stiffness of at least 0, got {value:g}")
-    return value
-
-
-def linear_damping(element: XmlElement) -> float:
-    """Return the damping of a joint or tendon; in MuJoCo 4 it may be a polynomial of one term."""
-    value, *more = element.numbers("damping", (1, 2, 3), "0")
-    if any(more):
-        element.refuse("must have a linear damper, got a damping with more than one number")
-    if value < 0:
-        element.refuse(f"must have a damping of at least 0, got {value:g}")
-    return value
-
-
-def servo_dampers(root: XmlElement, settings: Settings) -> Iterator[tuple[str, float]]:
-    """Yield the joints on which servos of velocity act, and their damping: kv gear²."""
-    for actuators in root.all("actuator"):
-        for element in actuators.children:
-            if _is_damper(element, settings):
-                own = settings.with_defaults(element, element.tag, "main")
-                gain = _velocity_gain(own)
-                (gear, *_) = own.numbers("gear", (1, 2, 3, 4, 5, 6), "1")
-                yield own.attributes["joint"], gain * gear**2
-
-
-def _velocity_gain(own: XmlElement) -> float:
-    if own.tag == "velocity":
-        return own.numbers("kv", 1, "1")[0]
-    terms = own.numbers("biasprm", tuple(range(1, 11)), "0")
-    return -terms[2] if len(terms) > 2 else 0.0
-
-
-def _is_damper(element: XmlElement, settings: Settings) -> bool:
-    """Whether a servo of one joint has a force of its velocity only, so that it is 0 at rest."""
-    if element.tag not in ("velocity", "general"):
-        return False
-    own = settings.with_defaults(element, element.tag, "main")
-    if "joint" not in own.attributes or _velocity_gain(own) < 0:
-        return False
-    if element.tag == "velocity":
-        return True
-    terms = own.numbers("biasprm", tuple(range(1, 11)), "0")
-    return own.attributes.get("biastype") == "affine" and not any(terms[:2]) and not any(terms[3:])
-
-
-def servos(root: XmlElement, settings: Settings) -> Iterator[tuple[str, str]]:
-    """Yield the joints on which servos act, by themselves or through fixed tendons, and what to say of it."""
-    joints = {
-        tendon.attributes.get("name", ""): [part.attributes.get("joint", "") for part in tendon.all("joint")]
-        for tendons in root.all("tendon")
-        for tendon in tendons.all("fixed")
-    }
-    for element in _servo_elements(root, settings):
-        names = [element.attributes.get(key, "") for key in ("joint", "jointinparent")]
-        for name in filter(None, [*names, *joints.get(element.attributes.get("tendon", ""), [])]):
-            yield name, f"{element.where} must not act on a hinge of the chain, like a spring"
-
-
-def _servo_elements(root: XmlElement, settings: Settings) -> Iterator[XmlElement]:
-    for actuators in root.all("actuator"):
-        for element in actuators.children:
-            if element.tag == "general":
-                own = settings.with_defaults(element, "general", "main")
-                tags = settings.classes[element.attributes.get("class", "main")].keys()
-                inherited = "affine" if tags & set(_SERVO_DEFAULTS) else "none"
-                if own.attributes.get("biastype", inherited) == "none":
-                    continue
-            if element.tag not in _PLAIN_ACTUATORS and not _is_damper(element, settings):
-                yield element
-
-
-def acted_sites(root: XmlElement, settings: Settings) -> Iterator[tuple[str, str]]:
-    """Yield the sites that servos or spatial tendons with springs pull at, and what to say of it."""
-    pulling = {element.attributes.get("tendon", ""): element for element in _servo_elements(root, settings)}
-    for element in _servo_elements(root, settings):
-        for key in ("site", "refsite", "cranksite", "slidersite"):
-            if key in element.attributes:
-                yield element.attributes[key], f"{element.where} must not act on a body of the chain"
-    tied = _equality_tendons(root)
-    for tendons in root.all("tendon"):
-        for tendon in tendons.all("spatial"):
-            own = settings.with_defaults(tendon, "tendon", "main")
-            name = own.attributes.get("name", "")
-            why = [key for key in ("stiffness", "armature", "frictionloss") if any(_terms(own, key))]
-            why += ["an actuator"] if name and name in pulling else []
-            why += ["an equality constraint"] if name and name in tied else []
-            if why:
-                for site in tendon.all("site"):
-                    yield (
-                        site.attributes.get("site", ""),
-                        f"{tendon.where} must not act on the chain, as it does by {' and '.join(why)}",
-                    )
-
-
-def ties(root: XmlElement, settings: Settings) -> Iterator[ModelTie]:
-    """Yield the fixed tendons of a model, of infinite stiffness where an equality constraint holds them."""
-    holding = _equality_tendons(root)
-    for tendons in root.all("tendon"):
-        for i, element in enumerate(tendons.all("fixed")):
-            tendon = settings.with_defaults(element, "tendon", "main")
-            name = tendon.attributes.get("name", f"tendon {i + 1}")
-            terms = tuple(
-                (part.attributes.get("joint", ""), part.numbers("coef", 1)[0]) for part in tendon.all("joint")
+    def _body(
+        self, element: XmlElement, parent: int, frame: Frame, class_name: str, suffix: str
+    ) -> ModelBody:
+        own_name = element.attributes.get("name", f"body on line {element.line}")
+        name = own_name + suffix
+        odd = next((found for found, *_ in self._inside(element, class_name, *_UNREAD)), None)
+        sites = [site.attributes.get("name", "") for site, *_ in self._inside(element, class_name, "site")]
+        self.homes |= dict.fromkeys(sites, name)
+        matter = self._matter(element, class_name)
+        refusals = [f"{odd.where} must be left out: {_UNREAD[odd.tag]}" if odd else ""]
+        refusals += [self.acted_sites.get(site, "") for site in sites] + [matter.refusal]
+        found = replace(matter, name=name, parent=parent, refusal=next(filter(None, refusals), ""))
+        joints = tuple(
+            self._joint(joint, frame @ at, inner, f"joint {i} of {own_name}", suffix, more)
+            for i, (joint, at, inner, more) in enumerate(
+                self._inside(element, class_name, "joint", "freejoint"), start=1
             )
-            stiffness = math.inf if name in holding else linear_stiffness(tendon)
-            why = holding.get(name, "") or _why_not(tendon, stiffness)
-            yield ModelTie(name, terms, stiffness, why, linear_damping(tendon))
+        )
+        return replace(found.placed(frame), joints=joints)
 
+    def _matter(self, element: XmlElement, class_name: str) -> ModelBody:
+        """Return a body by its <inertial> or its solids, in its own frame."""
+        extent: list[Floats] = []
+        solids: list[Solid] = []
+        refusal = ""
+        for child, place, inherited, _ in self._inside(element, class_name, "geom"):
+            geom = self._with_defaults(child, "geom", inherited)
+            kind = "mesh" if "mesh" in geom.attributes else geom.attributes.get("type", "sphere")
+            if kind in _MASSLESS:
+                continue
+            counts = self.groups[0] <= geom.number("group", "0") <= self.groups[1]
+            if kind not in _SIZES:
+                said = "mass" if "mass" in geom.attributes else "density"
+                if not counts or geom.number(said, "1000") <= 0:
+                    continue
+            if kind not in _SIZES or geom.attributes.get("shellinertia") == "true":
+                needed = f"must be a {', '.join(_SIZES)}, filled, or have its body's mass in <inertial>"
+                refusal = f"{geom.where} {needed}"
+                continue
+            found, frame = self._geometry(geom, kind)
+            ends = place.points(frame.points(found.ends))
+            extent += ends
+            if counts:
+                solids.append(Solid(found.inertial.seen_from(frame).seen_from(place), ends))
+        given = element.first("inertial")
+        if given is not None and self.inertia_from_geometry != "true":
+            return ModelBody("", -1, self._inertial(given), extent)
+        if self.inertia_from_geometry == "false":
+            return ModelBody("", -1, joined([]), extent)
+        return ModelBody("", -1, joined(s.inertial for s in solids), extent, refusal=refusal, solids=solids)
 
-def _why_not(tendon: XmlElement, stiffness: float) -> str:
-    if _inertia_or_friction(tendon):
-        return f"{tendon.where} must have no armature and no frictionloss, which no beam has"
-    rest = tendon.numbers("springlength", (1, 2), "-1")
-    if 0 < stiffness < math.inf and any(rest) and rest != [-1.0]:
-        return f"{tendon.where} must be slack at rest: springlength 0"
-    return ""
+    def _inertial(self, element: XmlElement) -> Inertial:
+        frame = self._pose(element)
+        mass = element.at_least_0("mass", element.number("mass"))
+        if "fullinertia" in element.attributes:
+            moments = element.numbers("fullinertia", 6)
+        else:
+            moments = [*element.numbers("diaginertia", 3), 0.0, 0.0, 0.0]
+        return Inertial.of(mass, moments).seen_from(frame)
 
+    def _geometry(self, geom: XmlElement, kind: str) -> tuple[Solid, Frame]:
+        """Return a solid about its middle, and the frame of its middle in its body's."""
+        count = _SIZES[kind]
+        frame = self._pose(geom)
+        by_ends = "fromto" in geom.attributes
+        if by_ends and kind == "sphere":
+            geom.refuse("must have no fromto")
+        text = geom.attributes.get("size", "")
+        size = geom.read("size", text, (1, 2, 3))
+        if by_ends:
+            points = np.array(geom.numbers("fromto", 6)).reshape(2, 3)
+            length = float(np.linalg.norm(points[1] - points[0]))
+            if not length:
+                geom.refuse("must have two different points in fromto")
+            frame = Frame(from_z_to((points[1] - points[0]) / length), points.mean(axis=0))
+            size = [size[0]] * (count - 1) + [length / 2]
+        if len(size) < count or min(size[:count]) <= 0:
+            geom.refuse(f"must have {count} sizes above 0 as a {kind}, got {text[:40]!r}")
+        mass = geom.number("mass") if "mass" in geom.attributes else None
+        density = geom.number("density", "1000")
+        if density < 0 or (mass or 0.0) < 0:
+            geom.refuse("must have a mass and a density of at least 0")
+        return Solid(solid(kind, size[:count], mass, density), tuple(ends_of(kind, size))), frame
 
-def _terms(tendon: XmlElement, name: str) -> list[float]:
-    return [linear_stiffness(tendon)] if name == "stiffness" else tendon.numbers(name, 1, "0")
+    def _compiled(self) -> list[ModelBody]:
+        """Return the bodies with masses scaled to a total; refuse settings that change a single body."""
+        said, bodies = self.compiler, self.bodies
+        inertias = np.array([body.inertial.inertia for body in bodies]).reshape(-1, 3, 3)
+        moments = np.linalg.eigvalsh(inertias).tolist()
+        sizes = {
+            "boundmass": [body.inertial.mass for body in bodies],
+            "boundinertia": [m[0] for m in moments],
+        }
+        for name, values in sizes.items():
+            least = said.number(name, "0")
+            light = next((b.name for b, value in zip(bodies, values, strict=True) if value < least), None)
+            if least > 0 and light is not None:
+                said.refuse(f"must have a {name} that no body is below, got {least:g}: body {light} has less")
+        if said.attributes.get("balanceinertia") == "true":
+            for body, (low, middle, high) in zip(bodies, moments, strict=True):
+                if low + middle < high * (1 - 1e-9):
+                    said.refuse(f"must have no balanceinertia, which changes the inertia of body {body.name}")
+        total, mass = said.number("settotalmass", "-1"), sum(sizes["boundmass"])
+        if total <= 0 or not mass:
+            return bodies
+        odd = next((body.refusal for body in bodies if body.refusal), "")
+        if odd:
+            said.refuse(f"must have no settotalmass, for which every mass must be known: {odd}")
+        share = total / mass
+        return [
+            replace(
+                body,
+                inertial=body.inertial.scaled(share),
+                solids=[Solid(each.inertial.scaled(share), each.ends) for each in body.solids],
+            )
+            for body in bodies
+        ]
 
+    # Joints, and what acts on them beside their own springs.
 
-def _inertia_or_friction(tendon: XmlElement) -> bool:
-    return any(tendon.numbers(name, 1, "0")[0] for name in ("armature", "frictionloss"))
+    def _joint(
+        self, child: XmlElement, frame: Frame, class_name: str, fallback: str, suffix: str, more: str
+    ) -> ModelJoint:
+        own, kind = child, "free"
+        if child.tag == "joint":
+            own = self._with_defaults(child, "joint", class_name)
+            kind = own.attributes.get("type", "hinge")
+        name = own.attributes.get("name", fallback)
+        axis = child.direction(own.numbers("axis", 3, "0 0 1"))
+        position = frame.point(np.array(own.numbers("pos", 3, "0 0 0")))
+        stiffness = _linear(own, "stiffness", "spring")
+        return ModelJoint(
+            f"{name}{suffix}{more}",
+            kind,
+            frame.rotation @ axis,
+            position,
+            stiffness,
+            self._why_not(own, kind, stiffness) or self.acted_joints.get(name, ""),
+            _linear(own, "damping", "damper") + self.dampers.get(name, 0.0),
+            child.at_least_0("armature", own.number("armature", "0")),
+        )
 
+    def _why_not(self, joint: XmlElement, kind: str, stiffness: float) -> str:
+        if kind not in ("hinge", "slide", "free") and not (kind == "ball" and stiffness):
+            return f"{joint.where} must be a hinge or a ball with a stiffness, got type {kind!r}"
+        if kind == "free" and stiffness:
+            return f"{joint.where} must have no spring, or be a <freejoint>, which takes no defaults"
+        if joint.number("frictionloss", "0"):
+            return f"{joint.where} must have no frictionloss: dry friction holds a hinge still"
+        if min(joint.numbers("springdamper", 2, "0 0")) > 0:
+            return f"{joint.where} must have its stiffness said, not left to springdamper"
+        reference = joint.number("ref", "0")
+        limited = joint.attributes.get("limited", "auto")
+        by_range = limited == "auto" and self.automatic_limits and "range" in joint.attributes
+        if kind != "free" and (limited == "true" or by_range):
+            low, high = joint.numbers("range", 2, "0 0")
+            # The range of a ball is its largest angle; what is said as the least is not used.
+            if not (-1.0 if kind == "ball" else low) < reference < high:
+                return f"{joint.where} must be at rest within its range, not at a stop or beyond"
+        if stiffness and kind != "ball" and joint.number("springref", "0") != reference:
+            return f"{joint.where} must have springref equal to ref: the chain must be straight at rest"
+        return ""
 
-def _equality_tendons(root: XmlElement) -> dict[str, str]:
-    """Return the tendons that equality constraints act on, each with why it cannot be honoured, if so."""
-    found: dict[str, str] = {}
-    for constraints in root.all("equality"):
-        for element in constraints.all("tendon"):
+    def _within(self, outer: str, *tags: str) -> Iterator[XmlElement]:
+        return (child for section in self.root.all(outer) for child in section.all(*tags))
+
+    def _sort_actuators(self) -> None:
+        """Sort actuators: dampers of one joint, servos that act like springs, and others, which do not."""
+        for element in (each for section in self.root.all("actuator") for each in section.children):
+            if element.tag in ("velocity", "general"):
+                own = self._with_defaults(element, element.tag)
+                damping = self._damping(own)
+                if damping is not None:
+                    name = own.attributes["joint"]
+                    self.dampers[name] = self.dampers.get(name, 0.0) + damping
+                    continue
+                tags = self.classes[element.attributes.get("class", "main")].keys()
+                inherited = "affine" if tags & _SERVO_DEFAULTS else "none"
+                if element.tag == "general" and own.attributes.get("biastype", inherited) == "none":
+                    continue
+            if element.tag not in _PLAIN_ACTUATORS:
+                self.servos.append(element)
+
+    def _damping(self, own: XmlElement) -> float | None:
+        """Return kv gear² of a servo with a force of one joint's velocity only; None of any other."""
+        if "joint" not in own.attributes:
+            return None
+        if own.tag == "velocity":
+            gain = own.number("kv", "1")
+        else:
+            terms = [*own.numbers("biasprm", tuple(range(1, 11)), "0"), 0.0, 0.0]
+            if own.attributes.get("biastype") != "affine" or any(terms[:2]) or any(terms[3:]):
+                return None
+            gain = -terms[2]
+        return gain * own.numbers("gear", (1, 2, 3, 4, 5, 6), "1")[0] ** 2 if gain >= 0 else None
+
+    def _acted_joints(self) -> Iterator[tuple[str, str]]:
+        """Yield the joints on which servos act, alone or through fixed tendons, and what to say of it."""
+        joints = {
+            tendon.attributes.get("name", ""): [
+                part.attributes.get("joint", "") for part in tendon.all("joint")
+            ]
+            for tendon in self._within("tendon", "fixed")
+        }
+        for element in self.servos:
+            names = [element.attributes.get(key, "") for key in ("joint", "jointinparent")]
+            for name in filter(None, [*names, *joints.get(element.attributes.get("tendon", ""), [])]):
+                yield name, f"{element.where} must not act on a hinge of the chain, like a spring"
+
+    def _acted_sites(self) -> Iterator[tuple[str, str]]:
+        """Yield the sites that servos or spatial tendons with springs pull at, and what to say of it."""
+        for element in self.servos:
+            for key in ("site", "refsite", "cranksite", "slidersite"):
+                if key in element.attributes:
+                    yield element.attributes[key], f"{element.where} must not act on a body of the chain"
+        pulling = {element.attributes.get("tendon", "") for element in self.servos}
+        for tendon in self._within("tendon", "spatial"):
+            own = self._with_defaults(tendon, "tendon")
+            name = own.attributes.get("name", "")
+            why = ["stiffness"] if _linear(own, "stiffness", "spring") else []
+            why += [key for key in ("armature", "frictionloss") if own.number(key, "0")]
+            why += ["an actuator"] if name and name in pulling else []
+            why += ["an equality constraint"] if name and name in self.held_tendons else []
+            for site in tendon.all("site") if why else ():
+                refusal = f"{tendon.where} must not act on the chain, as it does by {' and '.join(why)}"
+                yield site.attributes.get("site", ""), refusal
+
+    def _held_tendons(self) -> dict[str, str]:
+        """Return the tendons that equality constraints act on, each with why it cannot be honoured, if so."""
+        found: dict[str, str] = {}
+        for element in self._within("equality", "tendon"):
             if element.attributes.get("active") == "false":
                 continue
             names = [element.attributes[key] for key in ("tendon1", "tendon2") if key in element.attributes]
             offset = element.numbers("polycoef", (1, 2, 3, 4, 5), "0")[0]
             why = f"{element.where} must hold one tendon, at its length at rest"
             found |= dict.fromkeys(names, why if offset or len(names) > 1 else "")
-    return found
+        return found
 
+    def _ties(self) -> Iterator[ModelTie]:
+        """Yield the fixed tendons, of infinite stiffness where an equality constraint holds them."""
+        for section in self.root.all("tendon"):
+            for i, element in enumerate(section.all("fixed"), start=1):
+                tendon = self._with_defaults(element, "tendon")
+                name = tendon.attributes.get("name", f"tendon {i}")
+                terms = tuple(
+                    (part.attributes.get("joint", ""), part.number("coef")) for part in tendon.all("joint")
+                )
+                held = name in self.held_tendons
+                stiffness = math.inf if held else _linear(tendon, "stiffness", "spring")
+                refusal = self.held_tendons.get(name, "")
+                rest = tendon.numbers("springlength", (1, 2), "-1")
+                if not refusal and any(tendon.number(key, "0") for key in ("armature", "frictionloss")):
+                    refusal = f"{tendon.where} must have no armature and no frictionloss, which no beam has"
+                elif not refusal and 0 < stiffness < math.inf and any(rest) and rest != [-1.0]:
+                    refusal = f"{tendon.where} must be slack at rest: springlength 0"
+                yield ModelTie(name, terms, stiffness, refusal, _linear(tendon, "damping", "damper"))
 
-def held_ends(root: XmlElement, homes: Mapping[str, str]) -> Iterator[tuple[str, str]]:
-    """Yield the bodies and joints that other constraints act on, and what to say of these.
-
-    Parameters
-    ----------
-    root : XmlElement
-    homes : mapping
-        The body of each site.
-    """
-    for constraints in root.all("equality"):
-        for element in constraints.all("connect", "weld", "joint"):
+    def _held_ends(self) -> Iterator[tuple[str, str]]:
+        """Yield the bodies and joints that other constraints act on, and what to say of these."""
+        for element in self._within("equality", "connect", "weld", "joint"):
             if element.attributes.get("active") == "false":
                 continue
+            given = element.attributes
             for end in ("body1", "body2", "joint1", "joint2"):
-                if end in element.attributes:
-                    yield element.attributes[end], element.where
+                if end in given:
+                    yield given[end], element.where
             for end in ("site1", "site2"):
-                if element.attributes.get(end) in homes:
-                    yield homes[element.attributes[end]], element.where
+                if given.get(end) in self.homes:
+                    yield self.homes[given[end]], element.where
 
 
-_MOST_INCLUDED = 20
-
-
-_MOST_BODIES = 20_000
-
-
-#: What only MuJoCo can expand or would change a body's motion by.
-_UNREAD = ("composite", "flexcomp", "attach", "plugin")
-
-
-_WHY = {
-    "composite": "only MuJoCo can expand it; of a cable (mujoco.elasticity.cable) the page on MuJoCo "
-    "(beammodes/pages/mujoco.md) has the error",
-    "flexcomp": "a flex has no hinges and is not judged here; the page on MuJoCo "
-    "(beammodes/pages/mujoco.md) has its error",
-    "attach": "only MuJoCo can expand it; save what it makes of the file by mj_saveLastXML",
-    "plugin": "what a plugin such as mujoco.elasticity.cable does is not read; the page on MuJoCo "
-    "(beammodes/pages/mujoco.md) has the error of its cable",
-}
-
-
-@dataclass
-class _Reader:
-    """Bodies found so far with the homes of their sites; why joints and sites are acted on."""
-
-    settings: Settings
-    bodies: list[ModelBody] = field(default_factory=list)
-    notes: list[str] = field(default_factory=list)
-    servos: dict[str, str] = field(default_factory=dict)
-    dampers: dict[str, float] = field(default_factory=dict)
-    acted: dict[str, str] = field(default_factory=dict)
-    homes: dict[str, str] = field(default_factory=dict)
-
-
-def read_mjcf(root: XmlElement) -> Model:
-    """Return the bodies, joints and ties of an MJCF model.
-
-    Other files are included by `with_includes` before. Honoured are frames, replicates, the compiler's angle,
-    eulerseq, autolimits, inertiafromgeom, inertiagrouprange and settotalmass, default classes, explicit
-    inertials, solids with mass or density, poses, hinges, slides and free joints, fixed tendons with
-    stiffness, and equality constraints on these. Armature is inertia of a hinge's own rotation; servos of
-    velocity without other terms are dampers. What cannot be honoured is refused where a chain needs it:
-    composites, plugins, flexes, meshes, balls without a spring, dry friction, stops at rest, servos
-    that act like springs, spatial tendons with springs.
-
-    Raises
-    ------
-    BadModel
-        If an element is not as MuJoCo wants it.
-    """
-    if root.tag not in ("mujoco", "mujocoinclude"):
-        root.refuse("must be <mujoco>")
-    for element in root.all("attach"):
-        element.refuse(f"must be left out: {_WHY['attach']}")
-    reader = _Reader(settings_of(root))
-    if root.tag == "mujocoinclude" and root.first("worldbody") is None:
-        worlds = [root]
-    else:
-        worlds = list(root.all("worldbody"))
-    reader.servos = dict(servos(root, reader.settings))
-    for name, damping in servo_dampers(root, reader.settings):
-        reader.dampers[name] = reader.dampers.get(name, 0.0) + damping
-    reader.acted = dict(acted_sites(root, reader.settings))
-    for world in worlds:
-        _read_children(reader, world, -1, Pose.identity(), "main")
-    reader.notes += reader.settings.left_out
-    held = tuple(held_ends(root, reader.homes))
-    # A file without its root, to be included, takes its step and its gravity from the one that includes it.
-    alone = root.tag == "mujoco"
-    return Model(
-        tuple(compiled_masses(reader.settings, reader.bodies)),
-        tuple(ties(root, reader.settings)),
-        held,
-        tuple(reader.notes),
-        reader.settings.step if alone else None,
-        np.array(reader.settings.gravity) if alone else np.zeros(3),
-    )
-
-
-def _read_children(reader: _Reader, top: XmlElement, above: int, pose: Pose, inherited: str) -> None:
-    """Read the bodies below an element, without recursion: a chain nests as deep as it is long."""
-    inside = reader.settings.inside
-    waiting = [(*found, above, pose) for found in inside(top, inherited, "body")][::-1]
-    if above < 0:
-        for odd, *_ in inside(top, inherited, *_UNREAD):
-            reader.notes.append(f"{odd.where} is left out here: {_WHY[odd.tag]}")
-    while waiting:
-        element, place, class_name, suffix, parent, outer = waiting.pop()
-        class_name = element.attributes.get("childclass", class_name)
-        own = outer @ place @ reader.settings.pose(element)
-        reader.bodies.append(_body(reader, element, parent, own, class_name, suffix))
-        index = len(reader.bodies) - 1
-        if index > _MOST_BODIES:
-            element.refuse(f"must be one of at most {_MOST_BODIES} bodies")
-        waiting += [
-            (child, at, inner, suffix + more, index, own)
-            for child, at, inner, more in inside(element, class_name, "body")
-        ][::-1]
-
-
-def _body(
-    reader: _Reader, element: XmlElement, parent: int, pose: Pose, class_name: str, suffix: str
-) -> ModelBody:
-    name = element.attributes.get("name", f"body on line {element.line}") + suffix
-    inside = reader.settings.inside
-    odd = next((found for found, *_ in inside(element, class_name, *_UNREAD)), None)
-    refusal = f"{odd.where} must be left out: {_WHY[odd.tag]}" if odd else ""
-    sites = [site.attributes.get("name", "") for site, *_ in inside(element, class_name, "site")]
-    reader.homes |= dict.fromkeys(sites, name)
-    refusal = refusal or next((reader.acted[site] for site in sites if site in reader.acted), "")
-    inertial, extent, solids, why = matter_of(reader.settings, element, class_name)
-    return ModelBody(
-        name,
-        parent,
-        pose.position,
-        inertial.seen_from(pose),
-        tuple(pose.point(point) for point in extent),
-        tuple(_joints(reader, element, pose, class_name, name, suffix)),
-        refusal or why,
-        tuple(
-            Solid(each.inertial.seen_from(pose), tuple(pose.point(end) for end in each.ends))
-            for each in solids
-        ),
-    )
-
-
-def _joints(
-    reader: _Reader, element: XmlElement, pose: Pose, class_name: str, body: str, suffix: str
-) -> Iterator[ModelJoint]:
-    joints = reader.settings.inside(element, class_name, "joint", "freejoint")
-    for i, (child, place, inherited, more) in enumerate(joints):
-        own, kind, at = child, "free", pose @ place
-        if child.tag == "joint":
-            own = reader.settings.with_defaults(child, "joint", inherited)
-            kind = own.attributes.get("type", "hinge")
-        name = own.attributes.get("name", f"joint {i + 1} of {body.removesuffix(suffix)}")
-        axis = np.array(own.numbers("axis", 3, "0 0 1"))
-        size = float(np.linalg.norm(axis))
-        if not size:
-            child.refuse("must have an axis that is not zero")
-        position = at.point(np.array(own.numbers("pos", 3, "0 0 0")))
-        stiffness = linear_stiffness(own)
-        refusal = _why_not_read_mjcf(reader.settings, own, kind, stiffness) or reader.servos.get(name, "")
-        damping, armature = linear_damping(own), own.numbers("armature", 1, "0")[0]
-        if armature < 0:
-            child.refuse(f"must have an armature of at least 0, got {armature:g}")
-        yield ModelJoint(
-            f"{name}{suffix}{more}",
-            kind,
-            at.rotation @ (axis / size),
-            position,
-            stiffness,
-            refusal,
-            damping + reader.dampers.get(name, 0.0),
-            armature,
-        )
-
-
-def _why_not_read_mjcf(settings: Settings, joint: XmlElement, kind: str, stiffness: float) -> str:
-    if kind not in ("hinge", "slide", "free") and not (kind == "ball" and stiffness):
-        return f"{joint.where} must be a hinge or a ball with a stiffness, got type {kind!r}"
-    if kind == "free" and stiffness:
-        return f"{joint.where} must have no spring, or be a <freejoint>, which takes no defaults"
-    if joint.numbers("frictionloss", 1, "0")[0]:
-        return f"{joint.where} must have no frictionloss: dry friction holds a hinge still"
-    if min(joint.numbers("springdamper", 2, "0 0")) > 0:
-        return f"{joint.where} must have its stiffness said, not left to springdamper"
-    (reference,) = joint.numbers("ref", 1, "0")
-    if kind != "free" and settings.limited(joint):
-        low, high = joint.numbers("range", 2, "0 0")
-        if kind == "ball":
-            # The largest angle; what is said as the least is not used.
-            low = -1.0
-        if not low < reference < high:
-            return f"{joint.where} must be at rest within its range, not at a stop or beyond"
-    if stiffness and kind != "ball" and joint.numbers("springref", 1, "0") != [reference]:
-        return f"{joint.where} must have springref equal to ref: the chain must be straight at rest"
-    return ""
-
-
-def with_includes(root: XmlElement, folder: Path) -> XmlElement:
-    """Return a model with what its <include> elements name in their place, as MuJoCo reads it.
-
-    Raises
-    ------
-    BadModel
-        If a file is outside the model's folder, included twice, or cannot be read; the message names it.
-    """
-    inside, seen, count = folder.resolve(), {""}, 0
-    waiting = [root]
-    while waiting:
-        element = waiting.pop()
-        children: list[XmlElement] = []
-        found = element.children[::-1]
-        while found:
-            child = found.pop()
-            if child.tag != "include":
-                children.append(child)
-                continue
-            name = child.attributes.get("file", "")
-            place = (folder / name).resolve()
-            if not name or inside not in place.parents:
-                child.refuse(f"must name a file in the model's own folder, got {shown(name)}")
-            if str(place) in seen:
-                child.refuse(f"must not include a file twice, got {shown(name)}")
-            seen.add(str(place))
-            count += 1
-            if count > _MOST_INCLUDED:
-                child.refuse(f"must be one of at most {_MOST_INCLUDED} files")
-            try:
-                top = read_xml(place)
-            except OSError as error:
-                child.refuse(f"must name a file that can be read: {error.strerror or error}")
-            except BadModel as error:
-                child.refuse(f"must name a file that can be read: {shown(name)}: {error}")
-            _named(top, name)
-            found += top.children[::-1]
-        element.children = children
-        waiting += children
-    return root
-
-
-def _named(top: XmlElement, file: str) -> None:
-    waiting = [top]
-    while waiting:
-        element = waiting.pop()
-        element.file = file
-        waiting += element.children
+def _linear(element: XmlElement, name: str, part: str) -> float:
+    """Return the stiffness or damping of a joint or tendon, in MuJoCo 4 a polynomial, here of one term."""
+    value, *more = element.numbers(name, (1, 2, 3), "0")
+    if any(more):
+        element.refuse(f"must have a linear {part}, got a {name} with more than one number")
+    return element.at_least_0(name, value)

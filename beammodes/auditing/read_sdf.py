@@ -7,22 +7,26 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from beammodes.auditing.body_tree import Inertial, Model, ModelBody, ModelJoint, Pose, from_rpy
+from beammodes.auditing.body_tree import Frame, Inertial, Model, ModelBody, ModelJoint
 from beammodes.auditing.bounded_xml import XmlElement
 from beammodes.auditing.read_urdf import (
+    MOMENTS,
     by_name,
     check_added,
-    inertial_of,
-    shape_ends,
-    tree_order,
+    links_of,
+    reach_of,
+    shapes_of,
     why_driven,
     why_not_free,
 )
 from beammodes.checks import shown
+from beammodes.numerics.arrays import Floats
 
 __all__ = ["read_sdf"]
 
 _KINDS = {"revolute": "hinge", "continuous": "hinge", "prismatic": "slide", "universal": "hinge"}
+#: SDFormat takes a limit of this size for none; Gazebo writes the largest double.
+_NO_LIMIT = 1e16
 
 
 def read_sdf(root: XmlElement) -> Model:
@@ -40,28 +44,24 @@ def read_sdf(root: XmlElement) -> Model:
     model, notes = _chosen_model(root, world)
     check_added(model)
     links, joints = by_name(model.all("link")), by_name(model.all("joint"))
-    ends = [(_text(joint, "parent"), _text(joint, "child"), joint) for joint in joints.values()]
+    ends = [(each.child_text("parent"), each.child_text("child"), each) for each in joints.values()]
     frames = _Frames(model, links, joints, _is_old(root))
-    static = _text(model, "static") in ("true", "1")
+    static = model.child_text("static") in ("true", "1")
     bodies: list[ModelBody] = []
-    index: dict[str, int] = {}
-    for name, above, joint in tree_order(model, links, ends):
-        place = frames.pose(name, links[name])
-        own = tuple(_joint(joint, frames)) if joint is not None else ()
+    for name, _, parent, joint in links_of(model, links, ends):
+        frame = frames.named(name, links[name])
+        own = () if joint is None else tuple(_joint(joint, frames))
         if joint is None and not static:
-            own = (ModelJoint(f"free motion of {name}", "free", np.zeros(3), place.position),)
+            own = (ModelJoint(f"free motion of {name}", "free", np.zeros(3), frame.position),)
         inertial, extent = _matter(links[name])
-        index[name] = len(bodies)
-        reach = tuple(place.point(point) for point in extent)
-        parent = index.get(above, -1)
-        bodies.append(ModelBody(name, parent, place.position, inertial.seen_from(place), reach, own))
-    note = "gravity is left out here: with it the chain sags and rings at other frequencies"
-    flat = world is None or not any(_numbers(world, "gravity", 3, "0 0 -9.81"))
-    return Model(tuple(bodies), notes=tuple(notes if flat else [*notes, note]))
+        bodies.append(ModelBody(name, parent, inertial, extent, own).placed(frame))
+    if world is not None and any(world.child_numbers("gravity", 3, "0 0 -9.81")):
+        notes.append("gravity is left out here: with it the chain sags and rings at other frequencies")
+    return Model(tuple(bodies), notes=tuple(notes))
 
 
 def _is_old(root: XmlElement) -> bool:
-    """Whether axes are in the model's frame: before SDFormat 1.5."""
+    """Return whether axes are in the model's frame: before SDFormat 1.5."""
     version = root.attributes.get("version", "").split(".")
     return version[0] == "1" and version[1:2] != [] and version[1] in ("0", "1", "2", "3", "4")
 
@@ -83,27 +83,26 @@ def _chosen_model(root: XmlElement, world: XmlElement | None) -> tuple[XmlElemen
 
 def _has_spring(model: XmlElement) -> bool:
     axes = (axis for joint in model.all("joint") for axis in joint.all("axis", "axis2"))
-    springs = (_text(axis.first("dynamics") or axis, "spring_stiffness") for axis in axes)
+    springs = ((axis.first("dynamics") or axis).child_text("spring_stiffness") for axis in axes)
     return any(text.strip("0.+- ") for text in springs)
 
 
 class _Frames:
-    """The poses in the model of its links, joints and frames, each found once."""
+    """The frames in the model of its links, joints and frames, each worked out once."""
 
     def __init__(
         self, model: XmlElement, links: dict[str, XmlElement], joints: dict[str, XmlElement], old: bool
     ) -> None:
         self.old = old
-        self.elements: dict[str, XmlElement] = {}
         # Of a link and a joint of one name, which old files may have, others mean the link.
-        self.elements |= joints | by_name(model.all("frame")) | links
-        self.found: dict[str, Pose] = {"": Pose.identity(), "__model__": Pose.identity()}
+        self.elements = joints | by_name(model.all("frame")) | links
+        self.known = {"": Frame(), "__model__": Frame()}
 
-    def pose(self, name: str, asker: XmlElement) -> Pose:
-        """Return the pose of a named frame in the model, without recursion: frames may be a long row."""
+    def named(self, name: str, asker: XmlElement) -> Frame:
+        """Return a named frame in the model, without recursion: frames may be a long row."""
         row: list[str] = []
         at = name
-        while at not in self.found:
+        while at not in self.known:
             if at not in self.elements:
                 asker.refuse(f"must be relative to a link, joint or frame of the model, got {shown(at)}")
             if len(row) > len(self.elements):
@@ -112,46 +111,31 @@ class _Frames:
             at = self._base(self.elements[at])
         for each in reversed(row):
             element = self.elements[each]
-            self.found[each] = self.found[self._base(element)] @ _pose(element)
-        return self.found[name]
+            self.known[each] = self.known[self._base(element)] @ _pose(element)
+        return self.known[name]
 
-    def of_joint(self, joint: XmlElement) -> Pose:
-        """Return a joint's own pose, which stands in its child link unless it says otherwise."""
-        return self.pose(self._base(joint), joint) @ _pose(joint)
+    def of_joint(self, joint: XmlElement) -> Frame:
+        """Return a joint's own frame, which stands in its child link unless it says otherwise."""
+        return self.named(self._base(joint), joint) @ _pose(joint)
 
     def _base(self, element: XmlElement) -> str:
         pose = element.first("pose")
         said = "" if pose is None else pose.attributes.get("relative_to", "")
-        if said:
-            return said
-        if element.tag == "frame":
+        if not said and element.tag == "frame":
             return element.attributes.get("attached_to", "")
-        return _text(element, "child") if element.tag == "joint" else ""
+        return said or (element.child_text("child") if element.tag == "joint" else "")
 
 
-def _text(element: XmlElement, tag: str) -> str:
-    child = element.first(tag)
-    return "" if child is None else child.text.strip()
-
-
-def _numbers(element: XmlElement, tag: str, count: int, default: str) -> list[float]:
-    child = element.first(tag)
-    if child is None:
-        return element.read(tag, default, count)
-    return child.read(tag, child.text, count)
-
-
-def _pose(element: XmlElement) -> Pose:
+def _pose(element: XmlElement) -> Frame:
     pose = element.first("pose")
     if pose is None or not pose.text.strip():
-        return Pose.identity()
-    turn, values = 1.0, pose.read("pose", pose.text, 6)
-    if pose.attributes.get("degrees") == "true":
-        turn = np.pi / 180
-    return Pose(from_rpy(*(turn * angle for angle in values[3:])), np.array(values[:3]))
+        return Frame()
+    values = pose.read("pose", pose.text, 6)
+    unit = np.pi / 180 if pose.attributes.get("degrees") == "true" else 1.0
+    return Frame.by_angles(values[:3], unit * np.array(values[3:]))
 
 
-def _pose_in_link(element: XmlElement) -> Pose:
+def _pose_in_link(element: XmlElement) -> Frame:
     pose = element.first("pose")
     if pose is not None and pose.attributes.get("relative_to"):
         pose.refuse("must have no relative_to: what is in a link is placed in that link here")
@@ -162,91 +146,73 @@ def _joint(joint: XmlElement, frames: _Frames) -> Iterator[ModelJoint]:
     kind = joint.attributes.get("type", "")
     if kind == "fixed":
         return
-    name = joint.attributes.get("name", f"joint on line {joint.line}")
-    place = frames.of_joint(joint)
-    tags = ("axis", "axis2") if kind == "universal" else ("axis",)
-    axes = [joint.first(tag) for tag in tags]
-    for i, axis in enumerate(axes):
+    name = joint.attributes["name"]
+    frame = frames.of_joint(joint)
+    for i, tag in enumerate(("axis", "axis2") if kind == "universal" else ("axis",)):
+        axis = joint.first(tag)
         if kind not in _KINDS or axis is None:
             why = f"{joint.where} must be revolute or universal with its axes, got type {shown(kind)}"
-            yield ModelJoint(name, kind, np.zeros(3), place.position, refusal=why)
+            yield ModelJoint(name, kind, np.zeros(3), frame.position, refusal=why)
             return
-        yield _about(joint, axis, f"{name} axis2" if i else name, kind, place, frames)
+        yield _coordinate(joint, axis, f"{name} axis2" if i else name, frame, frames)
 
 
-def _about(
-    joint: XmlElement, axis: XmlElement, name: str, kind: str, place: Pose, frames: _Frames
-) -> ModelJoint:
+def _coordinate(joint: XmlElement, axis: XmlElement, name: str, frame: Frame, frames: _Frames) -> ModelJoint:
     along = axis.first("xyz")
-    turned = place.rotation
-    if frames.old or _text(axis, "use_parent_model_frame") in ("true", "1"):
+    turned = frame.rotation
+    if frames.old or axis.child_text("use_parent_model_frame") in ("true", "1"):
         turned = np.eye(3)
     if along is not None and along.attributes.get("expressed_in"):
-        turned = frames.pose(along.attributes["expressed_in"], along).rotation
-    direction = np.array(_numbers(axis, "xyz", 3, "0 0 1"))
-    size = float(np.linalg.norm(direction))
-    if not size:
-        joint.refuse("must have an axis that is not zero")
+        turned = frames.named(along.attributes["expressed_in"], along).rotation
+    direction = joint.direction(axis.child_numbers("xyz", 3, "0 0 1"))
     dynamics = axis.first("dynamics") or axis
-    (stiffness,) = _numbers(dynamics, "spring_stiffness", 1, "0")
-    if stiffness < 0:
-        joint.refuse(f"must have a stiffness of at least 0, got {stiffness:g}")
-    bent = stiffness and any(_numbers(dynamics, "spring_reference", 1, "0"))
-    refusal = f"{joint.where} must have spring_reference 0: straight at rest" if bent else ""
-    refusal = refusal or why_driven(joint, joint) or _why_not_at_rest(joint, axis, dynamics)
-    (damping,) = _numbers(dynamics, "damping", 1, "0")
-    if damping < 0:
-        joint.refuse(f"must have a damping of at least 0, got {damping:g}")
-    return ModelJoint(
-        name, _KINDS[kind], turned @ (direction / size), place.position, stiffness, refusal, damping
+    stiffness, rest, friction, damping = (
+        dynamics.child_numbers(tag, 1, "0")[0]
+        for tag in ("spring_stiffness", "spring_reference", "friction", "damping")
     )
-
-
-def _why_not_at_rest(joint: XmlElement, axis: XmlElement, dynamics: XmlElement) -> str:
-    if axis.first("mimic") is not None:
-        return f"{joint.where} must not mimic another joint"
+    joint.at_least_0("stiffness", stiffness)
+    joint.at_least_0("damping", damping)
     limit = axis.first("limit")
     limits = None
     if limit is not None:
         limits = (_limit(limit, "lower", -math.inf), _limit(limit, "upper", math.inf))
-    return why_not_free(joint, limits, _numbers(dynamics, "friction", 1, "0")[0])
+    refusals = [
+        f"{joint.where} must have spring_reference 0: straight at rest" if stiffness and rest else "",
+        why_driven(joint, joint),
+        f"{joint.where} must not mimic another joint" if axis.first("mimic") is not None else "",
+        why_not_free(joint, limits, friction),
+    ]
+    refusal = next(filter(None, refusals), "")
+    kind = _KINDS[joint.attributes["type"]]
+    return ModelJoint(name, kind, turned @ direction, frame.position, stiffness, refusal, damping)
 
 
 def _limit(limit: XmlElement, tag: str, unlimited: float) -> float:
     # The one place where SDFormat writes infinite numbers.
-    text = _text(limit, tag).lower().lstrip("+-")
-    if text in ("", "inf", "infinity") or _is_huge(text):
-        return unlimited
-    return _numbers(limit, tag, 1, "0")[0]
-
-
-def _is_huge(text: str) -> bool:
-    """Whether a number means no limit, as SDFormat has it from 1e16 on; Gazebo writes the largest double."""
+    text = limit.child_text(tag)
     try:
-        return abs(float(text[:100])) >= 1e16
+        none = not text or math.fabs(float(text[:100])) >= _NO_LIMIT
     except ValueError:
-        return False
+        none = False
+    return unlimited if none else limit.child_numbers(tag, 1, "0")[0]
 
 
-def _matter(link: XmlElement) -> tuple[Inertial, list[np.ndarray]]:
-    extent = []
-    for shape in link.all("visual", "collision"):
-        place, geometry = _pose_in_link(shape), shape.first("geometry")
-        for solid in () if geometry is None else geometry.all("box", "cylinder", "capsule", "sphere"):
-            if solid.tag == "box":
-                values = _numbers(solid, "size", 3, "1 1 1")
-            else:
-                values = [_numbers(solid, key, 1, "0")[0] for key in ("radius", "length")]
-            extent += [place.point(point) for point in shape_ends(solid.tag, values)]
-    given = link.first("inertial")
-    if given is not None and given.attributes.get("auto") in ("true", "1"):
-        given.refuse("must say mass and inertia: auto is not worked out here")
-    for added in () if given is None else given.all("fluid_added_mass"):
-        added.refuse("must be left out: the audit's beam is in no fluid")
+def _matter(link: XmlElement) -> tuple[Inertial, list[Floats]]:
+    extent: list[Floats] = []
+    for part, shape in shapes_of(link):
+        if shape.tag == "box":
+            values = shape.child_numbers("size", 3, "1 1 1")
+        else:
+            values = [shape.child_numbers(key, 1, "0")[0] for key in ("radius", "length")]
+        extent += reach_of(shape.tag, values, _pose_in_link(part))
     # SDFormat's own default is a unit of mass and inertia.
-    unit = XmlElement("inertial", {}, link.line) if given is None else given
-    (mass,) = _numbers(unit, "mass", 1, "1")
-    matrix = unit.first("inertia") or unit
-    defaults = {"ixx": "1", "iyy": "1", "izz": "1", "ixy": "0", "ixz": "0", "iyz": "0"}
-    values_of = {key: _numbers(matrix, key, 1, default)[0] for key, default in defaults.items()}
-    return inertial_of(link, _pose_in_link(unit), values_of | {"mass": mass}), extent
+    given = link.first("inertial") or XmlElement("inertial", {}, link.line)
+    if given.attributes.get("auto") in ("true", "1"):
+        given.refuse("must say mass and inertia: auto is not worked out here")
+    for added in given.all("fluid_added_mass"):
+        added.refuse("must be left out: the audit's beam is in no fluid")
+    (mass,) = given.child_numbers("mass", 1, "1")
+    matrix = given.first("inertia") or given
+    moments = [matrix.child_numbers(key, 1, "1" if key[1] == key[2] else "0")[0] for key in MOMENTS]
+    own = Inertial.of(link.at_least_0("mass", mass), moments)
+    return own.seen_from(_pose_in_link(given)), extent

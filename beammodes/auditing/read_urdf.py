@@ -1,49 +1,48 @@
-"""URDF, the robot description of ROS, and the springs that stand beside it."""
+"""URDF, the robot description of ROS, and the springs that stand in a YAML file beside it."""
 
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, NoReturn
 
-import numpy as np
-
-from beammodes.auditing.body_tree import Inertial, Model, ModelBody, ModelJoint, Pose, ends_of, from_rpy
+from beammodes.auditing.body_tree import Frame, Inertial, Model, ModelBody, ModelJoint, ends_of, joined
 from beammodes.auditing.bounded_xml import BadModel, XmlElement, bounded_bytes, finite_number
 from beammodes.checks import choice, shown
+from beammodes.numerics.arrays import Floats
 
 __all__ = [
+    "MOMENTS",
     "by_name",
     "check_added",
-    "inertial_of",
+    "links_of",
+    "reach_of",
     "read_springs",
     "read_urdf",
-    "shape_ends",
-    "tree_order",
+    "shapes_of",
     "why_driven",
     "why_not_free",
 ]
 
-
-# What URDF and SDFormat files hold that a chain must not have: stops at rest, friction, rotors.
-
 #: Drake's own elements that hold bodies together outside the tree of joints.
 _ADDED = ("drake:linear_bushing_rpy", "drake:ball_constraint", "drake:joint")
-
-
 _DRIVEN = {"drake:rotor_inertia": "inertia", "drake:controller_gains": "a servo"}
+_KINDS = {
+    "revolute": "hinge",
+    "continuous": "hinge",
+    "prismatic": "slide",
+    "floating": "free",
+    "fixed": "fixed",
+}
+MOMENTS = ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")
+
+
+# Links and joints, as URDF and SDFormat have them.
 
 
 def by_name(elements: Iterable[XmlElement]) -> dict[str, XmlElement]:
-    """Return elements by name.
-
-    Raises
-    ------
-    BadModel
-        If one has no name, or that of another.
-    """
+    """Return elements by name; refuse one without a name, or with that of another."""
     found: dict[str, XmlElement] = {}
     for element in elements:
         name = element.attributes.get("name") or element.refuse("must have a name")
@@ -54,7 +53,7 @@ def by_name(elements: Iterable[XmlElement]) -> dict[str, XmlElement]:
 
 
 def check_added(model: XmlElement) -> None:
-    """Raise BadModel if xacro has left something to do, or bushings hold a model's bodies."""
+    """Refuse a model with something left for xacro to do, or with bushings between its bodies."""
     for element in model.children:
         if element.tag.startswith("xacro:"):
             element.refuse("must have been expanded by xacro")
@@ -62,95 +61,12 @@ def check_added(model: XmlElement) -> None:
             element.refuse("must be left out: only joints of a tree are read")
 
 
-def why_not_free(joint: XmlElement, limits: tuple[float, float] | None, friction: float) -> str:
-    """Return why a joint does not swing freely about 0, empty if it does."""
-    if friction:
-        return f"{joint.where} must have no friction: dry friction holds a hinge still"
-    if limits is not None and not limits[0] < 0 < limits[1]:
-        return f"{joint.where} must be at rest within its limits, not at a stop or beyond"
-    return ""
-
-
-def why_driven(parent: XmlElement, joint: XmlElement) -> str:
-    """Return why a joint is no plain hinge by Drake's elements below `parent`, empty if it is."""
-    for element in _below(parent):
-        given = [element.text, element.attributes.get("value", ""), element.attributes.get("p", "")]
-        if element.tag in _DRIVEN and any(text.strip().strip("0.") for text in given):
-            what = _DRIVEN[element.tag]
-            return f"{joint.where} must have no <{element.tag}>, which is {what} that no beam has"
-    return ""
-
-
-def _below(element: XmlElement) -> Iterator[XmlElement]:
-    for child in element.children:
-        yield child
-        yield from child.children
-
-
-_KINDS = {
-    "revolute": "hinge",
-    "continuous": "hinge",
-    "prismatic": "slide",
-    "floating": "free",
-    "fixed": "fixed",
-}
-
-
-_HINGES = ("revolute", "continuous")
-
-
-_NONE = np.zeros(3)
-
-
-def read_urdf(root: XmlElement, springs: Mapping[str, float]) -> Model:
-    """Return the links and joints of a URDF robot, its root link fixed to the ground.
-
-    Springs, for which URDF has no place, are those given, and the `springStiffness` of Gazebo's extension.
-
-    Raises
-    ------
-    BadModel
-        If links and joints are no tree, or an element is not as URDF wants it.
-    """
-    check_added(root)
-    links, joints = by_name(root.all("link")), by_name(root.all("joint"))
-    springs = _both_springs(_gazebo_springs(root), springs)
-    unknown = springs.keys() - joints.keys()
-    if unknown:
-        raise BadModel(f"springs must name joints of the URDF file, got {shown(sorted(unknown)[0])}")
-    driven = _driven(root, joints)
-    ends = [(_end(joint, "parent"), _end(joint, "child"), joint) for joint in joints.values()]
-    poses, index = {"world": Pose.identity()}, {}
-    bodies: list[ModelBody] = []
-    for name, above, joint in tree_order(root, links, ends):
-        place = Pose.identity()
-        own: tuple[ModelJoint, ...] = ()
-        if joint is not None:
-            place = poses[above] @ _pose(joint)
-            own = tuple(_joint(joint, place, springs, driven))
-        poses[name] = place
-        inertial, extent = _matter(links[name])
-        index[name] = len(bodies)
-        reach = tuple(place.point(point) for point in extent)
-        parent = index.get(above, -1)
-        bodies.append(ModelBody(name, parent, place.position, inertial.seen_from(place), reach, own))
-    notes = (
-        () if "world" in links else (f"root link {shown(bodies[0].name)} is taken as fixed to the ground",)
-    )
-    hint = ""
-    if not springs:
-        first = next((name for name, joint in joints.items() if joint.attributes.get("type") in _HINGES), "")
-        hint = (
-            "URDF has no springs: give a file with them by springs= (--springs), or beside the model as "
-            f"NAME.springs.yaml, with a row such as {{joint: {first or 'NAME'}, stiffness: 10.0}} a hinge"
-        )
-    return Model(tuple(bodies), notes=notes, hint=hint)
-
-
-def tree_order(
+def links_of(
     root: XmlElement, links: Mapping[str, XmlElement], ends: list[tuple[str, str, XmlElement]]
-) -> Iterator[tuple[str, str, XmlElement | None]]:
-    """Yield each link, parents first, with its parent and the joint between; roots have none.
+) -> Iterator[tuple[str, str, int, XmlElement | None]]:
+    """Yield each link, parents first: its name, its parent's name and index, and the joint between.
+
+    The index counts the links that were yielded before, -1 is the ground; roots have no joint.
 
     Raises
     ------
@@ -171,30 +87,89 @@ def tree_order(
     waiting: list[tuple[str, str, XmlElement | None]] = [(name, "", None) for name in roots[::-1]]
     if "world" not in links:
         waiting += [(name, "world", joint) for name, joint in below["world"][::-1]]
-    count = 0
+    index: dict[str, int] = {}
     while waiting:
         name, above, own = waiting.pop()
-        count += 1
-        yield name, above, own
+        yield name, above, index.get(above, -1), own
+        index[name] = len(index)
         waiting += [(child, name, joint) for child, joint in below[name][::-1]]
-    if count < len(links) or not count:
+    if len(index) < len(links) or not index:
         root.refuse("must have links in a tree, got none or a loop")
 
 
-def inertial_of(link: XmlElement, place: Pose, values: Mapping[str, float]) -> Inertial:
-    """Return the inertial that a link gives, its frame at `place` in the link's."""
-    if values["mass"] < 0:
-        link.refuse(f"must have a mass of at least 0, got {values['mass']:g}")
-    xx, yy, zz, xy, xz, yz = (values[key] for key in ("ixx", "iyy", "izz", "ixy", "ixz", "iyz"))
-    matrix = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
-    return Inertial(values["mass"], _NONE, matrix).seen_from(place)
+def shapes_of(link: XmlElement) -> Iterator[tuple[XmlElement, XmlElement]]:
+    """Yield each shape that shows how far a link reaches, after the visual or collision that it is in."""
+    for part in link.all("visual", "collision"):
+        geometry = part.first("geometry")
+        for shape in () if geometry is None else geometry.all("box", "cylinder", "capsule", "sphere"):
+            yield part, shape
 
 
-def shape_ends(kind: str, values: list[float]) -> list[np.ndarray]:
-    """Return how far a shape reaches: full lengths of a box; radius and length of others."""
-    if kind in ("cylinder", "capsule"):
-        return ends_of(kind, [values[0], values[1] / 2])
-    return ends_of(kind, [value / 2 for value in values] if kind == "box" else values)
+def reach_of(kind: str, values: Sequence[float], frame: Frame) -> tuple[Floats, ...]:
+    """Return how far a shape reaches, by full lengths of a box, or radius and length of others."""
+    sizes = [value / 2 for value in values] if kind == "box" else [values[0], values[-1] / 2]
+    return frame.points(ends_of(kind, sizes))
+
+
+def why_not_free(joint: XmlElement, limits: tuple[float, float] | None, friction: float) -> str:
+    """Return why a joint does not swing freely about 0, empty if it does."""
+    if friction:
+        return f"{joint.where} must have no friction: dry friction holds a hinge still"
+    if limits is not None and not limits[0] < 0 < limits[1]:
+        return f"{joint.where} must be at rest within its limits, not at a stop or beyond"
+    return ""
+
+
+def why_driven(parent: XmlElement, joint: XmlElement) -> str:
+    """Return why a joint is no plain hinge by Drake's elements below `parent`, empty if it is."""
+    for element in (inner for child in parent.children for inner in (child, *child.children)):
+        given = [element.text, element.attributes.get("value", ""), element.attributes.get("p", "")]
+        if element.tag in _DRIVEN and any(text.strip().strip("0.") for text in given):
+            what = _DRIVEN[element.tag]
+            return f"{joint.where} must have no <{element.tag}>, which is {what} that no beam has"
+    return ""
+
+
+# URDF.
+
+
+def read_urdf(root: XmlElement, springs: Mapping[str, float]) -> Model:
+    """Return the links and joints of a URDF robot, its root link fixed to the ground.
+
+    Springs, for which URDF has no place, are those given, and the `springStiffness` of Gazebo's extension.
+
+    Raises
+    ------
+    BadModel
+        If links and joints are no tree, or an element is not as URDF wants it.
+    """
+    check_added(root)
+    links, joints = by_name(root.all("link")), by_name(root.all("joint"))
+    springs = _both_springs(_gazebo_springs(root), springs)
+    unknown = springs.keys() - joints.keys()
+    if unknown:
+        raise BadModel(f"springs must name joints of the URDF file, got {shown(sorted(unknown)[0])}")
+    driven = _driven(root, joints)
+    ends = [(_end(joint, "parent"), _end(joint, "child"), joint) for joint in joints.values()]
+    frames = {"world": Frame()}
+    bodies: list[ModelBody] = []
+    for name, above, parent, joint in links_of(root, links, ends):
+        frames[name] = frame = Frame() if joint is None else frames[above] @ _pose(joint)
+        own = () if joint is None else _joint(joint, frame, springs, driven)
+        inertial, extent = _matter(links[name])
+        bodies.append(ModelBody(name, parent, inertial, extent, own).placed(frame))
+    first = shown(bodies[0].name)
+    notes = () if "world" in links else (f"root link {first} is taken as fixed to the ground",)
+    hinge = next((name for name, joint in joints.items() if _KINDS.get(_type(joint)) == "hinge"), "NAME")
+    hint = (
+        "URDF has no springs: give a file with them by springs= (--springs), or beside the model as "
+        f"NAME.springs.yaml, with a row such as {{joint: {hinge}, stiffness: 10.0}} a hinge"
+    )
+    return Model(tuple(bodies), notes=notes, hint="" if springs else hint)
+
+
+def _type(joint: XmlElement) -> str:
+    return joint.attributes.get("type", "")
 
 
 def _end(joint: XmlElement, which: str) -> str:
@@ -202,69 +177,64 @@ def _end(joint: XmlElement, which: str) -> str:
     return "" if end is None else end.attributes.get("link", "")
 
 
-def _pose(element: XmlElement) -> Pose:
+def _pose(element: XmlElement) -> Frame:
     origin = element.first("origin")
     if origin is None:
-        return Pose.identity()
-    turned = from_rpy(*origin.numbers("rpy", 3, "0 0 0"))
-    return Pose(turned, np.array(origin.numbers("xyz", 3, "0 0 0")))
+        return Frame()
+    turn = origin.numbers("rpy", 3, "0 0 0")
+    return Frame.by_angles(origin.numbers("xyz", 3, "0 0 0"), turn)
 
 
 def _joint(
-    joint: XmlElement, place: Pose, springs: Mapping[str, float], driven: Mapping[str, str]
-) -> Iterator[ModelJoint]:
-    kind = joint.attributes.get("type", "")
+    joint: XmlElement, frame: Frame, springs: Mapping[str, float], driven: Mapping[str, str]
+) -> tuple[ModelJoint, ...]:
+    kind, name = _type(joint), joint.attributes["name"]
     if kind == "fixed":
-        return
-    axis = joint.first("axis")
-    along = np.array([1.0, 0, 0] if axis is None else axis.numbers("xyz", 3))
-    size = float(np.linalg.norm(along))
-    if not size:
-        joint.refuse("must have an axis that is not zero")
-    refusal = "" if kind in _KINDS else f"{joint.where} must be revolute, got type {shown(kind)}"
-    if joint.first("mimic") is not None:
-        refusal = f"{joint.where} must not mimic another joint"
-    name = joint.attributes["name"]
-    refusal = refusal or driven.get(name, "") or _why_not_at_rest(joint, kind)
-    stiffness = springs.get(name, 0.0)
-    if stiffness < 0:
-        joint.refuse(f"must have a stiffness of at least 0, got {stiffness:g}")
-    own = place.rotation @ (along / size)
-    dynamics = joint.first("dynamics")
-    (damping,) = [0.0] if dynamics is None else dynamics.numbers("damping", 1, "0")
-    if damping < 0:
-        joint.refuse(f"must have a damping of at least 0, got {damping:g}")
-    yield ModelJoint(name, _KINDS.get(kind, kind), own, place.position, stiffness, refusal, damping)
+        return ()
+    axis, limit = joint.first("axis"), joint.first("limit")
+    dynamics = joint.first("dynamics") or XmlElement("dynamics", {}, joint.line)
+    direction = joint.direction([1.0, 0, 0] if axis is None else axis.numbers("xyz", 3))
+    limits = None
+    if limit is not None and kind in ("revolute", "prismatic"):
+        limits = (limit.number("lower", "0"), limit.number("upper", "0"))
+    refusals = [
+        f"{joint.where} must not mimic another joint" if joint.first("mimic") is not None else "",
+        "" if kind in _KINDS else f"{joint.where} must be revolute, got type {shown(kind)}",
+        driven.get(name, ""),
+        why_not_free(joint, limits, dynamics.number("friction", "0")),
+    ]
+    stiffness = joint.at_least_0("stiffness", springs.get(name, 0.0))
+    return (
+        ModelJoint(
+            name,
+            _KINDS.get(kind, kind),
+            frame.rotation @ direction,
+            frame.position,
+            stiffness,
+            next(filter(None, refusals), ""),
+            joint.at_least_0("damping", dynamics.number("damping", "0")),
+        ),
+    )
 
 
-def _matter(link: XmlElement) -> tuple[Inertial, list[np.ndarray]]:
-    extent = []
-    for shape in link.all("visual", "collision"):
-        place, geometry = _pose(shape), shape.first("geometry")
-        for solid in () if geometry is None else geometry.all("box", "cylinder", "capsule", "sphere"):
-            if solid.tag == "box":
-                values = solid.numbers("size", 3)
-            else:
-                values = [solid.numbers(key, 1)[0] for key in ("radius", "length") if key in solid.attributes]
-                values += [0.0] * (2 - len(values))
-            extent += [place.point(point) for point in shape_ends(solid.tag, values)]
+def _matter(link: XmlElement) -> tuple[Inertial, list[Floats]]:
+    extent: list[Floats] = []
+    for part, shape in shapes_of(link):
+        if shape.tag == "box":
+            values = shape.numbers("size", 3)
+        else:
+            values = [shape.number(key) for key in ("radius", "length") if key in shape.attributes]
+            values += [0.0] * (2 - len(values))
+        extent += reach_of(shape.tag, values, _pose(part))
     given = link.first("inertial")
     if given is None:
-        return Inertial(0.0, _NONE, np.zeros((3, 3))), extent
+        return joined([]), extent
     mass, inertia = given.first("mass"), given.first("inertia")
     if mass is None or inertia is None:
         given.refuse("must have <mass> and <inertia>")
-    values_of = {key: inertia.numbers(key, 1, "0")[0] for key in ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")}
-    return inertial_of(link, _pose(given), values_of | {"mass": mass.numbers("value", 1)[0]}), extent
-
-
-def _why_not_at_rest(joint: XmlElement, kind: str) -> str:
-    limit, dynamics = joint.first("limit"), joint.first("dynamics")
-    (friction,) = [0.0] if dynamics is None else dynamics.numbers("friction", 1, "0")
-    limits = None
-    if limit is not None and kind in ("revolute", "prismatic"):
-        limits = (limit.numbers("lower", 1, "0")[0], limit.numbers("upper", 1, "0")[0])
-    return why_not_free(joint, limits, friction)
+    moments = [inertia.number(key, "0") for key in MOMENTS]
+    own = Inertial.of(link.at_least_0("mass", mass.number("value")), moments)
+    return own.seen_from(_pose(given)), extent
 
 
 def _driven(root: XmlElement, joints: Mapping[str, XmlElement]) -> dict[str, str]:
@@ -281,9 +251,9 @@ def _driven(root: XmlElement, joints: Mapping[str, XmlElement]) -> dict[str, str
 def _gazebo_springs(root: XmlElement) -> dict[str, float]:
     found = {}
     for element in root.all("gazebo"):
-        spring, rest = element.first("springStiffness"), element.first("springReference")
-        if spring is not None and "reference" in element.attributes:
-            found[element.attributes["reference"]] = spring.read("springStiffness", spring.text, 1)[0]
+        if element.first("springStiffness") is not None and "reference" in element.attributes:
+            (found[element.attributes["reference"]],) = element.child_numbers("springStiffness", 1, "0")
+            rest = element.first("springReference")
             if rest is not None and rest.read("springReference", rest.text, 1)[0]:
                 rest.refuse("must be 0: the chain must be straight at rest")
     return found
@@ -299,25 +269,12 @@ def _both_springs(gazebo: Mapping[str, float], beside: Mapping[str, float]) -> d
     return {**gazebo, **beside}
 
 
-# The springs of a URDF file, which stand in a YAML file beside it.
+# The springs in a YAML file: only parsed into nodes, never turned into objects.
 
 #: Larger files and more pieces of YAML (words, keys and brackets) are refused; a spring has 10.
 _MAX_BYTES = 4 * 2**20
-
-
 _MAX_EVENTS = 120_000
-
-
 _MAX_DEPTH = 6
-
-
-_TOP = ("model", "springs")
-
-
-_ROW = ("joint", "type", "stiffness", "rest")
-
-
-_KINDS_urdf_springs = ("hinge", "slide")
 
 
 def read_springs(path: Path) -> dict[str, float]:
@@ -337,23 +294,17 @@ def read_springs(path: Path) -> dict[str, float]:
         data = bounded_bytes(path)
         if len(data) > _MAX_BYTES:
             raise BadModel(f"must have at most {_MAX_BYTES // 2**20} MiB")
-        pieces = _Pieces(path.name, _events(data.decode("utf-8-sig")))
+        text = data.decode("utf-8-sig")
     except UnicodeDecodeError:
         raise BadModel(f"{path.name} must be a text file in UTF-8") from None
     except BadModel as error:
         raise BadModel(f"{path.name} {error}") from None
+    top = _YamlNode(path.name, _yaml_document(path.name, text))
+    keys = top.keys("must have the key springs, with a list of springs", "springs", "model")
+    if "model" in keys:
+        keys["model"].text("model must be a name")
     found: dict[str, float] = {}
-    top = pieces.document()
-    if not isinstance(top.value, dict):
-        top.refuse("must have the key springs, with a list of springs")
-    for key, part in top.keys(_TOP).items():
-        if key == "model":
-            part.text("model must be a name")
-        elif not isinstance(part.value, list):
-            part.refuse("springs must be a list of springs, [] if there are none")
-    if "springs" not in top.value:
-        top.refuse("must have the key springs, with a list of springs")
-    for row in top.value["springs"].value:
+    for row in keys["springs"].items("springs must be a list of springs, [] if there are none"):
         name, stiffness = _spring(row)
         if name in found:
             row.refuse(f"must not give joint {shown(name)} a second spring")
@@ -361,113 +312,89 @@ def read_springs(path: Path) -> dict[str, float]:
     return found
 
 
-def _spring(row: _Part) -> tuple[str, float]:
-    if not isinstance(row.value, dict) or not {"joint", "stiffness"} <= row.keys(_ROW).keys():
-        row.refuse("must be a spring with the keys joint and stiffness, and no other but type and rest")
-    keys = row.keys(_ROW)
+def _spring(row: _YamlNode) -> tuple[str, float]:
+    wanted = "must be a spring with the keys joint and stiffness, and no other but type and rest"
+    keys = row.keys(wanted, "joint", "stiffness", "type", "rest", needed=2)
     if "type" in keys:
-        try:
-            choice("type", keys["type"].text("type must be a word"), _KINDS_urdf_springs)
-        except ValueError as error:
-            row.refuse(str(error))
+        keys["type"].one_of("type", keys["type"].text("type must be a word"), ("hinge", "slide"))
     if "rest" in keys and keys["rest"].number("rest"):
         keys["rest"].refuse("must have rest 0: the chain must be straight at rest")
     return keys["joint"].text("joint must be a name"), keys["stiffness"].number("stiffness")
 
 
-@dataclass(frozen=True)
-class _Part:
-    """A piece of the file and where it stands; `value` is text, a list or a dict of parts."""
+class _YamlNode:
+    """A piece of a file, which refuses what it is not."""
 
-    where: str
-    value: Any
-    quoted: bool = False
+    def __init__(self, file: str, node: Any) -> None:
+        self.file, self.node = file, node
 
     def refuse(self, why: str) -> NoReturn:
-        raise BadModel(f"{self.where}: {why}")
+        raise BadModel(f"{self.file}, line {self.node.start_mark.line + 1}: {why}")
 
-    def keys(self, allowed: tuple[str, ...]) -> dict[str, _Part]:
-        found: dict[str, _Part] = self.value
-        for key, part in found.items():
-            try:
-                choice("key", key, allowed)
-            except ValueError as error:
-                part.refuse(str(error))
+    def keys(self, wanted: str, *allowed: str, needed: int = 1) -> dict[str, _YamlNode]:
+        """Return the values of a mapping by their keys, of which the first ones are needed."""
+        if self.node.id != "mapping":
+            self.refuse(wanted)
+        found: dict[str, _YamlNode] = {}
+        for key_node, value in self.node.value:
+            key = _YamlNode(self.file, key_node)
+            name = key.text("a key must be a word")
+            if name in found:
+                key.refuse(f"must not have the key {shown(name)} twice")
+            found[name] = _YamlNode(self.file, value)
+            found[name].one_of("key", name, allowed)
+        if not set(allowed[:needed]) <= found.keys():
+            self.refuse(wanted)
         return found
 
-    def text(self, what: str) -> str:
-        if not isinstance(self.value, str) or not self.value:
-            self.refuse(what)
-        return self.value
+    def one_of(self, name: str, value: str, allowed: tuple[str, ...]) -> None:
+        try:
+            choice(name, value, allowed)
+        except ValueError as error:
+            self.refuse(str(error))
+
+    def items(self, wanted: str) -> Iterator[_YamlNode]:
+        if self.node.id != "sequence":
+            self.refuse(wanted)
+        return (_YamlNode(self.file, item) for item in self.node.value)
+
+    def text(self, wanted: str) -> str:
+        if self.node.id != "scalar" or not self.node.value:
+            self.refuse(wanted)
+        return str(self.node.value)
 
     def number(self, name: str) -> float:
-        if not isinstance(self.value, str) or self.quoted:
-            self.refuse(f"{name} must be a number, got {'text' if self.quoted else 'none'}")
-        return finite_number(f"{self.where}: {name}", self.value)
+        if self.node.id != "scalar" or self.node.style:
+            self.refuse(f"{name} must be a number, got {'text' if self.node.id == 'scalar' else 'none'}")
+        return finite_number(f"{self.file}, line {self.node.start_mark.line + 1}: {name}", self.node.value)
 
 
-def _events(text: str) -> Iterator[Any]:
+def _yaml_document(file: str, text: str) -> Any:
+    """Return the top node of the one document that there must be, within bounds."""
     import yaml
 
-    # Only parsed, never turned into objects; the parser written in C is there in most builds.
-    return iter(yaml.parse(text, Loader=getattr(yaml, "CSafeLoader", yaml.SafeLoader)))
-
-
-@dataclass
-class _Pieces:
-    """Reads the parser's events, and bounds their number and depth."""
-
-    name: str
-    events: Iterator[Any]
-    count: int = 0
-
-    def document(self) -> _Part:
-        """Return the one document that there must be."""
-        self._next("StreamStartEvent")
-        self._next("DocumentStartEvent")
-        found = self._part(self._next(), 1)
-        self._next("DocumentEndEvent")
-        self._next("StreamEndEvent")
-        return found
-
-    def _next(self, kind: str = "") -> Any:
-        import yaml
-
-        try:
-            event = next(self.events)
-        except yaml.YAMLError as error:
-            mark = getattr(error, "problem_mark", None)
-            line = "" if mark is None else f", line {mark.line + 1}"
-            why = getattr(error, "problem", None) or getattr(error, "reason", None) or "unreadable"
-            raise BadModel(f"{self.name}{line}: must be YAML: {shown(why)}") from None
-        self.count += 1
-        if self.count > _MAX_EVENTS:
-            raise BadModel(f"{self.name} must have at most {_MAX_EVENTS} pieces")
-        if kind and type(event).__name__ != kind:
-            raise BadModel(f"{self._where(event)}: must be one document that is not empty")
-        return event
-
-    def _where(self, event: Any) -> str:
-        return f"{self.name}, line {event.start_mark.line + 1}"
-
-    def _part(self, event: Any, depth: int) -> _Part:
-        kind, where = type(event).__name__, self._where(event)
-        tag = getattr(event, "tag", None)
-        if kind == "AliasEvent" or event.anchor is not None or tag not in (None, "!"):
-            raise BadModel(f"{where}: must have no anchors, aliases or tags")
-        if depth > _MAX_DEPTH:
-            raise BadModel(f"{where}: must not be nested more than {_MAX_DEPTH} deep")
-        if kind == "ScalarEvent":
-            return _Part(where, event.value, quoted=bool(event.style))
-        if kind == "SequenceStartEvent":
-            items = []
-            while type(inner := self._next()).__name__ != "SequenceEndEvent":
-                items.append(self._part(inner, depth + 1))
-            return _Part(where, items)
-        pairs: dict[str, _Part] = {}
-        while type(inner := self._next()).__name__ != "MappingEndEvent":
-            key = self._part(inner, depth + 1).text("a key must be a word")
-            if key in pairs:
-                raise BadModel(f"{self._where(inner)}: must not have the key {shown(key)} twice")
-            pairs[key] = self._part(self._next(), depth + 1)
-        return _Part(where, pairs)
+    # The parser written in C is there in most builds.
+    loader = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
+    depth = documents = 0
+    try:
+        for count, event in enumerate(yaml.parse(text, Loader=loader), start=1):
+            where = f"{file}, line {event.start_mark.line + 1}"
+            kind = type(event).__name__
+            depth += kind in ("SequenceStartEvent", "MappingStartEvent")
+            depth -= kind in ("SequenceEndEvent", "MappingEndEvent")
+            documents += kind == "DocumentStartEvent"
+            odd = kind == "AliasEvent" or getattr(event, "anchor", None) is not None
+            if odd or getattr(event, "tag", None) not in (None, "!"):
+                raise BadModel(f"{where}: must have no anchors, aliases or tags")
+            if depth > _MAX_DEPTH:
+                raise BadModel(f"{where}: must not be nested more than {_MAX_DEPTH} deep")
+            if count > _MAX_EVENTS:
+                raise BadModel(f"{file} must have at most {_MAX_EVENTS} pieces")
+            if documents > 1 or (kind == "StreamEndEvent" and not documents):
+                raise BadModel(f"{where}: must be one document that is not empty")
+        return yaml.compose(text, Loader=loader)
+    except yaml.YAMLError as error:
+        mark = getattr(error, "problem_mark", None)
+        line = "" if mark is None else f", line {mark.line + 1}"
+        why = getattr(error, "problem", None) or getattr(error, "reason", None) or "unreadable"
+        raise BadModel(f"{file}{line}: must be YAML: {shown(why)}") from None
