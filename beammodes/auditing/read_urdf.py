@@ -300,7 +300,7 @@ def read_springs(path: Path) -> dict[str, float]:
     except BadModel as error:
         raise BadModel(f"{path.name} {error}") from None
     top = _YamlNode(path.name, _yaml_document(path.name, text))
-    keys = top.keys("must have the key springs, with a list of springs", "springs", "model")
+    keys = top.keys("must have the key springs, with a list of springs", ("model", "springs"), {"springs"})
     if "model" in keys:
         keys["model"].text("model must be a name")
     found: dict[str, float] = {}
@@ -314,7 +314,7 @@ def read_springs(path: Path) -> dict[str, float]:
 
 def _spring(row: _YamlNode) -> tuple[str, float]:
     wanted = "must be a spring with the keys joint and stiffness, and no other but type and rest"
-    keys = row.keys(wanted, "joint", "stiffness", "type", "rest", needed=2)
+    keys = row.keys(wanted, ("joint", "type", "stiffness", "rest"), {"joint", "stiffness"})
     if "type" in keys:
         keys["type"].one_of("type", keys["type"].text("type must be a word"), ("hinge", "slide"))
     if "rest" in keys and keys["rest"].number("rest"):
@@ -331,8 +331,8 @@ class _YamlNode:
     def refuse(self, why: str) -> NoReturn:
         raise BadModel(f"{self.file}, line {self.node.start_mark.line + 1}: {why}")
 
-    def keys(self, wanted: str, *allowed: str, needed: int = 1) -> dict[str, _YamlNode]:
-        """Return the values of a mapping by their keys, of which the first ones are needed."""
+    def keys(self, wanted: str, allowed: tuple[str, ...], needed: set[str]) -> dict[str, _YamlNode]:
+        """Return the values of a mapping by their keys."""
         if self.node.id != "mapping":
             self.refuse(wanted)
         found: dict[str, _YamlNode] = {}
@@ -343,7 +343,7 @@ class _YamlNode:
                 key.refuse(f"must not have the key {shown(name)} twice")
             found[name] = _YamlNode(self.file, value)
             found[name].one_of("key", name, allowed)
-        if not set(allowed[:needed]) <= found.keys():
+        if not needed <= found.keys():
             self.refuse(wanted)
         return found
 
