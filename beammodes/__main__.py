@@ -38,9 +38,10 @@ def _answered(arguments: Sequence[str]) -> int:
     code = 0
     try:
         try:
-            from beammodes.command_line.command_parser import parse
+            from beammodes.command_line.commands import COMMANDS
+            from beammodes.command_line.options import parse
 
-            options = parse(arguments)
+            options = parse(arguments, COMMANDS)
         except SystemExit as stop:
             # Help was asked for, or argparse has told what is wrong.
             return shell.NO_ANSWER if stop.code else 0

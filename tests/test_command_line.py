@@ -17,7 +17,9 @@ import pytest
 from beammodes.__main__ import main
 from beammodes.accuracy.error_table import chain_errors
 from beammodes.chains.chain import Chain
-from beammodes.command_line.command_list import COMMANDS
+from beammodes.command_line.commands import COMMANDS
+from beammodes.command_line.options import BEAM as BEAM_OPTIONS
+from beammodes.command_line.options import Command
 from beammodes.exporters.export import export_chain
 from beammodes.problem.beam import Beam
 from beammodes.problem.loading import Load
@@ -807,15 +809,22 @@ def test_files_say_the_units_that_are_declared(
         assert float(said[1]) * meter == pytest.approx(9.81, rel=1e-3)
 
 
-@pytest.mark.parametrize("command", [command.name for command in COMMANDS if command.name != "audit"])
+def example_without_beam(command: Command) -> list[str]:
+    words = shlex.split(command.example)[1:]
+    for flag in ("--length", "--ei", "--rho-a", "--units"):
+        if flag in words:
+            del words[words.index(flag) : words.index(flag) + 2]
+    return words
+
+
+@pytest.mark.parametrize(
+    "command", [each for each in COMMANDS if BEAM_OPTIONS[0] in each.options], ids=lambda each: each.name
+)
 def test_a_beam_is_given_whole_or_not_at_all(
-    command: str, capsys: pytest.CaptureFixture[str], tmp_path: Path
+    command: Command, capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    call = {
-        "recommend": ["recommend", "clamped-free", "--tolerance=1%", "--rule=gregory"],
-        "segments": ["segments", "clamped-free", "--tolerance=1%"],
-        "export": ["export", "clamped-free", "--segments=4", "--output", str(tmp_path / "beam.csv")],
-    }.get(command, [command, "clamped-free", "--segments=4"])
+    monkeypatch.chdir(tmp_path)
+    call = example_without_beam(command)
     numbers = {"--length": "1.2", "--ei": "85", "--rho-a": "0.62"}
     for flags in (["--length"], ["--ei", "--rho-a"], ["--rho-a", "--length"]):
         missing = [flag for flag in numbers if flag not in flags]
@@ -824,7 +833,7 @@ def test_a_beam_is_given_whole_or_not_at_all(
     Ran([*call, "--units", "SI"], capsys).refused("--units must come with --length")
     beam = [word for pair in numbers.items() for word in pair]
     Ran([*call, *beam, "--units", "inches"], capsys).refused("--units must be one of SI, mm-N-t, in-lbf-s")
-    if command == "export":
+    if command.name == "export":
         Ran(call, capsys).refused("--length, --ei and --rho-a must be given")
         return
     # Without a beam nothing is printed in SI; without declared units nothing is, either.

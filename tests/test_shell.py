@@ -18,8 +18,9 @@ import pytest
 
 import beammodes
 from beammodes.__main__ import main
-from beammodes.command_line import command_list, shell
-from beammodes.command_line.command_list import COMMANDS
+from beammodes.command_line import shell
+from beammodes.command_line.commands import COMMANDS
+from beammodes.command_line.options import help_text
 
 POSIX = pytest.mark.skipif(os.name != "posix", reason="signals and pipes of POSIX")
 ENCODINGS = {
@@ -156,8 +157,8 @@ def test_no_failure_has_the_exit_code_of_a_tolerance_not_met(
     def fails(_: object) -> Any:
         raise eval(fault, {"np": np})  # one of the table above
 
-    parsed = command_list.argparse.Namespace(command=fails, json=False)
-    monkeypatch.setattr("beammodes.command_line.command_parser.parse", lambda _: parsed)
+    parsed = argparse.Namespace(command=fails, json=False)
+    monkeypatch.setattr("beammodes.command_line.options.parse", lambda *_: parsed)
     assert main([command.name]) == FAULTS[fault]
     said = one_line(capsys.readouterr().err.encode())
     assert ("please report what it prints with BEAMMODES_DEBUG=1" in said) == (FAULTS[fault] == shell.FAULT)
@@ -169,7 +170,7 @@ def test_no_failure_has_the_exit_code_of_a_tolerance_not_met(
 
 def test_the_exit_codes_are_in_the_help() -> None:
     for code, says in shell.EXIT_CODES.items():
-        assert re.search(rf"^    {code} +{re.escape(says)}$", command_list.help_text(), re.MULTILINE)
+        assert re.search(rf"^    {code} +{re.escape(says)}$", help_text(COMMANDS), re.MULTILINE)
 
 
 INTERRUPT = "import os, signal; stop = lambda: os.kill(os.getpid(), signal.SIGINT)\n"
@@ -221,7 +222,8 @@ def interrupted(ran: subprocess.CompletedProcess[bytes]) -> None:
     "module",
     [
         "beammodes.command_line.shell",
-        "beammodes.command_line.command_parser",
+        "beammodes.command_line.options",
+        "beammodes.command_line.commands",
         "argparse",
         "numpy",
         "numpy.linalg",
@@ -378,9 +380,7 @@ HOSTILE = [
 
 def numeric_options(command: Any) -> list[str]:
     """The options of a command that read a number."""
-    found = argparse.ArgumentParser()
-    command.build(found)
-    return [action.option_strings[0] for action in found._actions if callable(action.type)]
+    return [action.option_strings[0] for action in command.parser()._actions if callable(action.type)]
 
 
 def one_call(command: Any, folder: Path) -> list[str]:

@@ -1,19 +1,43 @@
-"""What each command of the command line answers: data for scripts, and the same as text for people."""
+"""The commands of the command line, in the order of a user's work, each one record beside its function.
+
+A new command is one function under `@_command`: parser, help and the tests of every command follow from it.
+Functions import what they need, so that a lookup starts fast.
+"""
 
 from __future__ import annotations
 
 import argparse
 import math
 import shlex
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any
 
 from beammodes.checks import choice, percent, positive_real, shown
+from beammodes.command_line.options import (
+    AXIAL_FORCE,
+    BEAM,
+    BOUNDARY,
+    DAMPING,
+    DEFAULT_RULE,
+    INTEGRATOR,
+    LOAD,
+    MODE,
+    RULE,
+    SEGMENTS,
+    TOLERANCE,
+    UNITS,
+    Answer,
+    Command,
+    Option,
+    as_fraction,
+    as_number,
+    modes,
+    option,
+)
 from beammodes.command_line.text_tables import (
     DECLARED,
     GIVEN,
     OWN,
-    UNITS,
     frequency_table,
     number,
     percents,
@@ -23,207 +47,125 @@ from beammodes.command_line.text_tables import (
 
 if TYPE_CHECKING:
     from beammodes.accuracy.advice import Recommendation
+    from beammodes.auditing.audit import Audit, Suggestion
 
-__all__ = [
-    "DEFAULT_RULE",
-    "Answer",
-    "answer_buckling",
-    "answer_error",
-    "answer_frequencies",
-    "answer_recommend",
-    "answer_segments",
-    "answer_springs",
-    "answer_time_step",
-    "beam_of",
-    "chain_of",
-    "damping_of",
-    "load_of",
-    "system_of",
-    "units_of",
-]
+__all__ = ["COMMANDS"]
 
-DEFAULT_RULE = "mitiguy"
+_Answering = Callable[[argparse.Namespace], Answer]
 
-#: What a command found: the answer for scripts, and the same as text for people.
-Answer = tuple[dict[str, Any], str]
-
-
-def answer_error(options: argparse.Namespace) -> Answer:
-    """Answer the relative frequency error of one mode of a uniform chain."""
-    from beammodes.accuracy.errors import frequency_error
-    from beammodes.accuracy.remarks import error_remarks
-
-    error: float = frequency_error(
-        options.boundary,
-        segments=options.segments,
-        mode=options.mode,
-        rule=options.rule,
-        load=load_of(options),
-        beam=beam_of(options),
-    )
-    if math.isnan(error):
-        raise ValueError(
-            f"mode {options.mode} does not exist: {options.boundary} with {options.segments} segments "
-            f"and rule {options.rule} has fewer elastic modes"
-        )
-    answer = {
-        "boundary": options.boundary,
-        "rule": options.rule,
-        "segments": options.segments,
-        "mode": options.mode,
-        "relative_error": error,
-    }
-    answer["units"] = {"relative_error": "1"}
-    if options.axial_force:
-        answer["axial_force"] = options.axial_force
-        answer["units"]["axial_force"] = units_of(options)["force"]
-    remarks = error_remarks(
-        options.boundary,
-        segments=options.segments,
-        mode=options.mode,
-        rule=options.rule,
-        load=load_of(options),
-        beam=beam_of(options),
-    )
-    if remarks:
-        answer["remarks"] = list(remarks)
-    said = [f"{percent(error, 6)}{_numbers_note(options)}", *(f"  {remark}" for remark in remarks)]
-    return answer | _CASE, "\n".join([*said, f"rule {_rule_said(options)}, {_CASE['holds_for']}"])
-
+_BEFORE, _DURING, _AFTER = "before you build a chain", "while you build it", "when you have one"
+_EXAMPLE = "--length 1.2 --ei 85 --rho-a 0.62"
+_EXAMPLE_SI = f"{_EXAMPLE} --units SI"
 
 #: What is assumed of every frequency, step and spring that is found here.
 _CASE = {
     "holds_for": "for small vibration about the straight Euler-Bernoulli beam, in vacuum and without gravity"
 }
+#: A longer list of springs shows those that change, and the first others.
+_SHOWN_HINGES = 12
+
+_FOUND: list[Command] = []
 
 
-def _numbers_note(options: argparse.Namespace) -> str:
-    """Say in what the numbers of ends and axial force count, if there are any without a beam."""
-    from beammodes.problem.ends import Boundary
+def _command(
+    stage: str, name: str, question: str, example: str, *options: Option
+) -> Callable[[_Answering], _Answering]:
+    """Register a function as the answer of a command."""
 
-    numbered = not Boundary.of(options.boundary).is_plain or bool(getattr(options, "axial_force", None))
-    if not numbered or options.length is not None:
-        return ""
-    return (
-        "\nnumbers of ends and force are taken as multiples of ρA L, ρA L³, L, EI/L³, EI/L and EI/L²: give "
-        "--length, --ei and --rho-a if they are not"
+    def register(answer: _Answering) -> _Answering:
+        _FOUND.append(Command(stage, name, question, f"beammodes {name} {example}", options, answer))
+        return answer
+
+    return register
+
+
+@_command(
+    _BEFORE,
+    "recommend",
+    "which rule, how many segments and which step meet my tolerance?",
+    "clamped-free --tolerance 1% --modes 3",
+    BOUNDARY,
+    TOLERANCE,
+    modes(1),
+    *BEAM,
+    UNITS,
+    INTEGRATOR,
+    option("--rule", "only these rules (default: all)", metavar="RULE,..."),
+)
+def _recommend(options: argparse.Namespace) -> Answer:
+    from beammodes.accuracy.advice import recommend
+
+    ways = recommend(
+        options.boundary,
+        options.tolerance,
+        options.modes,
+        beam=_beam(options),
+        rules=options.rule.split(",") if options.rule else None,
+        integrator=options.integrator,
     )
-
-
-def answer_frequencies(options: argparse.Namespace) -> Answer:
-    """Answer a chain's natural frequencies beside the exact beam's."""
-    import numpy as np
-
-    from beammodes.accuracy.errors import frequency_error
-    from beammodes.exact.beam_theory import euler_bernoulli
-    from beammodes.vibration.linear import linearize
-    from beammodes.vibration.modes import solve_modes
-
-    chain, load = chain_of(options), load_of(options)
-    model = linearize(chain, load=load)
-    modes = solve_modes(model, options.modes)
-    count = len(modes.frequency)
-    exact = euler_bernoulli(beam_of(options), options.boundary, max(count, 1), load=load).frequency[:count]
-    each = np.arange(1, count + 1)
-    errors = modes.frequency / exact - 1
-    if count and chain.boundary.is_plain and not options.axial_force:
-        # Closed form: digits that a difference of frequencies does not have.
-        errors = np.asarray(
-            frequency_error(options.boundary, segments=options.segments, mode=each, rule=options.rule)
-        )
-    turn = 2 * math.pi
+    names = (
+        "rule",
+        "segments",
+        "largest_error",
+        "static_error",
+        "highest_angular_frequency",
+        "stable_time_step",
+        "cost",
+    )
     rows = [
-        {
-            "mode": int(n),
-            "frequency": float(f),
-            "exact_frequency": float(g),
-            "angular_frequency": float(f) * turn,
-            "exact_angular_frequency": float(g) * turn,
-            "relative_error": float(e),
-        }
-        for n, f, g, e in zip(each, modes.frequency, exact, errors, strict=True)
+        {name: getattr(way, name) for name in names}
+        | {"joint_stiffness": way.joint_stiffness.tolist(), "remarks": list(way.remarks)}
+        for way in ways
     ]
-    kinds = f"{modes.rigid_body_modes} rigid-body and {model.elastic_modes} elastic modes"
-    title = f"{chain.boundary.name}, {options.segments} segments, {options.rule}: {kinds}"
-    units = units_of(options)
-    # In multiples of the beam's own the books give ω, 3.516 of a cantilever, not the cycles.
-    key = "angular_frequency" if units is OWN else "frequency"
-    table = frequency_table(rows, key, units[key])
-    answer = {"rigid_body_modes": modes.rigid_body_modes, "modes": rows}
-    said = _said_units(options, "frequency", "angular_frequency", relative_error="1")
-    return answer | said, "\n".join([title, table, *_units_note(options)])
-
-
-def answer_springs(options: argparse.Namespace) -> Answer:
-    """Answer the joint stiffnesses to type into a multibody tool."""
-    chain = chain_of(options)
-    rows = [
-        {"hinge": j + 1, "position": float(x), "stiffness": float(k)}
-        for j, (x, k) in enumerate(zip(chain.hinge_position, chain.joint_stiffness, strict=True))
-    ]
-    units = units_of(options)
+    units = _units(options)
+    said = _said_units(
+        options,
+        "joint_stiffness",
+        highest_angular_frequency=units["angular_frequency"],
+        stable_time_step=units["time"],
+    )
     lines = [
         text_table(
-            ["hinge", f"position [{units['length']}]", f"stiffness [{units['joint_stiffness']}]"],
-            [[str(row["hinge"]), number(row["position"]), typed_in(row["stiffness"])] for row in rows],
-        )
+            ["rule", "N", "error [%]", "static error [%]", f"step [{units['time']}]", "cost [-]"],
+            [_way(way) for way in ways],
+            names=1,
+        ),
+        "error: largest of the modes asked for, without its sign",
+        "static: worst of tip force, tip moment and uniform load; nan where the beam can move rigidly",
+        f"cost: segments times {options.integrator} steps in one period of the first mode",
+        _CASE["holds_for"],
+        f"next: beammodes springs {_typed(options)} --segments {ways[0].segments} --rule {ways[0].rule}",
+        *_units_note(options),
     ]
-    answer: dict[str, Any] = {"hinges": rows}
-    answer |= _said_units(
-        options,
-        "translational_stiffness",
-        position=units["length"],
-        stiffness=units["joint_stiffness"],
-        rotational_stiffness=units["joint_stiffness"],
-    )
-    for side, (translation, rotation) in zip(("left", "right"), chain.support_stiffness, strict=True):
-        for kind, stiffness, unit in (
-            ("translational", translation, units["translational_stiffness"]),
-            ("rotational", rotation, units["joint_stiffness"]),
-        ):
-            if 0 < stiffness < math.inf:
-                answer[f"{side}_{kind}_support"] = float(stiffness)
-                lines.append(f"{kind} support of the {side} end: {typed_in(stiffness)} {unit}")
-    return answer, "\n".join([*lines, *_units_note(options), *_next_of_springs(options)])
+    return {"recommendations": rows} | said | _CASE, "\n".join(lines)
 
 
-def _next_of_springs(options: argparse.Namespace) -> list[str]:
-    """Return what a user of these springs should ask next."""
-    ask = f"--segments {options.segments} --rule {options.rule}"
+def _way(way: Recommendation) -> list[str]:
+    static = max(way.static_error.values(), key=abs, default=math.nan)
     return [
-        f"rule {_rule_said(options)}; how wrong it is: beammodes error {_typed(options)} {ask}",
-        f"a better one: beammodes recommend {_typed(options)} --tolerance 1%",
+        way.rule,
+        str(way.segments),
+        percents(way.largest_error).lstrip("+"),
+        percents(static),
+        number(way.stable_time_step),
+        f"{way.cost:.3g}",
     ]
 
 
-def _typed(options: argparse.Namespace) -> str:
-    """Return the ends and the beam as the user may type them again."""
-    words = [options.boundary]
-    if options.length is not None:
-        words += ["--length", f"{options.length:.12g}", "--ei", f"{options.ei:.12g}"]
-        words += ["--rho-a", f"{options.rho_a:.12g}", *(["--units", options.units] if options.units else [])]
-    return shlex.join(words)
-
-
-def answer_buckling(options: argparse.Namespace) -> Answer:
-    """Answer the compression at which a chain buckles, beside the beam's."""
-    from beammodes.accuracy.buckling import buckling_load
-
-    chain = chain_of(options)
-    load, exact = buckling_load(chain), buckling_load(beam_of(options), options.boundary)
-    if math.isinf(load):
-        raise ValueError(
-            f"segments must be larger: {chain.boundary.name} with {options.segments} cannot bend"
-        )
-    answer = {"buckling_load": load, "exact_buckling_load": exact, "relative_error": load / exact - 1}
-    unit, error = units_of(options)["force"], percents(answer["relative_error"])
-    said = _said_units(options, buckling_load=unit, exact_buckling_load=unit, relative_error="1")
-    text = f"{number(load)} {unit}  (beam {number(exact)} {unit}, error {error} %)"
-    return answer | said, "\n".join([text, *_units_note(options)])
-
-
-def answer_segments(options: argparse.Namespace) -> Answer:
-    """Answer how many segments a tolerance needs."""
+@_command(
+    _BEFORE,
+    "segments",
+    "how many segments does one rule need?",
+    "clamped-clamped --tolerance 1% --modes 3 --rule gregory",
+    BOUNDARY,
+    TOLERANCE,
+    modes(1),
+    *BEAM,
+    UNITS,
+    AXIAL_FORCE,
+    RULE,
+)
+def _segments(options: argparse.Namespace) -> Answer:
     from beammodes.accuracy.errors import segments_needed
 
     count = segments_needed(
@@ -231,26 +173,172 @@ def answer_segments(options: argparse.Namespace) -> Answer:
         options.tolerance,
         options.modes,
         options.rule,
-        load=load_of(options),
-        beam=beam_of(options),
+        load=_load(options),
+        beam=_beam(options),
     )
-    modes = "the first mode" if options.modes == 1 else f"the first {options.modes} modes"
-    said = f"rule {_rule_said(options)}, {modes}, {_CASE['holds_for']}"
+    which = "the first mode" if options.modes == 1 else f"the first {options.modes} modes"
+    said = f"rule {_rule(options)}, {which}, {_CASE['holds_for']}"
     return {"segments": count} | _CASE, f"{count}{_numbers_note(options)}\n{said}"
 
 
-def _rule_said(options: argparse.Namespace) -> str:
-    return f"{options.rule}{' (the default)' if options.rule == DEFAULT_RULE else ''}"
+@_command(
+    _BEFORE,
+    "error",
+    "how wrong is one frequency of a chain of N segments?",
+    '"clamped-free(mass=0.5)" --segments 6 --mode 1',
+    BOUNDARY,
+    SEGMENTS,
+    MODE,
+    *BEAM,
+    UNITS,
+    AXIAL_FORCE,
+    RULE,
+)
+def _error(options: argparse.Namespace) -> Answer:
+    from beammodes.accuracy.errors import frequency_error
+    from beammodes.accuracy.remarks import error_remarks
+
+    asked = {name: getattr(options, name) for name in ("boundary", "rule", "segments", "mode")}
+    case = asked | {"load": _load(options), "beam": _beam(options)}
+    error: float = frequency_error(**case)
+    if math.isnan(error):
+        raise ValueError(
+            f"mode {options.mode} does not exist: {options.boundary} with {options.segments} segments "
+            f"and rule {options.rule} has fewer elastic modes"
+        )
+    answer = {**asked, "relative_error": error, "units": {"relative_error": "1"}}
+    if options.axial_force:
+        answer["axial_force"] = options.axial_force
+        answer["units"]["axial_force"] = _units(options)["force"]
+    remarks = error_remarks(**case)
+    if remarks:
+        answer["remarks"] = list(remarks)
+    lines = [f"{percent(error, 6)}{_numbers_note(options)}", *(f"  {remark}" for remark in remarks)]
+    return answer | _CASE, "\n".join([*lines, f"rule {_rule(options)}, {_CASE['holds_for']}"])
 
 
-def answer_time_step(options: argparse.Namespace) -> Answer:
-    """Answer the largest stable fixed time step of a chain, and the case that it holds for."""
+@_command(
+    _DURING,
+    "springs",
+    "which joint stiffnesses do I type into my multibody tool?",
+    f"clamped-free --segments 4 {_EXAMPLE_SI}",
+    BOUNDARY,
+    SEGMENTS,
+    *BEAM,
+    UNITS,
+    RULE,
+)
+def _springs(options: argparse.Namespace) -> Answer:
+    chain, units = _chain(options), _units(options)
+    pairs = [*zip(chain.hinge_position.tolist(), chain.joint_stiffness.tolist(), strict=True)]
+    answer: dict[str, Any] = {
+        "hinges": [{"hinge": j, "position": x, "stiffness": k} for j, (x, k) in enumerate(pairs, start=1)]
+    }
+    answer |= _said_units(
+        options,
+        "translational_stiffness",
+        position=units["length"],
+        stiffness=units["joint_stiffness"],
+        rotational_stiffness=units["joint_stiffness"],
+    )
+    lines = [_hinge_table(pairs, units)]
+    for side, support in zip(("left", "right"), chain.support_stiffness.tolist(), strict=True):
+        for kind, stiffness in zip(("translational", "rotational"), support, strict=True):
+            if 0 < stiffness < math.inf:
+                answer[f"{side}_{kind}_support"] = stiffness
+                unit = answer["units"][f"{kind}_stiffness"]
+                lines.append(f"{kind} support of the {side} end: {typed_in(stiffness)} {unit}")
+    ask = f"--segments {options.segments} --rule {options.rule}"
+    lines += [
+        *_units_note(options),
+        f"rule {_rule(options)}; how wrong it is: beammodes error {_typed(options)} {ask}",
+        f"a better one: beammodes recommend {_typed(options)} --tolerance 1%",
+    ]
+    return answer, "\n".join(lines)
+
+
+@_command(
+    _DURING,
+    "frequencies",
+    "at which frequencies do the chain and the beam ring?",
+    f"clamped-free --segments 6 --modes 3 {_EXAMPLE_SI}",
+    BOUNDARY,
+    SEGMENTS,
+    modes(3),
+    *BEAM,
+    UNITS,
+    AXIAL_FORCE,
+    RULE,
+)
+def _frequencies(options: argparse.Namespace) -> Answer:
+    import numpy as np
+
+    from beammodes.accuracy.errors import frequency_error
+    from beammodes.exact.beam_theory import euler_bernoulli
+    from beammodes.vibration.linear import linearize
+    from beammodes.vibration.modes import solve_modes
+
+    chain, load = _chain(options), _load(options)
+    model = linearize(chain, load=load)
+    found = solve_modes(model, options.modes)
+    count = len(found.frequency)
+    exact = euler_bernoulli(_beam(options), options.boundary, max(count, 1), load=load).frequency[:count]
+    each = np.arange(1, count + 1)
+    errors = found.frequency / exact - 1
+    if count and chain.boundary.is_plain and not options.axial_force:
+        # The closed form has digits that a difference of frequencies does not have.
+        errors = np.asarray(
+            frequency_error(options.boundary, segments=options.segments, mode=each, rule=options.rule)
+        )
+    numbers = zip(found.frequency.tolist(), exact.tolist(), errors.tolist(), strict=True)
+    rows = [
+        {
+            "mode": n,
+            "frequency": f,
+            "exact_frequency": g,
+            "angular_frequency": 2 * math.pi * f,
+            "exact_angular_frequency": 2 * math.pi * g,
+            "relative_error": e,
+        }
+        for n, (f, g, e) in enumerate(numbers, start=1)
+    ]
+    kinds = f"{found.rigid_body_modes} rigid-body and {model.elastic_modes} elastic modes"
+    title = f"{chain.boundary.name}, {options.segments} segments, {options.rule}: {kinds}"
+    units = _units(options)
+    # In multiples of the beam's own the books give ω, 3.516 of a cantilever, not the cycles.
+    key = "angular_frequency" if units is OWN else "frequency"
+    table = frequency_table(rows, key, units[key])
+    answer = {"rigid_body_modes": found.rigid_body_modes, "modes": rows}
+    said = _said_units(options, "frequency", "angular_frequency", relative_error="1")
+    return answer | said, "\n".join([title, table, *_units_note(options)])
+
+
+@_command(
+    _DURING,
+    "time-step",
+    "which fixed time step is stable?",
+    f"clamped-free --segments 10 {_EXAMPLE_SI}",
+    BOUNDARY,
+    SEGMENTS,
+    *BEAM,
+    UNITS,
+    *LOAD,
+    *DAMPING,
+    INTEGRATOR,
+    RULE,
+)
+def _time_step(options: argparse.Namespace) -> Answer:
     from beammodes.problem.loading import Load
     from beammodes.vibration.integrators import fixed_step_integrator
-    from beammodes.vibration.stability import highest_angular_frequency, stable_time_step, taut_load
+    from beammodes.vibration.stability import (
+        GRAVITY,
+        highest_angular_frequency,
+        stable_time_step,
+        taut_load,
+    )
 
-    chain, load = chain_of(options), load_of(options)
-    damping = damping_of(options, chain)
+    chain, load = _chain(options), _load(options)
+    damping = _damping(options, chain)
     record = fixed_step_integrator(options.integrator)
     if record.springs == "implicit":
         raise ValueError(
@@ -263,7 +351,7 @@ def answer_time_step(options: argparse.Namespace) -> Answer:
             f"segments must be larger: {chain.boundary.name} with {options.segments} has no elastic mode "
             "and so no stability limit"
         )
-    units = units_of(options)
+    units = _units(options)
     time = units["time"]
     answer = {"time_step": step, "highest_angular_frequency": highest}
     answer |= _said_units(
@@ -279,17 +367,277 @@ def answer_time_step(options: argparse.Namespace) -> Answer:
         case += f", with dampers; without them {number(free)} {time}"
     text = f"{number(step)} {time}  ({options.integrator}, {fastest}, {case})"
     # In a beam's own units there is no such number as 9.81.
-    if load == Load() and units["gravity"] is not None:
-        weight, gravity = units["gravity"]
+    if load == Load() and units is not OWN:
+        gravity = GRAVITY / units["metres"]
         hung = stable_time_step(chain, record.name, load=Load(gravity=gravity), damping=damping)
         answer["time_step_under_gravity"] = hung
         if hung < 0.99 * step:
-            text += f"\n{number(hung)} {time}  with gravity {weight} in any direction, hanging too: --gravity"
+            weight = f"gravity {gravity:.4g} {units['acceleration']}"
+            text += f"\n{number(hung)} {time}  with {weight} in any direction, hanging too: --gravity"
     return answer, "\n".join([text, *_units_note(options)])
 
 
-def beam_of(options: argparse.Namespace) -> Any:
-    """Return the beam that the options describe; without any of its numbers, `Beam.unit()`."""
+@_command(
+    _DURING,
+    "buckling",
+    "under which compression do the chain and the beam buckle?",
+    f"clamped-free --segments 10 {_EXAMPLE_SI}",
+    BOUNDARY,
+    SEGMENTS,
+    *BEAM,
+    UNITS,
+    RULE,
+)
+def _buckling(options: argparse.Namespace) -> Answer:
+    from beammodes.accuracy.buckling import buckling_load
+
+    chain = _chain(options)
+    load, exact = buckling_load(chain), buckling_load(_beam(options), options.boundary)
+    if math.isinf(load):
+        raise ValueError(
+            f"segments must be larger: {chain.boundary.name} with {options.segments} cannot bend"
+        )
+    answer = {"buckling_load": load, "exact_buckling_load": exact, "relative_error": load / exact - 1}
+    unit, error = _units(options)["force"], percents(answer["relative_error"])
+    said = _said_units(options, buckling_load=unit, exact_buckling_load=unit, relative_error="1")
+    text = f"{number(load)} {unit}  (beam {number(exact)} {unit}, error {error} %)"
+    return answer | said, "\n".join([text, *_units_note(options)])
+
+
+@_command(
+    _DURING,
+    "export",
+    "can I have the chain as a file for MuJoCo, Gazebo, Drake or URDF tools?",
+    f"clamped-free --segments 10 --rule gregory {_EXAMPLE} --output beam.xml",
+    BOUNDARY,
+    SEGMENTS,
+    *BEAM,
+    UNITS,
+    option("--output", ".xml (MJCF), .sdf, .urdf or .csv", required=True, metavar="FILE"),
+    option("--format", "mjcf, sdf, urdf or csv (default: by the file's ending)"),
+    option("--name", "prefix of all names in the file (default: chain)", default="chain"),
+    option("--fragment", "bodies only, to include in a model (MJCF, SDF)", action="store_true"),
+    option(
+        "--timestep",
+        "time step [s] (default: half the stable one, under the loads given, or without gravity and with "
+        "9.81 m/s² in any direction; less where the first frequency would shift by over 0.1 %%)",
+        type=as_number,
+        metavar="h",
+    ),
+    option("--integrator", "MuJoCo's RK4, Euler, implicit or implicitfast (default: RK4)", default="RK4"),
+    option(
+        "--ei-across",
+        "EI of bending along y [N m²]: hinges about both axes (not CSV)",
+        type=as_number,
+        metavar="X",
+    ),
+    *LOAD,
+    *DAMPING,
+    option("--force", "overwrite existing files", action="store_true"),
+    RULE,
+)
+def _export(options: argparse.Namespace) -> Answer:
+    from beammodes.exporters.export import export_chain
+    from beammodes.problem.loading import Load
+
+    _beam(options)
+    if options.length is options.ei is options.rho_a is None:
+        raise ValueError("--length, --ei and --rho-a must be given: a model file has units")
+    chain, load = _chain(options), _load(options)
+    second = None
+    if options.ei_across is not None:
+        stiffness = positive_real("--ei-across", options.ei_across)
+        second = _chain(argparse.Namespace(**vars(options) | {"ei": stiffness}))
+    written = export_chain(
+        chain,
+        options.output,
+        format=options.format,
+        name=options.name,
+        fragment=options.fragment,
+        second=second,
+        damping=_damping(options, chain),
+        timestep=options.timestep,
+        integrator=options.integrator,
+        load=None if load == Load() and options.gravity is None else load,
+        units=_system(options) if options.units is not None else None,
+        force=options.force,
+    )
+    names = [str(path) for path in written]
+    return {"files": names}, "\n".join(names)
+
+
+@_command(
+    _AFTER,
+    "audit",
+    "how wrong is the chain in my model file, and what mends it?",
+    f"beam.xml {_EXAMPLE_SI} --tolerance 1%",
+    option("file", "MJCF, URDF, SDFormat, or CSV as export writes it", metavar="FILE"),
+    *((flag, {**settings, "required": True}) for flag, settings in BEAM),
+    option(
+        "--boundary",
+        f"the beam's ends (default: the file's): {BOUNDARY[1]['help']}",
+        metavar="ENDS",
+    ),
+    UNITS,
+    option(
+        "--tolerance",
+        "largest error that meets, 1%% or 0.01 (default: 1%%)",
+        type=as_fraction,
+        default=0.01,
+        metavar="e",
+    ),
+    modes(3),
+    option("--chain", "a body of the chain to judge (default: the longest)", metavar="NAME"),
+    option("--plane", "x, y or z, along which it deflects (default: by the springs)"),
+    option("--springs", "springs of a URDF file (default: .springs.yaml beside it)", metavar="FILE"),
+)
+def _audit(options: argparse.Namespace) -> Answer:
+    from beammodes.auditing.audit_model import audit_file
+
+    found = audit_file(
+        options.file,
+        _beam(options),
+        options.boundary,
+        modes=options.modes,
+        tolerance=options.tolerance,
+        chain=options.chain,
+        plane=options.plane,
+        springs=options.springs,
+    )
+    rows = _audited_modes(found)
+    answer: dict[str, Any] = {"file": str(options.file)}
+    answer |= {name: list(getattr(found, name)) for name in ("given", "assumed", "found")}
+    answer |= {"boundary": found.boundary.name} | {name: getattr(found, name) for name in _AUDITED}
+    answer |= {
+        "modes": rows,
+        "hinges": _stiffness_rows(found.hinge_names, found.joint_stiffness.tolist()),
+        "suggestions": [_suggestion(found, item) for item in found.suggestions],
+        "step": None,
+    }
+    if found.step is not None:
+        answer["step"] = {
+            "timestep_s": found.step.timestep,
+            "longest_stable_s": found.step.limit,
+            "integrator": found.step.integrator,
+            "with_weight": found.step.with_weight,
+            "stable": found.step.is_stable,
+        }
+    return answer, "\n".join([*_verdict(found), frequency_table(rows), *_changes(found, _units(options))])
+
+
+_AUDITED = (
+    "meets",
+    "tolerance",
+    "layout",
+    "segments",
+    "order",
+    "remark",
+    "length_mismatch",
+    "mass_mismatch",
+    "rotary_inertia_mismatch",
+    "centre_mismatch",
+)
+
+
+def _audited_modes(found: Audit) -> list[dict[str, Any]]:
+    hertz = (found.angular_frequency / (2 * math.pi)).tolist()
+    costs = (found.errors.tolist(), found.errors_without_armature.tolist(), found.damping_ratio.tolist())
+    rows = []
+    for n, (frequency, error, bare, ratio) in enumerate(zip(hertz, *costs, strict=True), start=1):
+        row = {
+            "frequency_hz": frequency,
+            "exact_frequency_hz": frequency / (1 + error) if error > -1 else None,
+            "relative_error": error,
+            "relative_error_without_armature": bare,
+            "damping_ratio": ratio,
+            "swings": ratio < 1,
+        }
+        exists = math.isfinite(error)
+        rows.append({"mode": n} | {name: value if exists else None for name, value in row.items()})
+    return rows
+
+
+def _stiffness_rows(names: tuple[str, ...], stiffness: list[float]) -> list[dict[str, Any]]:
+    return [
+        {"hinge": name, "stiffness_n_m_per_rad": value} for name, value in zip(names, stiffness, strict=True)
+    ]
+
+
+def _suggestion(found: Audit, item: Suggestion) -> dict[str, Any]:
+    names = tuple(f"hinge {i + 1}" for i in range(len(item.joint_stiffness)))
+    rows = _stiffness_rows(names if item.moves_hinges else found.hinge_names, item.joint_stiffness.tolist())
+    return {
+        "name": item.name,
+        "moves_hinges": item.moves_hinges,
+        "relative_errors": [error if math.isfinite(error) else None for error in item.errors.tolist()],
+        "hinges": [
+            row | {"position_m": x} for row, x in zip(rows, item.hinge_position.tolist(), strict=True)
+        ],
+    }
+
+
+def _verdict(found: Audit) -> list[str]:
+    verdict = "meets" if found.meets else "does not meet"
+    count = f"{len(found.errors)} mode{'s' * (len(found.errors) > 1)}"
+    lines = []
+    for head in ("given", "assumed"):
+        listed = getattr(found, head)
+        lines += [head, *(f"  {line}" for line in listed)] if listed else []
+    lines += ["found", f"  {verdict} {100 * found.tolerance:.4g} % in {count}"]
+    return [*lines, *(f"  {line}" for line in found.found[1:]), ""]
+
+
+def _changes(found: Audit, units: Mapping[str, Any]) -> list[str]:
+    """Return the changes that are suggested, the errors they leave, and their numbers."""
+    if not found.suggestions:
+        return []
+
+    def errors(of: Audit | Suggestion) -> list[str]:
+        return [percents(each) if math.isfinite(each) else "no such mode" for each in of.errors.tolist()]
+
+    rows = [["as it is", "", *errors(found)]]
+    for item in found.suggestions:
+        rows.append([item.name, "hinges moved" if item.moves_hinges else "same hinges", *errors(item)])
+    heads = ["springs", "hinges", *(f"error {n + 1} [%]" for n in range(len(found.errors)))]
+    lines = ["", "what to change, and what it buys", text_table(heads, rows, names=2)]
+    kept = [item for item in found.suggestions if not item.moves_hinges]
+    if kept:
+        lines += ["", f"stiffness for the same hinges [{units['joint_stiffness']}]"]
+        lines += _kept_hinges(found, kept, units)
+    for item in found.suggestions:
+        if item.moves_hinges:
+            pairs = [*zip(item.hinge_position.tolist(), item.joint_stiffness.tolist(), strict=True)]
+            lines += ["", f"{item.name}, hinges moved", _hinge_table(pairs[:_SHOWN_HINGES], units)]
+            lines += _more_hinges(len(pairs) - _SHOWN_HINGES)
+    return lines
+
+
+def _kept_hinges(found: Audit, kept: list[Suggestion], units: Mapping[str, Any]) -> list[str]:
+    columns = [found.joint_stiffness.tolist(), *(item.joint_stiffness.tolist() for item in kept)]
+    whole = [*zip(found.hinge_names, kept[0].hinge_position.tolist(), *columns, strict=True)]
+    changed = [row for row in whole if any(abs(value - row[2]) > 1e-9 * row[2] for value in row[3:])]
+    listed = whole if len(whole) <= _SHOWN_HINGES else changed[:_SHOWN_HINGES]
+    rows = [[name, number(place), *map(typed_in, values)] for name, place, *values in listed]
+    heads = ["hinge", f"position [{units['length']}]", "now", *(item.name for item in kept)]
+    return [text_table(heads, rows, names=1), *_more_hinges(len(whole) - len(listed))]
+
+
+def _more_hinges(count: int) -> list[str]:
+    return [f"{count} more hinges: see --json"] if count > 0 else []
+
+
+def _hinge_table(pairs: list[tuple[float, float]], units: Mapping[str, Any]) -> str:
+    return text_table(
+        ["hinge", f"position [{units['length']}]", f"stiffness [{units['joint_stiffness']}]"],
+        [[str(j), number(x), typed_in(k)] for j, (x, k) in enumerate(pairs, start=1)],
+    )
+
+
+# What the options of several commands describe.
+
+
+def _beam(options: argparse.Namespace) -> Any:
+    """Return the beam; without any of its numbers, `Beam.unit()`."""
     from beammodes.problem.beam import Beam
 
     numbers = {"--length": options.length, "--ei": options.ei, "--rho-a": options.rho_a}
@@ -306,63 +654,29 @@ def beam_of(options: argparse.Namespace) -> Any:
     return Beam(length=options.length, bending_stiffness=options.ei, mass_per_length=options.rho_a)
 
 
-def units_of(options: argparse.Namespace) -> Mapping[str, Any]:
-    """Return what the answer's units are called: as declared, by their kind, or as multiples."""
-    return UNITS[_system(options)]
+def _chain(options: argparse.Namespace) -> Any:
+    from beammodes.chains.chain import Chain
+
+    return Chain(_beam(options), options.boundary, segments=options.segments, rule=options.rule)
 
 
-def system_of(options: argparse.Namespace) -> str | None:
-    """Return the system of units that the user declared, or None."""
-    return _system(options) if options.units is not None else None
-
-
-def _system(options: argparse.Namespace) -> str:
-    if options.units is not None:
-        words = {name.lower(): name for name in DECLARED}
-        name = words.get(options.units.lower())
-        if options.length is None:
-            raise ValueError("--units must come with --length, --ei and --rho-a, whose units they are")
-        return name or choice("--units", options.units, DECLARED)
-    return "as given" if options.length is not None else "multiples of the beam's own"
-
-
-def _said_units(options: argparse.Namespace, *names: str, **others: str) -> dict[str, Any]:
-    units = units_of(options)
-    return {"units": {"system": _system(options)} | {name: units[name] for name in names} | others}
-
-
-def _units_note(options: argparse.Namespace) -> list[str]:
-    system = units_of(options)
-    if system is GIVEN:
-        return [f"in the units of your input; --units {', '.join(DECLARED)} names them"]
-    if system is OWN:
-        return ["in multiples of the beam's own, since --length, --ei and --rho-a are not given"]
-    return []
-
-
-def load_of(options: argparse.Namespace) -> Any:
-    """Return the load that the options describe."""
+def _load(options: argparse.Namespace) -> Any:
     from beammodes.problem.loading import Load
 
-    names = ("axial_force", "gravity", "tip_force")
-    given = {name: getattr(options, name, None) for name in names}
-    if options.length is None:
-        for name in ("gravity", "tip_force"):
-            if given[name] is not None:
-                raise ValueError(
-                    f"{name} must come with --length, --ei and --rho-a: it is no multiple "
-                    "of the beam's own units"
-                )
+    given = {name: getattr(options, name, None) for name in ("axial_force", "gravity", "tip_force")}
+    for name in ("gravity", "tip_force"):
+        if options.length is None and given[name] is not None:
+            raise ValueError(
+                f"{name} must come with --length, --ei and --rho-a: it is no multiple of the beam's own units"
+            )
     return Load(**{name: value for name, value in given.items() if value is not None})
 
 
-def damping_of(options: argparse.Namespace, chain: Any) -> Any:
-    """Return the damping that the options describe, or None."""
-    from beammodes.vibration.damping import Damping
+def _damping(options: argparse.Namespace, chain: Any) -> Any:
+    """Return the damping, or None."""
+    from beammodes.vibration.damping import Damping, joint_dampers
 
     if options.damping_ratio is not None:
-        from beammodes.vibration.damping import joint_dampers
-
         if options.stiffness_damping:
             raise ValueError("--damping-ratio must be given without --stiffness-damping, which it sets")
         return joint_dampers(chain, _within("--damping-ratio", options.damping_ratio))
@@ -373,82 +687,67 @@ def damping_of(options: argparse.Namespace, chain: Any) -> Any:
 
 def _within(flag: str, value: Any) -> float:
     """Return a positive number that is no slip: beyond these, squares leave the range of floats."""
-    number = positive_real(flag, value)
-    if not 1e-100 <= number <= 1e100:
+    found = positive_real(flag, value)
+    if not 1e-100 <= found <= 1e100:
         raise ValueError(f"{flag} must be from 1e-100 to 1e100, got {shown(value)}")
-    return number
+    return found
 
 
-def chain_of(options: argparse.Namespace) -> Any:
-    """Return the chain that the options describe."""
-    from beammodes.chains.chain import Chain
+def _system(options: argparse.Namespace) -> str:
+    """Return the name of the units that the user's numbers are in."""
+    if options.units is not None:
+        if options.length is None:
+            raise ValueError("--units must come with --length, --ei and --rho-a, whose units they are")
+        words = {name.lower(): name for name in DECLARED}
+        return words.get(options.units.lower()) or choice("--units", options.units, DECLARED)
+    return "as given" if options.length is not None else "multiples of the beam's own"
 
-    return Chain(beam_of(options), options.boundary, segments=options.segments, rule=options.rule)
+
+def _units(options: argparse.Namespace) -> Mapping[str, Any]:
+    """Return the names of the answer's units: as declared, by their kind, or as multiples."""
+    if options.units is not None:
+        return DECLARED[_system(options)]
+    return GIVEN if options.length is not None else OWN
 
 
-def answer_recommend(options: argparse.Namespace) -> Answer:
-    """Answer the rules that meet a tolerance, cheapest first."""
-    from beammodes.accuracy.advice import recommend
+def _said_units(options: argparse.Namespace, *names: str, **others: str) -> dict[str, Any]:
+    units = _units(options)
+    return {"units": {"system": _system(options)} | {name: units[name] for name in names} | others}
 
-    ways = recommend(
-        options.boundary,
-        options.tolerance,
-        options.modes,
-        beam=beam_of(options),
-        rules=options.rule.split(",") if options.rule else None,
-        integrator=options.integrator,
+
+def _units_note(options: argparse.Namespace) -> list[str]:
+    units = _units(options)
+    if units is GIVEN:
+        return [f"in the units of your input; --units {', '.join(DECLARED)} names them"]
+    if units is OWN:
+        return ["in multiples of the beam's own, since --length, --ei and --rho-a are not given"]
+    return []
+
+
+def _numbers_note(options: argparse.Namespace) -> str:
+    """Say in which units numbers of ends and axial force count, if there are any without a beam."""
+    from beammodes.problem.ends import Boundary
+
+    numbered = not Boundary.of(options.boundary).is_plain or bool(getattr(options, "axial_force", None))
+    if not numbered or options.length is not None:
+        return ""
+    return (
+        "\nnumbers of ends and force are taken as multiples of ρA L, ρA L³, L, EI/L³, EI/L and EI/L²: give "
+        "--length, --ei and --rho-a if they are not"
     )
-    rows = [
-        {
-            "rule": way.rule,
-            "segments": way.segments,
-            "largest_error": way.largest_error,
-            "static_error": way.static_error,
-            "highest_angular_frequency": way.highest_angular_frequency,
-            "stable_time_step": way.stable_time_step,
-            "cost": way.cost,
-            "joint_stiffness": way.joint_stiffness.tolist(),
-            "remarks": list(way.remarks),
-        }
-        for way in ways
-    ]
-    units = units_of(options)
-    said = _said_units(
-        options,
-        "joint_stiffness",
-        highest_angular_frequency=units["angular_frequency"],
-        stable_time_step=units["time"],
-    )
-    best = f"{_typed(options)} --segments {ways[0].segments} --rule {ways[0].rule}"
-    lines = [
-        _advice_table(ways, options.integrator, units["time"]),
-        _CASE["holds_for"],
-        f"next: beammodes springs {best}",
-        *_units_note(options),
-    ]
-    return {"recommendations": rows} | said | _CASE, "\n".join(lines)
 
 
-def _advice_table(ways: list[Recommendation], integrator: str, time: str) -> str:
-    rows = []
-    for way in ways:
-        static = max(way.static_error.values(), key=abs, default=math.nan)
-        rows.append(
-            [
-                way.rule,
-                str(way.segments),
-                percents(way.largest_error).lstrip("+"),
-                percents(static),
-                number(way.stable_time_step),
-                f"{way.cost:.3g}",
-            ]
-        )
-    heads = ["rule", "N", "error [%]", "static error [%]", f"step [{time}]", "cost [-]"]
-    return "\n".join(
-        [
-            text_table(heads, rows, names=1),
-            "error: largest of the modes asked for, without its sign",
-            "static: worst of tip force, tip moment and uniform load; nan where the beam can move rigidly",
-            f"cost: segments times {integrator} steps in one period of the first mode",
-        ]
-    )
+def _rule(options: argparse.Namespace) -> str:
+    return f"{options.rule}{' (the default)' if options.rule == DEFAULT_RULE else ''}"
+
+
+def _typed(options: argparse.Namespace) -> str:
+    """Return the ends and the beam as the user may type them again."""
+    words = [options.boundary]
+    if options.length is not None:
+        words += ["--length", f"{options.length:.12g}", "--ei", f"{options.ei:.12g}"]
+        words += ["--rho-a", f"{options.rho_a:.12g}", *(["--units", options.units] if options.units else [])]
+    return shlex.join(words)
+
+
+COMMANDS: tuple[Command, ...] = tuple(_FOUND)

@@ -1,4 +1,4 @@
-"""What the shell is owed: text in its own encoding, one line for a failure, exit codes of one meaning."""
+"""Output, failures and interrupts of the command line: any encoding, one line for an error, exit codes."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ __all__ = [
 
 NOT_MET, NO_ANSWER, FAULT, INTERRUPTED = 1, 2, 3, 130
 
-#: The contract: what each exit code says, and nothing else says.
+#: The meaning of each exit code.
 EXIT_CODES = MappingProxyType(
     {
         0: "done",
@@ -172,11 +172,27 @@ def interrupted() -> int:
 
 
 def _said(error: Exception) -> str:
-    from beammodes.command_line.command_options import in_flags
-
     if isinstance(error, OSError) and error.filename and error.strerror:
         return f"{error.strerror[0].lower()}{error.strerror[1:]}: {error.filename}"
-    return in_flags(str(error))
+    message = str(error)
+    for name, typed in _TYPED.items():
+        message = message.replace(name, typed)
+    return message
+
+
+#: Words of the library's messages, as the user typed them.
+_TYPED = {
+    "bending_stiffness must": "--ei must",
+    "mass_per_length must": "--rho-a must",
+    "axial_force must": "--axial-force must",
+    "tolerance must": "--tolerance must",
+    "say by boundary": "say by --boundary",
+    "force=True": "--force",
+    "second must": "--ei-across must",
+    "gravity": "--gravity",
+    "tip_force": "--tip-force",
+    "load must be left out": "--gravity, --axial-force and --tip-force must be left out",
+}
 
 
 class Interrupts:

@@ -1,12 +1,13 @@
-"""How the command line shows numbers: one table for all commands, units in its heads, signs on all errors."""
+"""Numbers as the command line shows them: tables with units in their heads, errors with their signs."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from types import MappingProxyType
 from typing import Any
 
 from beammodes.checks import percent
+from beammodes.exporters.unit_systems import UNIT_SYSTEMS
 
 __all__ = [
     "DECLARED",
@@ -21,35 +22,21 @@ __all__ = [
 ]
 
 
-_SECONDS = {"frequency": "Hz", "angular_frequency": "rad/s", "time": "s"}
-
-#: Systems of units that the user may declare: names in heads of tables and in JSON; numbers stay as they are.
+#: Units in each system that the user may declare, for heads of tables and JSON; numbers stay as they are.
 DECLARED: Mapping[str, Mapping[str, Any]] = MappingProxyType(
     {
-        "SI": {
-            **_SECONDS,
-            "length": "m",
-            "force": "N",
-            "joint_stiffness": "N m/rad",
-            "translational_stiffness": "N/m",
-            "gravity": ("9.81 m/s²", 9.81),
-        },
-        "mm-N-t": {
-            **_SECONDS,
-            "length": "mm",
-            "force": "N",
-            "joint_stiffness": "N mm/rad",
-            "translational_stiffness": "N/mm",
-            "gravity": ("9810 mm/s²", 9810.0),
-        },
-        "in-lbf-s": {
-            **_SECONDS,
-            "length": "in",
-            "force": "lbf",
-            "joint_stiffness": "lbf in/rad",
-            "translational_stiffness": "lbf/in",
-            "gravity": ("386 in/s²", 9.81 / 0.0254),
-        },
+        name: {
+            "frequency": "Hz",
+            "angular_frequency": "rad/s",
+            "time": "s",
+            "length": system.length,
+            "force": system.force,
+            "joint_stiffness": system.joint_stiffness,
+            "translational_stiffness": f"{system.force}/{system.length}",
+            "acceleration": f"{system.length}/s²",
+            "metres": system.metres,
+        }
+        for name, system in UNIT_SYSTEMS.items()
     }
 )
 
@@ -63,11 +50,12 @@ GIVEN: Mapping[str, Any] = MappingProxyType(
         "force": "force",
         "joint_stiffness": "force length/rad",
         "translational_stiffness": "force/length",
-        "gravity": ("9.81 m/s², if your units are SI,", 9.81),
+        "acceleration": "m/s², if your units are SI,",
+        "metres": 1.0,
     }
 )
 
-#: Multiples of the beam's own, where it has no length, stiffness and mass.
+#: Multiples of the beam's own, where it has no length, stiffness and mass: here gravity means nothing.
 OWN: Mapping[str, Any] = MappingProxyType(
     {
         "frequency": "√(EI/(ρA L⁴))/(2π)",
@@ -77,7 +65,6 @@ OWN: Mapping[str, Any] = MappingProxyType(
         "force": "EI/L²",
         "joint_stiffness": "EI/L",
         "translational_stiffness": "EI/L³",
-        "gravity": None,
     }
 )
 UNITS = MappingProxyType({**DECLARED, "as given": GIVEN, "multiples of the beam's own": OWN})
@@ -129,25 +116,19 @@ def percents(fraction: float) -> str:
 def frequency_table(rows: Sequence[dict[str, Any]], key: str = "frequency_hz", unit: str = "Hz") -> str:
     """Return modes with their frequencies, those of the exact beam and errors, None where missing.
 
-    A mode that has a `damping_ratio` shows it; one that does not swing says so beside its frequency.
+    A mode that has a `damping_ratio` shows it; one that is overdamped says so.
     """
-    damped = any(row.get("damping_ratio") for row in rows)
-    cells = [
-        [str(row["mode"])]
-        + [
-            "no such mode" if row[key] is None else show(row[key])
-            for key, show in (
-                (key, number),
-                (f"exact_{key}", number),
-                ("relative_error", percents),
-            )
-        ]
-        for row in rows
-    ]
+
+    def cell(row: dict[str, Any], name: str, show: Callable[[float], str]) -> str:
+        return "no such mode" if row[key] is None else show(row[name])
+
     heads = ["mode", f"chain [{unit}]", f"exact [{unit}]", "error [%]"]
-    if damped:
-        heads = [*heads, "damping ratio"]
-        cells = [[*cell, _ratio(row["damping_ratio"])] for cell, row in zip(cells, rows, strict=True)]
+    shows = {key: number, f"exact_{key}": number, "relative_error": percents}
+    if any(row.get("damping_ratio") for row in rows):
+        heads.append("damping ratio")
+    cells = [[str(row["mode"]), *(cell(row, name, show) for name, show in shows.items())] for row in rows]
+    if len(heads) == 5:
+        cells = [[*own, _ratio(row["damping_ratio"])] for own, row in zip(cells, rows, strict=True)]
     return text_table(heads, cells)
 
 
