@@ -1,43 +1,32 @@
-"""One file per figure or table: `data()` computes a Dataset, `draw(data)` returns a Figure.
+"""The project's figures and tables, one file each.
 
-`python -m studies [NAME ...]` writes each one's SVG, PNG and CSV into `figures/`, and from all of them the
-page `figures/report.html`.
+A file holds a record `Study`, and is found by that. `python -m studies [NAME ...]` writes each one's SVG, PNG
+and CSV into `figures/`, and from all of them the page `figures/report.html`.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Mapping
+from functools import cache
+from importlib import import_module
+from pkgutil import iter_modules
 
-Progress = Callable[[int, int], None]
+from studies.study import Study
 
-#: Every study, in the order in which they run.
-NAMES = (
-    "figure_6",
-    "figure_7",
-    "c_table",
-    "error_by_rule",
-    "better_figures",
-    "simulators",
-    "uncertainty",
-    "segments_map",
-    "cost_front",
-    "quadrature",
-    "figure_3",
-    "figure_5",
-    "truck",
-    "schematics",
-    "axial_force",
-    "nonuniform",
-    "step_size",
-    "figure_1",
-    "appendix",
-    "campbell",
-    "motion_spectrum",
-    "spin_up",
-    "accuracy",
-)
+__all__ = ["PAGE", "every_study"]
 
-#: The page that is made of their files, last.
+#: The name of the page that is made of all studies' files.
 PAGE = "report"
-#: Those that take longest, longest first: where several run at once, these start first.
-SLOWEST = ("step_size", "spin_up", "accuracy", "figure_1", "motion_spectrum", "figure_6", "segments_map")
+
+
+@cache
+def every_study() -> Mapping[str, Study]:
+    """Return every study by its name, in the order of their files."""
+    found: dict[str, Study] = {}
+    for file in iter_modules(__path__):
+        if file.ispkg or file.name == "__main__":
+            continue
+        for value in vars(import_module(f"{__name__}.{file.name}")).values():
+            if isinstance(value, Study) and found.setdefault(value.name, value) is not value:
+                raise ValueError(f"name must be that of one study, got {value.name!r} twice")
+    return found

@@ -9,8 +9,8 @@ import time
 from collections.abc import Sequence
 from pathlib import Path
 
-from studies import NAMES, PAGE
-from studies.runner import missing, run_all
+from studies import PAGE, every_study
+from studies.runner import missing, run_all, write_gallery
 
 FIGURES = Path(__file__).resolve().parent.parent / "figures"
 
@@ -18,9 +18,9 @@ FIGURES = Path(__file__).resolve().parent.parent / "figures"
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the named studies, all of them by default, and return the exit code."""
     parser = argparse.ArgumentParser(prog="python -m studies", description=__doc__)
-    parser.add_argument(
-        "names", nargs="*", metavar="NAME", help=f"any of {', '.join(NAMES)}; {PAGE}: the page"
-    )
+    names = (*every_study(), PAGE)
+    parser.add_argument("names", nargs="*", metavar="NAME", help=f"any of {', '.join(names)}")
+    parser.add_argument("--list", action="store_true", help="print all names with their captions, and end")
     parser.add_argument("--into", type=Path, default=FIGURES, help="folder to write to (default: figures/)")
     parser.add_argument(
         "--jobs",
@@ -29,12 +29,16 @@ def main(arguments: Sequence[str] | None = None) -> int:
         help="studies at once (default: one for each processor)",
     )
     options = parser.parse_args(arguments)
-    unknown = [name for name in options.names if name not in (*NAMES, PAGE)]
+    if options.list:
+        print("\n".join(f"{name:<16} {study.caption}" for name, study in every_study().items()))
+        print(f"{PAGE:<16} The report regenerated as one page, of all the others' files.")
+        return 0
+    unknown = [name for name in options.names if name not in names]
     if unknown:
-        parser.error(f"NAME must be any of {', '.join((*NAMES, PAGE))}, got {unknown[0]!r}")
+        parser.error(f"NAME must be any of {', '.join(names)}, got {unknown[0]!r}")
     options.into.mkdir(parents=True, exist_ok=True)
     try:
-        _run(options.names or [*NAMES, PAGE], options.into, options.jobs)
+        _run(options.names or names, options.into, options.jobs)
     except KeyboardInterrupt:
         _say("\rinterrupted: files of finished studies are written, the others are as they were\n")
         return 130
@@ -44,14 +48,15 @@ def main(arguments: Sequence[str] | None = None) -> int:
 def _run(asked: Sequence[str], folder: Path, jobs: int) -> None:
     """Run studies, and after them write the page; what it needs of others is made first."""
     names = [name for name in dict.fromkeys(asked) if name != PAGE]
-    if PAGE not in asked:
-        run_all(names, folder, jobs, _say)
-        return
-    run_all(list(dict.fromkeys([*names, *missing(NAMES, folder)])), folder, jobs, _say)
-    start = time.perf_counter()
-    from studies.page.build import write
+    if PAGE in asked:
+        names += [name for name in missing(every_study(), folder) if name not in names]
+    run_all(names, folder, jobs, _say)
+    write_gallery(folder)
+    if PAGE in asked:
+        start = time.perf_counter()
+        from studies.page.build import write
 
-    _say(f"{PAGE}: {write(folder)} ({time.perf_counter() - start:.1f} s)\n")
+        _say(f"{PAGE}: {write(folder)} ({time.perf_counter() - start:.1f} s)\n")
 
 
 def _jobs(text: str) -> int:

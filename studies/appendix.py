@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import matplotlib
 import numpy as np
 import xarray
 from matplotlib.axes import Axes
@@ -12,12 +11,9 @@ from numpy.typing import ArrayLike
 import beammodes as bm
 from beammodes.exact.exact_beam import BeamModes, plain_modes
 from beammodes.numerics.arrays import Floats
-from beammodes.views.symbols import COLOURS, GREY, STYLE
-from studies import Progress
-from studies.drawing import bold_title
-from studies.motions import repeatable
+from beammodes.views.symbols import COLOURS, GREY
 from studies.plots import label_along, label_line
-from studies.tables import csv_table, tidy_rows
+from studies.study import Kind, Progress, Sheet, Study
 
 BEAM, BOUNDARY = bm.Beam.unit(), "pinned-pinned"
 #: The beam is held aside by a force here, then let go.
@@ -25,8 +21,6 @@ AT, DRAWN = 0.3, 3
 MODES = 50
 #: Deflection and bending moment over EI: names, and derivatives of the shape.
 QUANTITIES = {"deflection": 0, "moment": 2}
-COLUMNS = ("quantity", "modes", "relative_error")
-SHAPE_COLUMNS = ("mode", "x", "shape")
 #: Where sums of one, two and three modes are named.
 PLACES = ((8.0, 6.0), (4.0, 8.0), (-3.0, 17.0))
 
@@ -52,7 +46,7 @@ def pinned_shape(beam: bm.Beam, force: float, at: float, x: ArrayLike, derivativ
     return np.asarray(force * arm * values[derivative] / (6 * beam.mean_bending_stiffness * length))
 
 
-def data(progress: Progress | None = None) -> xarray.Dataset:
+def data(progress: Progress) -> xarray.Dataset:
     """Mode shapes, sums of them, and the sums' largest error, over the largest value of the shape itself."""
     x = np.linspace(0.0, 1.0, 201)
     beam = plain_modes(BEAM, BOUNDARY, MODES)
@@ -61,8 +55,7 @@ def data(progress: Progress | None = None) -> xarray.Dataset:
     for i, derivative in enumerate(QUANTITIES.values()):
         exact.append(pinned_shape(BEAM, 1.0, AT, x, derivative))
         sums.append(np.cumsum(q[:, None] * beam.shape(x, derivative), axis=0))
-        if progress is not None:
-            progress(i + 1, len(QUANTITIES))
+        progress(i + 1, len(QUANTITIES))
     exact, sums = np.array(exact), np.array(sums)
     largest = np.abs(exact).max(axis=1)
     # Curvature is negative where the beam is pushed up: shown upright, as the deflection is.
@@ -74,7 +67,7 @@ def data(progress: Progress | None = None) -> xarray.Dataset:
             "exact": (("quantity", "x"), exact * scale[:, None]),
             "sum": (("quantity", "modes", "x"), sums * scale[:, None, None]),
             "relative_error": (("quantity", "modes"), error),
-            "shape": (("mode", "x"), repeatable(shape / np.abs(shape).max(axis=1, keepdims=True), 12)),
+            "shape": (("mode", "x"), shape / np.abs(shape).max(axis=1, keepdims=True)),
             "angular_frequency": ("mode", beam.angular_frequency[:DRAWN]),
         },
         coords={
@@ -86,18 +79,14 @@ def data(progress: Progress | None = None) -> xarray.Dataset:
     )
 
 
-def draw(table: xarray.Dataset) -> Figure:
+def draw(table: xarray.Dataset, figure: Figure) -> None:
     """The report's three sketches, sums of one to three modes, and the error of longer sums."""
-    with matplotlib.rc_context(STYLE):
-        figure = Figure(figsize=(9.0, 5.4), layout="constrained")
-        bold_title(figure, "Appendix · a pinned beam as a sum of its modes, and how many are enough")
-        grid = figure.add_gridspec(6, 3, width_ratios=[0.75, 1, 1.15])
-        for row in range(DRAWN):
-            _mode(table, row + 1, figure.add_subplot(grid[2 * row : 2 * row + 2, 0]))
-        for row, quantity in enumerate(QUANTITIES):
-            _sums(table.sel(quantity=quantity), figure.add_subplot(grid[3 * row : 3 * row + 3, 1]))
-        _errors(table, figure.add_subplot(grid[:, 2]))
-    return figure
+    grid = figure.add_gridspec(6, 3, width_ratios=[0.75, 1, 1.15])
+    for row in range(DRAWN):
+        _mode(table, row + 1, figure.add_subplot(grid[2 * row : 2 * row + 2, 0]))
+    for row, quantity in enumerate(QUANTITIES):
+        _sums(table.sel(quantity=quantity), figure.add_subplot(grid[3 * row : 3 * row + 3, 1]))
+    _errors(table, figure.add_subplot(grid[:, 2]))
 
 
 def _mode(table: xarray.Dataset, mode: int, ax: Axes) -> None:
@@ -148,10 +137,15 @@ def _errors(table: xarray.Dataset, ax: Axes) -> None:
     )
 
 
-def tables(table: xarray.Dataset) -> dict[str, str]:
-    """The errors, and beside them the three shapes."""
-    parts = {".csv": (COLUMNS, "relative_error"), "_shapes.csv": (SHAPE_COLUMNS, "shape")}
-    return {
-        ending: csv_table(columns, tidy_rows(table[[variable]], columns))
-        for ending, (columns, variable) in parts.items()
-    }
+STUDY = Study(
+    name="appendix",
+    title="Appendix · a pinned beam as a sum of its modes, and how many are enough",
+    caption="The report's appendix: modes A1 to A3 of a pinned-pinned beam, and how many of them are enough.",
+    data=data,
+    draw=draw,
+    sheets={
+        ".csv": Sheet(("quantity", "modes", "relative_error")),
+        "_shapes.csv": Sheet(("mode", "x", "shape"), {"shape": Kind(decimals=12)}),
+    },
+    size=(9.0, 5.4),
+)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import Literal
 
-import matplotlib
 import numpy as np
 import xarray
 from matplotlib.axes import Axes
@@ -16,10 +15,9 @@ from beammodes.accuracy.buckling import buckling_dataset, buckling_load
 from beammodes.accuracy.error_table import chain_errors
 from beammodes.chains.rules import AnyRule, axially_corrected
 from beammodes.problem.loading import Load
-from beammodes.views.symbols import COLOURS, GREY, STYLE
-from studies import Progress
+from beammodes.views.symbols import COLOURS, GREY
 from studies.plots import label_along, mark_point, method_style
-from studies.tables import csv_table, tidy_rows
+from studies.study import Kind, Progress, Sheet, Study
 
 BOUNDARIES = ("pinned-pinned", "clamped-free")
 CASES = ("mitiguy", "gregory", "gregory corrected", "gregory, no force")
@@ -32,9 +30,6 @@ BUCKLING_RULES, BUCKLING_PAIR = ("double_wall", "gregory", "mitiguy"), "clamped-
 BUCKLING_SEGMENTS = range(2, 31)
 #: `chain_errors` are good to 1e-12 on a uniform beam; less than three digits are not shown.
 LEAST = 1e-9
-ERRORS = ("boundary", "case", "segments", "relative_error")
-FORCES = ("structure", "point", "axial_force", "squared_frequency")
-BUCKLING = ("rule", "buckling_segments", "buckling_error")
 # Where each line is named, and on which side.
 LABELS: dict[str, dict[str, tuple[str, float, Literal["above", "below"]]]] = {
     "pinned-pinned": {
@@ -51,15 +46,14 @@ LABELS: dict[str, dict[str, tuple[str, float, Literal["above", "below"]]]] = {
 }
 
 
-def data(progress: Progress | None = None) -> xarray.Dataset:
+def data(progress: Progress) -> xarray.Dataset:
     """Errors at half the buckling load; ω² against the force; and errors of the buckling load itself."""
     error = np.full((len(BOUNDARIES), len(CASES), len(SEGMENTS)), np.nan)
     for i, pair in enumerate(BOUNDARIES):
         for j, case in enumerate(CASES):
             error[i, j] = [_error(pair, case, int(n)) for n in SEGMENTS]
-            if progress is not None:
-                progress(i * len(CASES) + j + 1, len(BOUNDARIES) * len(CASES))
-    error = np.where(abs(error) < LEAST, np.nan, error.round(12))
+            progress(i * len(CASES) + j + 1, len(BOUNDARIES) * len(CASES))
+    error = np.where(abs(error) < LEAST, np.nan, error)
     force, square = (np.array(rows) for rows in zip(*map(_squares, STRUCTURES), strict=True))
     buckling = buckling_dataset(boundary=BUCKLING_PAIR, segments=BUCKLING_SEGMENTS, rule=BUCKLING_RULES)
     return xarray.Dataset(
@@ -112,23 +106,18 @@ def _squares(structure: str) -> tuple[list[float], list[float]]:
     return forces, squares
 
 
-def draw(table: xarray.Dataset) -> Figure:
+def draw(table: xarray.Dataset, figure: Figure) -> None:
     """Four panels: ω² against force, the buckling load's error, and errors at half the load for two pairs."""
-    with matplotlib.rc_context(STYLE):
-        figure = Figure(figsize=(9.0, 7.4), layout="constrained")
-        title = "An axial force takes every rule down to order 2; corrected springs win most of it back"
-        figure.suptitle(title, fontsize=13, fontweight="bold", x=0.01, ha="left")
-        figure.get_layout_engine().set(hspace=0.06, wspace=0.04)
-        panels = figure.subplots(2, 2)
-        _draw_forces(panels[0, 0], table)
-        _draw_buckling(panels[0, 1], table)
-        named = [
-            _draw_errors(ax, table.sel(boundary=pair), pair)
-            for ax, pair in zip(panels[1], BOUNDARIES, strict=True)
-        ]
-        for ax, labels in zip(panels[1], named, strict=True):
-            label_along(ax, labels)
-    return figure
+    figure.get_layout_engine().set(hspace=0.06, wspace=0.04)
+    panels = figure.subplots(2, 2)
+    _draw_forces(panels[0, 0], table)
+    _draw_buckling(panels[0, 1], table)
+    named = [
+        _draw_errors(ax, table.sel(boundary=pair), pair)
+        for ax, pair in zip(panels[1], BOUNDARIES, strict=True)
+    ]
+    for ax, labels in zip(panels[1], named, strict=True):
+        label_along(ax, labels)
 
 
 def _draw_forces(ax: Axes, table: xarray.Dataset) -> None:
@@ -196,10 +185,19 @@ def _corrected_style() -> dict[str, object]:
     return {"color": COLOURS[1], "linestyle": (0, (4, 1.5)), "linewidth": 2.0}
 
 
-def tables(table: xarray.Dataset) -> dict[str, str]:
-    """The errors under half the buckling load, the squared frequencies and the errors of buckling loads."""
-    return {
-        ".csv": csv_table(ERRORS, tidy_rows(table[["relative_error"]], ERRORS)),
-        "_forces.csv": csv_table(FORCES, tidy_rows(table[["axial_force", "squared_frequency"]], FORCES)),
-        "_buckling.csv": csv_table(BUCKLING, tidy_rows(table[["buckling_error"]], BUCKLING)),
-    }
+STUDY = Study(
+    name="axial_force",
+    title="An axial force takes every rule down to order 2; corrected springs win most of it back",
+    caption="An axial force reduces every rule to order 2; corrected springs restore most of the order.",
+    data=data,
+    draw=draw,
+    sheets={
+        ".csv": Sheet(
+            ("boundary", "case", "segments", "relative_error"), {"relative_error": Kind(decimals=12)}
+        ),
+        "_forces.csv": Sheet(("structure", "point", "axial_force", "squared_frequency")),
+        "_buckling.csv": Sheet(("rule", "buckling_segments", "buckling_error")),
+    },
+    size=(9.0, 7.4),
+    seconds=8.0,
+)

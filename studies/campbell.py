@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import Literal
 
-import matplotlib
 import numpy as np
 import xarray
 from matplotlib.axes import Axes
@@ -14,11 +13,9 @@ from numpy.typing import NDArray
 
 import beammodes as bm
 from beammodes.problem.loading import PLANES
-from beammodes.views.symbols import COLOURS, GREY, STYLE
-from studies import Progress
-from studies.drawing import bold_title
+from beammodes.views.symbols import COLOURS, GREY
 from studies.plots import label_along, label_line, method_style
-from studies.tables import csv_table, tidy_rows
+from studies.study import Kind, Progress, Sheet, Study
 
 Side = Literal["above", "below"]
 Label = tuple[Line2D, str, float, Side]
@@ -42,11 +39,9 @@ PLACES: tuple[tuple[float, str, float, Side], ...] = (
     (0.0, "gregory", 13, "above"),
 )
 LOOK = {"flap": COLOURS[0], "lag": COLOURS[1]}
-COLUMNS = ("plane", "mode", "spin_rate", "exact", "segments", "chain")
-ERROR_COLUMNS = ("spin", "rule", "count", "relative_error")
 
 
-def data(progress: Progress | None = None) -> xarray.Dataset:
+def data(progress: Progress) -> xarray.Dataset:
     """Frequencies over √(EI/ρAL⁴) by plane and spin rate, of the beam and of chains; errors over N."""
     exact = np.empty((len(PLANES), MODES, len(SPIN)))
     chain = np.full((len(PLANES), MODES, len(SPIN), len(SEGMENTS)), np.nan)
@@ -56,21 +51,18 @@ def data(progress: Progress | None = None) -> xarray.Dataset:
             exact[i, :, j] = bm.euler_bernoulli(BEAM, BOUNDARY, MODES, load=load).angular_frequency
             if j % EVERY == 0:
                 chain[i, :, j] = np.transpose([_of_chain(RULE, n, load) for n in SEGMENTS])
-        if progress is not None:
-            progress(i + 1, len(PLANES) + len(RATES))
+        progress(i + 1, len(PLANES) + len(RATES))
     error = np.empty((len(RATES), len(RULES), len(COUNTS)))
     for i, rate in enumerate(RATES):
         load = bm.Load(spin_rate=rate, plane=PLANE)
         first = bm.euler_bernoulli(BEAM, BOUNDARY, 1, load=load).angular_frequency[0]
         error[i] = [[_of_chain(rule, int(n), load)[0] / first - 1 for n in COUNTS] for rule in RULES]
-        if progress is not None:
-            progress(len(PLANES) + i + 1, len(PLANES) + len(RATES))
+        progress(len(PLANES) + i + 1, len(PLANES) + len(RATES))
     return xarray.Dataset(
         {
             "exact": (("plane", "mode", "spin_rate"), exact),
             "chain": (("plane", "mode", "spin_rate", "segments"), chain),
-            # Rounded to the digits that both solutions leave.
-            "relative_error": (("spin", "rule", "count"), error.round(11)),
+            "relative_error": (("spin", "rule", "count"), error),
         },
         coords={
             "plane": list(PLANES),
@@ -89,16 +81,12 @@ def _of_chain(rule: str, segments: int, load: bm.Load) -> NDArray[np.float64]:
     return bm.solve_modes(model, MODES).angular_frequency
 
 
-def draw(table: xarray.Dataset) -> Figure:
+def draw(table: xarray.Dataset, figure: Figure) -> None:
     """The diagram, and beside it the error of the first flap mode against N."""
-    with matplotlib.rc_context(STYLE):
-        figure = Figure(figsize=(9.0, 5.6), layout="constrained")
-        bold_title(figure, "A cantilever on a turning hub: its frequencies, and how well chains meet them")
-        left, right = figure.subplots(1, 2, width_ratios=[1.3, 1])
-        revolutions, errors = _diagram(table, left), _errors(table, right)
-        label_along(left, revolutions)
-        label_along(right, errors, size=10)
-    return figure
+    left, right = figure.subplots(1, 2, width_ratios=[1.3, 1])
+    revolutions, errors = _diagram(table, left), _errors(table, right)
+    label_along(left, revolutions)
+    label_along(right, errors, size=10)
 
 
 def _diagram(table: xarray.Dataset, ax: Axes) -> list[Label]:
@@ -148,11 +136,21 @@ def _errors(table: xarray.Dataset, ax: Axes) -> list[Label]:
     return labels
 
 
-def tables(table: xarray.Dataset) -> dict[str, str]:
-    """The diagram and the errors, as CSV."""
-    diagram = table[["exact", "chain"]].sel(spin_rate=SPIN[::EVERY])
-    errors = table[["relative_error"]]
-    return {
-        ".csv": csv_table(COLUMNS, tidy_rows(diagram, COLUMNS)),
-        "_errors.csv": csv_table(ERROR_COLUMNS, tidy_rows(errors, ERROR_COLUMNS)),
-    }
+STUDY = Study(
+    name="campbell",
+    title="A cantilever on a turning hub: its frequencies, and how well chains meet them",
+    caption="Campbell diagram of a cantilever on a turning hub: frequencies of the beam and of chains.",
+    data=data,
+    draw=draw,
+    sheets={
+        ".csv": Sheet(
+            ("plane", "mode", "spin_rate", "exact", "segments", "chain"),
+            part=lambda table: table.sel(spin_rate=SPIN[::EVERY]),
+        ),
+        # Rounded to the digits that both solutions leave.
+        "_errors.csv": Sheet(
+            ("spin", "rule", "count", "relative_error"), {"relative_error": Kind(decimals=11)}
+        ),
+    },
+    size=(9.0, 5.6),
+)

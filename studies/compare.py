@@ -1,9 +1,8 @@
 """Compare freshly computed tables with committed ones:  python -m studies.compare FRESH [COMMITTED].
 
-No two processors give the same last digits. Numbers agree within a relative 1e-8. Beside that a column may
-be of a kind of its own (`KINDS`): rounded by its study, so that one unit of its last place may turn, or
-rounding noise, of which only the size is shared. Everything else, that is files, rows, columns and text,
-must be the same.
+No two processors give the same last digits. Numbers agree within a relative 1e-8. A study may say that a
+column is of another `Kind`: rounded, so that one unit of its last place may differ, or rounding noise, of
+which only the size is shared. Everything else, that is files, rows, columns and text, must be the same.
 """
 
 from __future__ import annotations
@@ -13,11 +12,14 @@ import csv
 import math
 import sys
 from collections.abc import Iterator, Mapping, Sequence
+from functools import cache
 from itertools import zip_longest
 from pathlib import Path
-from typing import NamedTuple
 
-__all__ = ["COMMITTED", "KINDS", "Kind", "folders_differ", "rows_of", "study_differs", "tables_differ"]
+from studies import every_study
+from studies.study import Kind
+
+__all__ = ["COMMITTED", "folders_differ", "kinds", "rows_of", "study_differs", "tables_differ"]
 
 COMMITTED = Path(__file__).resolve().parent.parent / "figures"
 #: Measured between processors: at most 5e-12, but for the columns in `KINDS`.
@@ -27,51 +29,15 @@ SEEN = 1e-6
 _SHOWN = 30
 
 
-class Kind(NamedTuple):
-    """How the numbers of a column are compared, where a relative 1e-8 is not what they share.
-
-    decimals: the study rounds to so many, and one unit of the last may turn. What stands in the table must
-    be such a rounded number; numbers with more decimals are compared as any others.
-    factor: the numbers are noise, or grow from it; sizes agree within this factor, signs are not compared.
-    noise: sizes up to this one agree with each other.
-    lost: from this size on, the row may be missing: some processors leave no number at all.
-    """
-
-    decimals: int | None = None
-    factor: float | None = None
-    noise: float = 0.0
-    lost: float = math.inf
-
-
-_ELEVEN, _TWELVE = Kind(decimals=11), Kind(decimals=12)
-#: By table and column. Rounded are motions, whose integrators leave about ten digits, and small differences
-#: of frequencies from dense solvers.
-KINDS: dict[str, dict[str, Kind]] = {
-    "appendix_shapes": {"shape": _TWELVE},
-    "axial_force": {"relative_error": _TWELVE},
-    "campbell_errors": {"relative_error": _ELEVEN},
-    "figure_1": {"tip_deflection": Kind(decimals=8)},
-    "figure_3_shapes": {"deflection": _TWELVE, "exact_deflection": _TWELVE},
-    "figure_5_shapes": {"deflection": _TWELVE, "exact_deflection": _TWELVE},
-    "motion_spectrum": {"angular_frequency": Kind(decimals=5), "difference": Kind(decimals=7)},
-    "motion_spectrum_large": {"frequency_shift": Kind(decimals=7)},
-    "nonuniform": {"relative_error": _ELEVEN},
-    "nonuniform_catheter": {"catheter_error": _ELEVEN},
-    "schematics": {"x": Kind(decimals=8), "y": Kind(decimals=8)},
-    "simulators": {"relative_error": Kind(decimals=9)},
-    "spin_up": {"tip_deflection": Kind(decimals=8)},
-    "truck": {"relative_error": _ELEVEN},
-    "uncertainty_spread": {"first_order": Kind(decimals=9)},
-    # Rounding itself: two to three orders of magnitude between processors, and frequencies without a digit.
-    "accuracy": {"relative_error": Kind(factor=1e3, noise=1e-14, lost=1e-3)},
-    # Above the limit a motion grows from rounding, by up to 1e120 where it is seen.
-    "step_size_courses": {"angle": Kind(factor=1e3)},
-    "step_size_growth": {
-        "largest": Kind(factor=1e3),
-        "tenfold": Kind(factor=2.0),
-        "overflow": Kind(factor=2.0),
-    },
-}
+@cache
+def kinds() -> Mapping[str, Mapping[str, Kind]]:
+    """Return, by table and column, how numbers are compared that do not share a relative 1e-8."""
+    return {
+        f"{name}{ending}": sheet.kinds
+        for name, study in every_study().items()
+        for ending, sheet in study.sheets.items()
+        if sheet.kinds
+    }
 
 
 def folders_differ(fresh: Path, committed: Path = COMMITTED) -> list[str]:
@@ -102,12 +68,12 @@ def tables_differ(name: str, fresh: str, committed: str) -> list[str]:
         return [
             f"{name}, line {k}: committed {is_!r}, fresh {now!r}" for k, (now, is_) in lines if now != is_
         ]
-    kinds = KINDS.get(name.removesuffix(".csv"), {})
+    special = kinds().get(name, {})
     new, old = (list(csv.reader(text.splitlines())) for text in texts)
     if not new or not old or new[0] != old[0]:
         return [f"{name}, columns: committed {old[:1]}, fresh {new[:1]}"]
     found = []
-    for number, was, now in _pairs(old, new, kinds):
+    for number, was, now in _pairs(old, new, special):
         if was is None or now is None:
             side = "committed, but not fresh" if now is None else "fresh, but not committed"
             found.append(f"{name}, line {number}: row {','.join(was or now or [])} is {side}")
@@ -115,17 +81,17 @@ def tables_differ(name: str, fresh: str, committed: str) -> list[str]:
             found.append(f"{name}, line {number}: committed {len(was)} cells, fresh {len(now)}")
         else:
             for column, a, b in zip(old[0], was, now, strict=True):
-                if not _agree(a, b, kinds.get(column, Kind())):
+                if not _agree(a, b, special.get(column, Kind())):
                     place = f"line {number} ({','.join(was[:4])}), column {column}"
                     found.append(f"{name}, {place}: committed {a}, fresh {b}")
     return found
 
 
 def _pairs(
-    old: list[list[str]], new: list[list[str]], kinds: dict[str, Kind]
+    old: list[list[str]], new: list[list[str]], special: Mapping[str, Kind]
 ) -> Iterator[tuple[int, list[str] | None, list[str] | None]]:
     """Yield the rows that stand in one place, with the committed one's line; lost rows are passed over."""
-    lost = {old[0].index(column): kind.lost for column, kind in kinds.items() if kind.lost < math.inf}
+    lost = {old[0].index(column): kind.lost for column, kind in special.items() if kind.lost < math.inf}
 
     def at(rows: list[list[str]], k: int) -> list[str] | None:
         return rows[k] if k < len(rows) else None

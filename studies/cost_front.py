@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from typing import Literal
 
-import matplotlib
 import numpy as np
 import xarray
 from matplotlib.figure import Figure
@@ -13,13 +12,10 @@ from numpy.typing import NDArray
 
 import beammodes as bm
 from beammodes.chains.rules import AnyRule
-from beammodes.views.symbols import GREY, STYLE
-from studies import Progress
-from studies.largest_errors import MATCHED, largest_error
+from beammodes.views.symbols import GREY
+from studies.common import MATCHED, largest_error
 from studies.plots import label_along, mark_exact, mark_point, method_style, places_along
-from studies.tables import csv_table, tidy_rows
-
-__all__ = ["cost", "data", "draw", "front", "tables"]
+from studies.study import Progress, Sheet, Study
 
 BOUNDARY = "clamped-free"
 SEGMENTS = np.array([*range(3, 27), 30, 40, 50, 64, 80, 100])
@@ -39,7 +35,6 @@ LABELS: dict[str, tuple[float, Literal["above", "below"]]] = {
     "half_stub_corrected": (9e3, "above"),
     "gregory": (6e3, "below"),
 }
-COLUMNS = ("rule", "segments", "cost", "largest_error", "on_front")
 
 
 def cost(rule: AnyRule, segments: int) -> float:
@@ -61,7 +56,7 @@ def front(price: NDArray[np.float64], error: NDArray[np.float64]) -> NDArray[np.
     return everywhere
 
 
-def data(progress: Progress | None = None) -> xarray.Dataset:
+def data(progress: Progress) -> xarray.Dataset:
     """Cost and largest error by rule and N, and which points are on the front of all registered rules."""
     rules = (*bm.RULES, MATCHED)
     price, error = (np.full((len(rules), len(SEGMENTS)), np.nan) for _ in range(2))
@@ -70,8 +65,7 @@ def data(progress: Progress | None = None) -> xarray.Dataset:
         counts = SEGMENTS[:1] if rule is MATCHED else SEGMENTS
         error[i, : len(counts)] = largest_error(BOUNDARY, rule, counts)
         price[i, : len(counts)] = [cost(rule, int(n)) for n in counts]
-        if progress is not None:
-            progress(i + 1, len(rules))
+        progress(i + 1, len(rules))
     price[np.isnan(error)] = np.nan
     best = np.zeros(error.shape, dtype=bool)
     best[:-1] = front(price[:-1], error[:-1])
@@ -82,39 +76,39 @@ def data(progress: Progress | None = None) -> xarray.Dataset:
     )
 
 
-def draw(table: xarray.Dataset) -> Figure:
+def draw(table: xarray.Dataset, figure: Figure) -> None:
     """One line a rule, the front of all of them behind."""
-    with matplotlib.rc_context(STYLE):
-        figure = Figure(figsize=(9.0, 5.8), layout="constrained")
-        ax = figure.subplots()
-        title = "What accuracy costs: clamped-free beam, first three frequencies"
-        ax.set_title(title, fontsize=13, fontweight="bold", loc="left")
-        ax.set(xscale="log", yscale="log", xlim=(45, 2e7), ylim=(1e-3, 100))
-        ax.set_yticks([10.0**k for k in range(-3, 3)], [f"{10.0**k:.12g} %" for k in range(-3, 3)])
-        ax.minorticks_off()
-        ax.set_ylabel("largest |frequency error| of modes 1 to 3")
-        ax.set_xlabel("cost = segments × Runge-Kutta steps at the stability limit in one period of mode 1")
-        ax.axhline(100 * TOLERANCE, color=GREY, linewidth=0.9, linestyle=(0, (4, 3)), zorder=1)
-        best = table.where(table.on_front)
-        ax.plot(best.cost.values.ravel(), 100 * best.largest_error.values.ravel(), "o", color=FRONT, ms=13)
-        lines = {}
-        for rule in table.rule.values[:-1]:
-            line = table.sel(rule=rule).dropna("segments")
-            (lines[rule],) = ax.plot(line.cost, 100 * line.largest_error, marker="o", markersize=3)
-            lines[rule].set(**method_style(rule))
-            if rule in NUMBERED:
-                first = line.where(line.largest_error <= TOLERANCE, drop=True).isel(segments=0)
-                mark_point(ax, lines[rule], float(first.cost), f"{int(first.segments)} rods")
-        exact = float(table.cost.sel(rule=MATCHED.name)[0])
-        note = f"{MATCHED.name}:\n{SEGMENTS[0]} rods, cost {exact:.0f},\ngive all three exactly"
-        mark_exact(ax, exact, 10, note)
-        legend = "yellow: of the other springs,\nnone is cheaper and\nmore accurate"
-        ax.text(1.15 * exact, 1.2e-2, legend, va="bottom", fontsize=10, color=GREY)
-        label_along(ax, places_along(ax, lines, LABELS))
-    return figure
+    ax = figure.subplots()
+    ax.set(xscale="log", yscale="log", xlim=(45, 2e7), ylim=(1e-3, 100))
+    ax.set_yticks([10.0**k for k in range(-3, 3)], [f"{10.0**k:.12g} %" for k in range(-3, 3)])
+    ax.minorticks_off()
+    ax.set_ylabel("largest |frequency error| of modes 1 to 3")
+    ax.set_xlabel("cost = segments × Runge-Kutta steps at the stability limit in one period of mode 1")
+    ax.axhline(100 * TOLERANCE, color=GREY, linewidth=0.9, linestyle=(0, (4, 3)), zorder=1)
+    best = table.where(table.on_front)
+    ax.plot(best.cost.values.ravel(), 100 * best.largest_error.values.ravel(), "o", color=FRONT, ms=13)
+    lines = {}
+    for rule in table.rule.values[:-1]:
+        line = table.sel(rule=rule).dropna("segments")
+        (lines[rule],) = ax.plot(line.cost, 100 * line.largest_error, marker="o", markersize=3)
+        lines[rule].set(**method_style(rule))
+        if rule in NUMBERED:
+            first = line.where(line.largest_error <= TOLERANCE, drop=True).isel(segments=0)
+            mark_point(ax, lines[rule], float(first.cost), f"{int(first.segments)} rods")
+    exact = float(table.cost.sel(rule=MATCHED.name)[0])
+    note = f"{MATCHED.name}:\n{SEGMENTS[0]} rods, cost {exact:.0f},\ngive all three exactly"
+    mark_exact(ax, exact, 10, note)
+    legend = "yellow: of the other springs,\nnone is cheaper and\nmore accurate"
+    ax.text(1.15 * exact, 1.2e-2, legend, va="bottom", fontsize=10, color=GREY)
+    label_along(ax, places_along(ax, lines, LABELS))
 
 
-def tables(table: xarray.Dataset) -> dict[str, str]:
-    """The tidy CSV beside the picture, by ending of its file name."""
-    rows = [row for row in tidy_rows(table, COLUMNS) if not math.isnan(row[2])]
-    return {".csv": csv_table(COLUMNS, rows)}
+STUDY = Study(
+    name="cost_front",
+    title="What accuracy costs: clamped-free beam, first three frequencies",
+    caption="Largest error of three modes against the work of simulating the chain.",
+    data=data,
+    draw=draw,
+    sheets={".csv": Sheet(("rule", "segments", "cost", "largest_error", "on_front"), needs="cost")},
+    size=(9.0, 5.8),
+)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import Literal
 
-import matplotlib
 import numpy as np
 import xarray
 from matplotlib.axes import Axes
@@ -12,21 +11,16 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 import beammodes as bm
-from beammodes.views.symbols import GREY, STYLE
-from studies import Progress
-from studies.largest_errors import MATCHED, MODES, element_errors, largest_error
+from beammodes.views.symbols import GREY
+from studies.common import MATCHED, MODES, element_errors, largest_error
 from studies.plots import label_along, mark_exact, mark_point, method_style, places_along
-from studies.tables import csv_table, tidy_rows
-
-__all__ = ["data", "draw", "tables"]
+from studies.study import Progress, Sheet, Study
 
 BOUNDARIES = ("clamped-free", "clamped-clamped")
 ELEMENTS = "cubic finite elements"
 SEGMENTS = np.array([*range(MODES, 65), *np.unique(np.geomspace(66, 1000, 24).astype(int))])
 MOST_ELEMENTS = 64
 TOLERANCES = (1e-2, 1e-5)
-COLUMNS = ("boundary", "method", "segments", "largest_error")
-NEEDED = ("boundary", "marked", "tolerance", "segments_needed")
 MARKED = ("mitiguy", "gregory", ELEMENTS)
 # Where a number would cover a neighbouring line.
 OFFSETS = {("gregory", 1e-2): (-6, 5), ("gregory", 1e-5): (-6, 5), (ELEMENTS, 1e-2): (-3, -14)}
@@ -52,7 +46,7 @@ CLAMPED_LABELS = LABELS | {
 CLAMPED_LABELS["rigid_stub_corrected"] = (330, "below")
 
 
-def data(progress: Progress | None = None) -> xarray.Dataset:
+def data(progress: Progress) -> xarray.Dataset:
     """Largest errors by boundary, method and N, and the segments that the marked methods need."""
     methods = (*bm.RULES, ELEMENTS, MATCHED.name)
     error = np.full((len(BOUNDARIES), len(methods), len(SEGMENTS)), np.nan)
@@ -69,8 +63,7 @@ def data(progress: Progress | None = None) -> xarray.Dataset:
             by_elements = SEGMENTS[np.flatnonzero(fails)[-1] + 1]
             by_rods = [bm.segments_needed(boundary, tolerance, MODES, rule) for rule in MARKED[:-1]]
             needed[i, :, k] = [*by_rods, by_elements]
-        if progress is not None:
-            progress(i + 1, len(BOUNDARIES))
+        progress(i + 1, len(BOUNDARIES))
     return xarray.Dataset(
         {
             "largest_error": (("boundary", "method", "segments"), error),
@@ -86,25 +79,20 @@ def data(progress: Progress | None = None) -> xarray.Dataset:
     )
 
 
-def draw(table: xarray.Dataset) -> Figure:
+def draw(table: xarray.Dataset, figure: Figure) -> None:
     """Error against N on logarithmic axes, one panel a boundary."""
-    with matplotlib.rc_context(STYLE):
-        figure = Figure(figsize=(9.0, 6.0), layout="constrained")
-        title = "How wrong are the first three frequencies of a beam made of N rigid rods?"
-        figure.suptitle(title, fontsize=13, fontweight="bold", x=0.01, ha="left")
-        panels = figure.subplots(1, 2, sharex=True, sharey=True)
-        for ax, boundary in zip(panels, BOUNDARIES, strict=True):
-            ax.set(xscale="log", yscale="log", xlim=(2.5, 1600), ylim=(1e-4, 100))
-            ax.set_xticks([3, 10, 30, 100, 300, 1000], ["3", "10", "30", "100", "300", "1000"])
-            ax.set_yticks([10.0**k for k in range(-4, 3)], [f"{10.0**k:.12g} %" for k in range(-4, 3)])
-            ax.minorticks_off()
-            ax.set_title(f"{boundary}  (dots: N for 1 % and 0.001 %)", fontsize=11, loc="left")
-            ax.set_xlabel("N, number of segments or finite elements")
-        panels[0].set_ylabel("largest |frequency error| of modes 1 to 3")
-        for ax, boundary, places in zip(panels, BOUNDARIES, (LABELS, CLAMPED_LABELS), strict=True):
-            lines = _lines(ax, table.sel(boundary=boundary))
-            label_along(ax, places_along(ax, lines, places))
-    return figure
+    panels = figure.subplots(1, 2, sharex=True, sharey=True)
+    for ax, boundary in zip(panels, BOUNDARIES, strict=True):
+        ax.set(xscale="log", yscale="log", xlim=(2.5, 1600), ylim=(1e-4, 100))
+        ax.set_xticks([3, 10, 30, 100, 300, 1000], ["3", "10", "30", "100", "300", "1000"])
+        ax.set_yticks([10.0**k for k in range(-4, 3)], [f"{10.0**k:.12g} %" for k in range(-4, 3)])
+        ax.minorticks_off()
+        ax.set_title(f"{boundary}  (dots: N for 1 % and 0.001 %)", fontsize=11, loc="left")
+        ax.set_xlabel("N, number of segments or finite elements")
+    panels[0].set_ylabel("largest |frequency error| of modes 1 to 3")
+    for ax, boundary, places in zip(panels, BOUNDARIES, (LABELS, CLAMPED_LABELS), strict=True):
+        lines = _lines(ax, table.sel(boundary=boundary))
+        label_along(ax, places_along(ax, lines, places))
 
 
 def _lines(ax: Axes, table: xarray.Dataset) -> dict[str, Line2D]:
@@ -123,10 +111,15 @@ def _lines(ax: Axes, table: xarray.Dataset) -> dict[str, Line2D]:
     return lines
 
 
-def tables(table: xarray.Dataset) -> dict[str, str]:
-    """The curves as tidy CSV, and the segments marked on them."""
-    curves, marks = table.drop_dims(["marked", "tolerance"]), table.drop_dims(["method", "segments"])
-    return {
-        ".csv": csv_table(COLUMNS, tidy_rows(curves, COLUMNS)),
-        "_needed.csv": csv_table(NEEDED, tidy_rows(marks, NEEDED)),
-    }
+STUDY = Study(
+    name="error_by_rule",
+    title="How wrong are the first three frequencies of a beam made of N rigid rods?",
+    caption="Largest error of the first three modes against N, for every rule and for cubic finite elements.",
+    data=data,
+    draw=draw,
+    sheets={
+        ".csv": Sheet(("boundary", "method", "segments", "largest_error")),
+        "_needed.csv": Sheet(("boundary", "marked", "tolerance", "segments_needed")),
+    },
+    size=(9.0, 6.0),
+)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import Any
 
-import matplotlib
 import numpy as np
 import xarray
 from matplotlib.axes import Axes
@@ -14,12 +13,10 @@ from matplotlib.patches import Circle, FancyArrowPatch
 import beammodes as bm
 from beammodes.dynamics.base_motion import BaseMotion, harmonic, spin_up
 from beammodes.dynamics.superposition import modal_response
-from beammodes.views.symbols import BLOCK, COLOURS, EDGE, STYLE, draw_block
-from studies import Progress
-from studies.drawing import bold_title, picture
-from studies.motions import moved, repeatable
+from beammodes.views.symbols import BLOCK, COLOURS, EDGE, draw_block
+from studies.common import moved, picture
 from studies.plots import label_line
-from studies.tables import csv_table, tidy_rows
+from studies.study import Kind, Progress, Sheet, Study
 
 #: J. C. Simo and L. Vu-Quoc, J. Appl. Mech. 53 (1986) 855: EI, ρA, L, run-up to 6 rad/s in 15 s.
 BEAM = bm.Beam(length=10.0, bending_stiffness=14000.0, mass_per_length=1.2)
@@ -36,7 +33,6 @@ LARGEST, AT = -0.57375, 6.76
 OUTSIDE = 1.5
 RULES = ("mitiguy", "gregory")
 METHODS = (*RULES, "modes", "modes_stiffened")
-COLUMNS = ("motion", "model", "time", "tip_deflection")
 LOOKS = {
     "mitiguy": {"color": COLOURS[0], "linewidth": 1.4},
     "gregory": {"color": COLOURS[1], "linewidth": 1.4, "linestyle": (0, (4, 3))},
@@ -45,7 +41,7 @@ LOOKS = {
 }
 
 
-def data(progress: Progress | None = None) -> xarray.Dataset:
+def data(progress: Progress) -> xarray.Dataset:
     """Tip deflections of chains and of sums of modes, on either body."""
     tables = []
     for i, (base, duration, every) in enumerate(MOTIONS.values()):
@@ -61,30 +57,23 @@ def data(progress: Progress | None = None) -> xarray.Dataset:
                 )
             line = found.tip_deflection.values
             # A line that moves away for good ends where it leaves the picture.
-            lines[j] = repeatable(np.where(np.maximum.accumulate(np.abs(line)) < OUTSIDE, line, np.nan))
-            if progress is not None:
-                progress(i * len(METHODS) + j + 1, len(MOTIONS) * len(METHODS))
+            lines[j] = np.where(np.maximum.accumulate(np.abs(line)) < OUTSIDE, line, np.nan)
+            progress(i * len(METHODS) + j + 1, len(MOTIONS) * len(METHODS))
         tables.append(xarray.DataArray(lines, {"model": list(METHODS), "time": time}, ("model", "time")))
     deflection = xarray.concat(tables, "motion", join="outer")
     return xarray.Dataset({"tip_deflection": deflection.assign_coords(motion=list(MOTIONS))})
 
 
-def draw(table: xarray.Dataset) -> Figure:
+def draw(table: xarray.Dataset, figure: Figure) -> None:
     """The two systems above, the motion of their beams' tips below."""
-    with matplotlib.rc_context(STYLE):
-        figure = Figure(figsize=(9.0, 6.0), layout="constrained")
-        bold_title(figure, "Figure 1 · a flexible beam on a body that moves straight on, or turns")
-        panels = figure.subplots(2, 2, height_ratios=[1, 2.9])
-        _slider(panels[0, 0])
-        _rotor(panels[0, 1])
-        for ax, motion in zip(panels[1], MOTIONS, strict=True):
-            lines = table.tip_deflection.sel(motion=motion).dropna("time", how="all")
-            _motion(lines, ax)
-        _label_linear(panels[1, 0], table.tip_deflection.sel(motion="linear").dropna("time", how="all"))
-        _label_rotational(
-            panels[1, 1], table.tip_deflection.sel(motion="rotational").dropna("time", how="all")
-        )
-    return figure
+    panels = figure.subplots(2, 2, height_ratios=[1, 2.9])
+    _slider(panels[0, 0])
+    _rotor(panels[0, 1])
+    for ax, motion in zip(panels[1], MOTIONS, strict=True):
+        lines = table.tip_deflection.sel(motion=motion).dropna("time", how="all")
+        _motion(lines, ax)
+    _label_linear(panels[1, 0], table.tip_deflection.sel(motion="linear").dropna("time", how="all"))
+    _label_rotational(panels[1, 1], table.tip_deflection.sel(motion="rotational").dropna("time", how="all"))
 
 
 def _motion(lines: xarray.DataArray, ax: Axes) -> None:
@@ -157,6 +146,15 @@ def _arrow(
     )
 
 
-def tables(table: xarray.Dataset) -> dict[str, str]:
-    """The lines, as CSV."""
-    return {".csv": csv_table(COLUMNS, tidy_rows(table, COLUMNS))}
+STUDY = Study(
+    name="figure_1",
+    title="Figure 1 · a flexible beam on a body that moves straight on, or turns",
+    caption="Figure 1 of the report: a beam on a body that moves straight on, and on one that turns.",
+    data=data,
+    draw=draw,
+    sheets={
+        ".csv": Sheet(("motion", "model", "time", "tip_deflection"), {"tip_deflection": Kind(decimals=8)})
+    },
+    size=(9.0, 6.0),
+    seconds=18.0,
+)

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from itertools import pairwise
 
-import matplotlib
 import numpy as np
 import xarray
 from matplotlib.axes import Axes
@@ -14,12 +13,10 @@ from numpy.typing import NDArray
 
 import beammodes as bm
 from beammodes.dynamics.simulation import mode_start
-from beammodes.views.symbols import COLOURS, GREY, STYLE
-from studies import Progress
-from studies.drawing import bold_title
-from studies.motions import moved, repeatable
+from beammodes.views.symbols import COLOURS, GREY
+from studies.common import moved
 from studies.plots import label_along
-from studies.tables import csv_table, tidy_rows
+from studies.study import Kind, Progress, Sheet, Study, repeatable
 
 BEAM, BOUNDARY, RULE = bm.Beam.unit(), "clamped-free", "gregory"
 #: A small knock: the last rod's first angular velocity; the chain is followed for some 22 periods.
@@ -31,8 +28,6 @@ MOST = {1: 1.0, 2: 0.4}
 BENT = (4, 10)
 NAMES = {1: "rises", 2: "falls"}
 PERIODS = 20
-COLUMNS = ("peak", "eigenfrequency", "angular_frequency", "difference")
-BENT_COLUMNS = ("mode", "segments", "amplitude", "frequency_shift")
 
 
 def spectrum(
@@ -52,7 +47,7 @@ def peak(omega: NDArray[np.float64], amplitude: NDArray[np.float64], low: float,
     return float(omega[k] + (omega[1] - omega[0]) * (left - right) / (2 * (left - 2 * middle + right)))
 
 
-def data(progress: Progress | None = None) -> xarray.Dataset:
+def data(progress: Progress) -> xarray.Dataset:
     """Spectrum of the tip after a knock beside the eigenfrequencies; frequency against amplitude."""
     total = 1 + len(MOST) * len(BENT)
     chain = bm.Chain(BEAM, BOUNDARY, SEGMENTS, RULE)
@@ -63,23 +58,21 @@ def data(progress: Progress | None = None) -> xarray.Dataset:
     known = bm.solve_modes(bm.linearize(chain)).angular_frequency
     between = [0.5 * known[0], *np.sqrt(known[1:] * known[:-1]), 1.5 * known[-1]]
     found = np.array([peak(omega, amplitude, *edges) for edges in pairwise(between)])
-    if progress is not None:
-        progress(1, total)
+    progress(1, total)
     shift = np.full((len(MOST), len(BENT), len(AMPLITUDES)), np.nan)
     for i, (mode, most) in enumerate(MOST.items()):
         sizes = np.array([size for size in AMPLITUDES if size <= most])
         for j, n in enumerate(BENT):
             shift[i, j, : len(sizes)] = shifts(n, mode, sizes)
-            if progress is not None:
-                progress(1 + i * len(BENT) + j + 1, total)
+            progress(1 + i * len(BENT) + j + 1, total)
     keep = omega < 1.3 * known[-1]
     return xarray.Dataset(
         {
             "amplitude_of": ("omega", repeatable(amplitude[keep] / amplitude[keep].max(), 7)),
             "eigenfrequency": ("peak", known),
-            "angular_frequency": ("peak", repeatable(found, 5)),
-            "difference": ("peak", repeatable(found / known - 1, 7)),
-            "frequency_shift": (("mode", "segments", "amplitude"), repeatable(shift, 7)),
+            "angular_frequency": ("peak", found),
+            "difference": ("peak", found / known - 1),
+            "frequency_shift": (("mode", "segments", "amplitude"), shift),
         },
         coords={
             "omega": omega[keep],
@@ -104,15 +97,11 @@ def shifts(segments: int, mode: int, sizes: NDArray[np.float64]) -> NDArray[np.f
     return np.array(measured)
 
 
-def draw(table: xarray.Dataset) -> Figure:
+def draw(table: xarray.Dataset, figure: Figure) -> None:
     """The spectrum with lines where peaks belong, and the frequencies of the bent chain beside it."""
-    with matplotlib.rc_context(STYLE):
-        figure = Figure(figsize=(9.0, 5.0), layout="constrained")
-        bold_title(figure, "Modes meet motion: what a chain plays, softly and loudly")
-        left, right = figure.subplots(1, 2, width_ratios=[1.5, 1])
-        _spectrum(table, left)
-        _shift(table, right)
-    return figure
+    left, right = figure.subplots(1, 2, width_ratios=[1.5, 1])
+    _spectrum(table, left)
+    _shift(table, right)
 
 
 def _spectrum(table: xarray.Dataset, ax: Axes) -> None:
@@ -166,11 +155,21 @@ def _shift(table: xarray.Dataset, ax: Axes) -> None:
     label_along(ax, labels, size=10)
 
 
-def tables(table: xarray.Dataset) -> dict[str, str]:
-    """The peaks, and the frequencies of large motion, as CSV."""
-    peaks = table[["eigenfrequency", "angular_frequency", "difference"]]
-    bent = table[["frequency_shift"]]
-    return {
-        ".csv": csv_table(COLUMNS, tidy_rows(peaks, COLUMNS)),
-        "_large.csv": csv_table(BENT_COLUMNS, tidy_rows(bent, BENT_COLUMNS)),
-    }
+STUDY = Study(
+    name="motion_spectrum",
+    title="Modes meet motion: what a chain plays, softly and loudly",
+    caption="Spectrum of a chain after a small knock, and the shift of its frequencies in large motion.",
+    data=data,
+    draw=draw,
+    sheets={
+        ".csv": Sheet(
+            ("peak", "eigenfrequency", "angular_frequency", "difference"),
+            {"angular_frequency": Kind(decimals=5), "difference": Kind(decimals=7)},
+        ),
+        "_large.csv": Sheet(
+            ("mode", "segments", "amplitude", "frequency_shift"), {"frequency_shift": Kind(decimals=7)}
+        ),
+    },
+    size=(9.0, 5.0),
+    seconds=15.0,
+)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import Literal
 
-import matplotlib
 import numpy as np
 import xarray
 from matplotlib.axes import Axes
@@ -14,10 +13,9 @@ from matplotlib.lines import Line2D
 import beammodes as bm
 from beammodes.accuracy.error_table import chain_errors
 from beammodes.problem.profiles import Table, value_at
-from beammodes.views.symbols import COLOURS, GREY, STYLE
-from studies import Progress
+from beammodes.views.symbols import COLOURS, GREY
 from studies.plots import label_along, method_style
-from studies.tables import csv_table, tidy_rows
+from studies.study import Kind, Progress, Sheet, Study
 
 BOUNDARY, RULES = "clamped-free", ("mitiguy", "gregory")
 TAPER = bm.Beam(1.0, Table((0.0, 1.0), (1.0, 0.5)), 1.0)
@@ -36,8 +34,6 @@ CATHETER = bm.Beam(1.1, bending_stiffness=list(CATHETER_STIFFNESS), mass_per_len
 CATHETER_SEGMENTS = (12, 24, 36)
 #: `chain_errors` are good to 1e-10 on beams that vary; less than two digits are not shown.
 LEAST = 1e-8
-COLUMNS = ("case", "rule", "segments", "relative_error")
-CATHETER_COLUMNS = ("rule", "parts", "mode", "catheter_error")
 # Title, N of the sketched chain, a note, and where each line is named.
 Place = tuple[str, str, str, float, Literal["above", "below"]]
 PANELS: tuple[tuple[str, int, str, tuple[Place, ...]], ...] = (
@@ -72,7 +68,7 @@ PANELS: tuple[tuple[str, int, str, tuple[Place, ...]], ...] = (
 )
 
 
-def data(progress: Progress | None = None) -> xarray.Dataset:
+def data(progress: Progress) -> xarray.Dataset:
     """Errors of the first frequency by case, rule and N; and those of three modes of the catheter."""
     segments = np.unique(np.concatenate([counts for _, counts in CASES.values()]))
     error = np.full((len(CASES), len(RULES), len(segments)), np.nan)
@@ -81,8 +77,7 @@ def data(progress: Progress | None = None) -> xarray.Dataset:
             for count in counts:
                 chain = bm.Chain(beam, BOUNDARY, int(count), rule)
                 error[i, j, np.searchsorted(segments, count)] = chain_errors(chain, 1)[0]
-            if progress is not None:
-                progress(len(RULES) * i + j + 1, len(RULES) * len(CASES))
+            progress(len(RULES) * i + j + 1, len(RULES) * len(CASES))
     catheter = [
         [chain_errors(bm.Chain(CATHETER, BOUNDARY, n, rule), 3) for n in CATHETER_SEGMENTS] for rule in RULES
     ]
@@ -90,9 +85,9 @@ def data(progress: Progress | None = None) -> xarray.Dataset:
         {
             "relative_error": (
                 ("case", "rule", "segments"),
-                np.where(abs(error) < LEAST, np.nan, error.round(11)),
+                np.where(abs(error) < LEAST, np.nan, error),
             ),
-            "catheter_error": (("rule", "parts", "mode"), np.array(catheter).round(11)),
+            "catheter_error": (("rule", "parts", "mode"), np.array(catheter)),
         },
         coords={
             "case": list(CASES),
@@ -104,22 +99,17 @@ def data(progress: Progress | None = None) -> xarray.Dataset:
     )
 
 
-def draw(table: xarray.Dataset) -> Figure:
+def draw(table: xarray.Dataset, figure: Figure) -> None:
     """Three panels of |error| against N, over sketches of the stiffness and of the rods."""
-    with matplotlib.rc_context(STYLE):
-        figure = Figure(figsize=(9.0, 5.4), layout="constrained")
-        title = "Varying stiffness: a taper costs no order, a step does; put a hinge on every step"
-        figure.suptitle(title, fontsize=13, fontweight="bold", x=0.01, ha="left")
-        panels = figure.subplots(2, 3, sharex="row", sharey="row", height_ratios=(1, 3.6))
-        named = []
-        for (sketch, ax), (name, count, note, places) in zip(panels.T, PANELS, strict=True):
-            sketch.set_title(name, fontsize=11, loc="left", fontweight="bold")
-            _sketch(sketch, CASES[places[0][0]][0], count)
-            named.append(_curves(ax, table, places, note))
-        panels[1, 0].set_ylabel("|error of the first frequency|")
-        for ax, labels in zip(panels[1], named, strict=True):
-            label_along(ax, labels)
-    return figure
+    panels = figure.subplots(2, 3, sharex="row", sharey="row", height_ratios=(1, 3.6))
+    named = []
+    for (sketch, ax), (name, count, note, places) in zip(panels.T, PANELS, strict=True):
+        sketch.set_title(name, fontsize=11, loc="left", fontweight="bold")
+        _sketch(sketch, CASES[places[0][0]][0], count)
+        named.append(_curves(ax, table, places, note))
+    panels[1, 0].set_ylabel("|error of the first frequency|")
+    for ax, labels in zip(panels[1], named, strict=True):
+        label_along(ax, labels)
 
 
 def _curves(
@@ -156,9 +146,18 @@ def _sketch(ax: Axes, beam: bm.Beam, count: int) -> None:
         spine.set_visible(False)
 
 
-def tables(table: xarray.Dataset) -> dict[str, str]:
-    """The curves, and the errors of the catheter given as a list of stiffnesses."""
-    return {
-        ".csv": csv_table(COLUMNS, tidy_rows(table[["relative_error"]], COLUMNS)),
-        "_catheter.csv": csv_table(CATHETER_COLUMNS, tidy_rows(table[["catheter_error"]], CATHETER_COLUMNS)),
-    }
+STUDY = Study(
+    name="nonuniform",
+    title="Varying stiffness: a taper costs no order, a step does; put a hinge on every step",
+    caption="Beams whose stiffness varies: a taper costs no order, a step does unless a hinge stands on it.",
+    data=data,
+    draw=draw,
+    sheets={
+        ".csv": Sheet(("case", "rule", "segments", "relative_error"), {"relative_error": Kind(decimals=11)}),
+        "_catheter.csv": Sheet(
+            ("rule", "parts", "mode", "catheter_error"), {"catheter_error": Kind(decimals=11)}
+        ),
+    },
+    size=(9.0, 5.4),
+    seconds=6.0,
+)

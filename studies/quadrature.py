@@ -4,24 +4,21 @@ from __future__ import annotations
 
 from fractions import Fraction
 
-import matplotlib
 import numpy as np
 import xarray
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 import beammodes as bm
-from beammodes.views.symbols import COLOURS, STYLE
-from studies import Progress
-from studies.tables import csv_table, tidy_rows
+from beammodes.views.symbols import COLOURS
+from studies.study import Progress, Sheet, Study
 
 BOUNDARY, SEGMENTS = "clamped-free", 6
 #: Where a cell of width w ell is drawn about its hinge: a wall's hinge has one side only.
 SHOWN = ("naive", "double_wall", "gregory", "rigid_stub", "half_stub", "half_stub_corrected")
-COLUMNS = ("rule", "hinge", "position", "weight", "density")
 
 
-def data(progress: Progress | None = None) -> xarray.Dataset:
+def data(progress: Progress) -> xarray.Dataset:
     """Hinges, weights and f = φ''² at the hinges, for six segments in mode 1; and f along the beam."""
     beam = bm.euler_bernoulli(bm.Beam.unit(), BOUNDARY, 1)
     position = np.full((len(SHOWN), SEGMENTS + 1), np.nan)
@@ -31,8 +28,7 @@ def data(progress: Progress | None = None) -> xarray.Dataset:
         count = len(chain.hinge_position)
         position[i, :count] = chain.hinge_position
         weight[i, :count] = SEGMENTS / chain.joint_stiffness
-        if progress is not None:
-            progress(i + 1, len(SHOWN))
+        progress(i + 1, len(SHOWN))
     x = np.linspace(0, 1, 201)
     density = np.full_like(position, np.nan)
     there = ~np.isnan(position)
@@ -50,25 +46,15 @@ def data(progress: Progress | None = None) -> xarray.Dataset:
     )
 
 
-def draw(table: xarray.Dataset) -> Figure:
+def draw(table: xarray.Dataset, figure: Figure) -> None:
     """Six rules: the curve is what the beam integrates, the bars are what the chain adds up."""
-    with matplotlib.rc_context(STYLE | {"axes.grid": False}):
-        figure = Figure(figsize=(9.0, 5.2), layout="constrained")
-        figure.suptitle(
-            "A chain adds up bars of width w·ell; the beam integrates the curve M²/EI",
-            fontsize=13,
-            fontweight="bold",
-            x=0.01,
-            ha="left",
-        )
-        panels = figure.subplots(2, 3, sharex=True, sharey=True)
-        for ax, name in zip(panels.flat, SHOWN, strict=True):
-            _panel(table, name, ax)
-        for ax in panels[1]:
-            ax.set_xlabel("x / L")
-        for ax in panels[:, 0]:
-            ax.set_ylabel("M² / EI")
-    return figure
+    panels = figure.subplots(2, 3, sharex=True, sharey=True)
+    for ax, name in zip(panels.flat, SHOWN, strict=True):
+        _panel(table, name, ax)
+    for ax in panels[1]:
+        ax.set_xlabel("x / L")
+    for ax in panels[:, 0]:
+        ax.set_ylabel("M² / EI")
 
 
 def _panel(table: xarray.Dataset, name: str, ax: Axes) -> None:
@@ -78,6 +64,7 @@ def _panel(table: xarray.Dataset, name: str, ax: Axes) -> None:
     left = np.where(position == 0, 0.0, position - width / 2)
     changed = np.abs(one.weight.values - 1) > 1e-9
     colours = np.where(changed, COLOURS[1], COLOURS[0])
+    ax.grid(visible=False)
     ax.bar(left, one.density.values, width, align="edge", color=colours, alpha=0.45, edgecolor="white")
     ax.plot(table.x, table.curve, color="black")
     ax.plot(position, one.density, "o", color="black", markersize=3)
@@ -90,7 +77,12 @@ def _panel(table: xarray.Dataset, name: str, ax: Axes) -> None:
     ax.text(0.97, 0.79, error, transform=ax.transAxes, ha="right", va="top")
 
 
-def tables(table: xarray.Dataset) -> dict[str, str]:
-    """The bars, as CSV."""
-    bars = table.drop_dims("x").drop_vars("relative_error")
-    return {".csv": csv_table(COLUMNS, tidy_rows(bars, COLUMNS))}
+STUDY = Study(
+    name="quadrature",
+    title="A chain adds up bars of width w·ell; the beam integrates the curve M²/EI",
+    caption="Springs as quadrature: what the beam integrates, and the bars that six rules add up.",
+    data=data,
+    draw=draw,
+    sheets={".csv": Sheet(("rule", "hinge", "position", "weight", "density"))},
+    size=(9.0, 5.2),
+)

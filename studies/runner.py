@@ -5,9 +5,8 @@ from __future__ import annotations
 import os
 import signal
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import Future, ProcessPoolExecutor, as_completed
-from importlib import import_module
 from multiprocessing import active_children, get_context
 from pathlib import Path
 from queue import SimpleQueue
@@ -23,9 +22,9 @@ from beammodes.files import write_atomically
 from beammodes.numerics.blas import one_thread
 from beammodes.progress import progress_of
 from beammodes.views.symbols import STYLE
-from studies import SLOWEST
+from studies import every_study
 
-__all__ = ["missing", "run_all", "run_study", "write_bytes"]
+__all__ = ["gallery", "missing", "run_all", "run_study", "write_bytes", "write_gallery"]
 
 Say = Callable[[str], object]
 #: Of a process that runs studies for another: where its messages go, which one runs, whether to end.
@@ -44,7 +43,7 @@ def run_all(names: Sequence[str], folder: Path, jobs: int, say: Say) -> None:
         for name in names:
             run_study(name, folder, say)
         return
-    order = sorted(names, key=lambda name: SLOWEST.index(name) if name in SLOWEST else len(SLOWEST))
+    order = sorted(names, key=lambda name: -every_study()[name].seconds)
     others, context = active_children(), get_context("spawn")
     messages = context.SimpleQueue()
     teller = Thread(target=_tell, args=(messages, say), daemon=True)
@@ -65,7 +64,7 @@ def run_all(names: Sequence[str], folder: Path, jobs: int, say: Say) -> None:
         teller.join()
 
 
-def missing(names: Sequence[str], folder: Path) -> list[str]:
+def missing(names: Iterable[str], folder: Path) -> list[str]:
     """Return the studies of which a folder lacks a file."""
     endings = (".csv", ".svg")
     return [name for name in names if not all((folder / f"{name}{ending}").is_file() for ending in endings)]
@@ -105,12 +104,12 @@ def _run_here(name: str, folder: Path) -> None:
 def run_study(name: str, folder: Path, say: Say) -> None:
     """Compute, draw and write one study, and say which files were written."""
     start = time.perf_counter()
-    study = import_module(f"studies.{name}")
+    study = every_study()[name]
     with one_thread():
-        table = study.data(progress=progress_of(None, name, "points", say))
+        table = study.compute(progress_of(None, name, "points", say))
         if "disagreement" in table.attrs:
             say(f"\r{name}: three routes agree to {table.attrs['disagreement']:.0e}\n")
-        figure = study.draw(table)
+        figure = study.picture(table)
         # A table is text; a film comes as the bytes that it is.
         contents = {
             ending: part if isinstance(part, bytes) else part.encode()
@@ -122,6 +121,22 @@ def run_study(name: str, folder: Path, say: Say) -> None:
             _save(figure, folder / f"{name}{ending}")
     written = ", ".join(f"{name}{ending}" for ending in (*contents, ".svg", ".png"))
     say(f"\r{name}: {written} ({time.perf_counter() - start:.1f} s)\n")
+
+
+def gallery(folder: Path) -> str:
+    """Return a page in Markdown of the pictures that a folder has, with links to their tables."""
+    parts = ["# Figures\n\nWritten by `python -m studies`. One file in `studies/` is the source of each."]
+    for name, study in every_study().items():
+        endings = [ending for ending in study.sheets if (folder / f"{name}{ending}").is_file()]
+        if endings and (folder / f"{name}.svg").is_file():
+            tables = ", ".join(f"[{name}{ending}]({name}{ending})" for ending in endings)
+            parts.append(f"![{study.caption}]({name}.svg)\n\n`{name}`: {study.caption} Numbers: {tables}.")
+    return "\n\n".join(parts) + "\n"
+
+
+def write_gallery(folder: Path) -> None:
+    """Write the page of a folder's pictures, which code hosts show under the list of its files."""
+    write_bytes(folder / "README.md", gallery(folder).encode())
 
 
 def write_bytes(path: Path, data: bytes) -> None:

@@ -1,4 +1,4 @@
-"""Chains drawn by code: every rule at a clamped end, pairs of ends, bodies and springs, bent shapes."""
+"""Chains drawn by code: every rule at a clamped end, pairs of ends, bodies, springs, bent shapes."""
 
 from __future__ import annotations
 
@@ -6,7 +6,6 @@ import math
 from collections.abc import Callable
 from typing import NamedTuple
 
-import matplotlib
 import numpy as np
 import xarray
 from matplotlib.axes import Axes
@@ -14,14 +13,11 @@ from matplotlib.figure import Figure
 
 import beammodes as bm
 from beammodes.views.pose import Shape, pose_of
-from beammodes.views.symbols import EDGE, GREY, GROUND_SPRING, ROD, SPRING, STYLE
-from studies import Progress
-from studies.drawing import bold_title
-from studies.motions import moved, repeatable
-from studies.tables import csv_table, tidy_rows
+from beammodes.views.symbols import EDGE, GREY, GROUND_SPRING, ROD, SPRING
+from studies.common import moved
+from studies.study import Kind, Progress, Sheet, Study, repeatable
 
 UNIT, DRAWN = bm.Beam.unit(), 4
-COLUMNS = ("panel", "node", "x", "y", "stiffness")
 BLOCK = bm.End(mass=1.0, rotary_inertia=0.2**2 / 6, offset=0.1)
 SPRINGS = (bm.End(math.inf, 8.0), bm.End(30.0, 0.0))
 
@@ -94,7 +90,7 @@ def _falling(chain: bm.Chain) -> xarray.Dataset:
     return moved(chain, 0.6, 0.3, load=bm.Load(gravity=3.0)).isel(time=-1)
 
 
-def data(progress: Progress | None = None) -> xarray.Dataset:
+def data(progress: Progress) -> xarray.Dataset:
     """Where the nodes of each chain are, the angles of its pieces, and its springs in its own units."""
     panels = [panel for section in sections().values() for panel in section]
     parts = []
@@ -102,35 +98,30 @@ def data(progress: Progress | None = None) -> xarray.Dataset:
         chain = panel.chain
         pose = pose_of(chain, panel.shape and panel.shape(chain), mode=panel.mode)
         springs = np.array([np.nan, *map(float, chain.scaled.joint_stiffness), np.nan])
-        columns = {"x": pose.x, "y": pose.y, "angle": np.append(pose.angle, np.nan)}
-        one = {name: ("node", repeatable(values)) for name, values in columns.items()}
+        columns = {"x": pose.x, "y": pose.y, "angle": repeatable(np.append(pose.angle, np.nan), 8)}
+        one = {name: ("node", values) for name, values in columns.items()}
         node = {"node": np.arange(len(pose.x))}
         parts.append(xarray.Dataset(one | {"stiffness": ("node", springs)}, coords=node))
-        if progress is not None:
-            progress(i + 1, len(panels))
+        progress(i + 1, len(panels))
     table = xarray.concat(parts, "panel", join="outer")
     return table.assign_coords(panel=[f"{panel.title}: {panel.text}" for panel in panels])
 
 
-def draw(table: xarray.Dataset) -> Figure:
+def draw(table: xarray.Dataset, figure: Figure) -> None:
     """Four headings, and under each its chains in three columns, of one scale but where they bend far."""
-    with matplotlib.rc_context(STYLE):
-        figure = Figure(figsize=(9.0, 11.9), layout="constrained")
-        bold_title(figure, "Chains drawn by code: draw_chain(chain, ax)")
-        groups, i = sections(), 0
-        parts = figure.subfigures(len(groups), 1, height_ratios=[3.9, 2.7, 2.7, 2.3])
-        for part, (heading, panels) in zip(parts, groups.items(), strict=True):
-            part.suptitle(heading, fontsize=11, fontweight="bold", color=EDGE, x=0.01, ha="left")
-            axes = part.subplots(-(-len(panels) // 3), 3).ravel()
-            for ax, panel in zip(axes, panels, strict=False):
-                _draw_panel(ax, panel, table.isel(panel=i))
-                i += 1
-            _draw_key(list(axes[len(panels) :]))
-            if len(panels) > 3:
-                _share_limits(list(axes), len(panels))
-            else:
-                _fill_columns(list(axes))
-    return figure
+    groups, i = sections(), 0
+    parts = figure.subfigures(len(groups), 1, height_ratios=[3.9, 2.7, 2.7, 2.3])
+    for part, (heading, panels) in zip(parts, groups.items(), strict=True):
+        part.suptitle(heading, fontsize=11, fontweight="bold", color=EDGE, x=0.01, ha="left")
+        axes = part.subplots(-(-len(panels) // 3), 3).ravel()
+        for ax, panel in zip(axes, panels, strict=False):
+            _draw_panel(ax, panel, table.isel(panel=i))
+            i += 1
+        _draw_key(list(axes[len(panels) :]))
+        if len(panels) > 3:
+            _share_limits(list(axes), len(panels))
+        else:
+            _fill_columns(list(axes))
 
 
 def _draw_panel(ax: Axes, panel: Panel, one: xarray.Dataset) -> None:
@@ -175,6 +166,16 @@ def _fill_columns(axes: list[Axes]) -> None:
         ax.set_adjustable("datalim")
 
 
-def tables(table: xarray.Dataset) -> dict[str, str]:
-    """The drawn nodes, and the springs at those that are hinges, as CSV."""
-    return {".csv": csv_table(COLUMNS, tidy_rows(table[["x", "y", "stiffness"]], COLUMNS))}
+STUDY = Study(
+    name="schematics",
+    title="Chains drawn by code: draw_chain(chain, ax)",
+    caption="Chains drawn by code: every rule at a clamped end, pairs of ends, bodies, springs, bent shapes.",
+    data=data,
+    draw=draw,
+    sheets={
+        ".csv": Sheet(
+            ("panel", "node", "x", "y", "stiffness"), {"x": Kind(decimals=8), "y": Kind(decimals=8)}
+        )
+    },
+    size=(9.0, 11.9),
+)

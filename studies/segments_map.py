@@ -2,20 +2,16 @@
 
 from __future__ import annotations
 
-import matplotlib
 import xarray
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 
 import beammodes as bm
-from beammodes.views.symbols import GREY, STYLE
-from studies import Progress
-from studies.largest_errors import MATCHED, MODES
+from beammodes.views.symbols import GREY
+from studies.common import MATCHED, MODES
 from studies.plots import NUMBER_MAP, plot_number_map
-from studies.tables import csv_table, tidy_rows
-
-__all__ = ["data", "draw", "tables"]
+from studies.study import Progress, Sheet, Study
 
 TOLERANCE = 0.01
 # Rules that lay out the same chain on some boundary stand side by side.
@@ -44,11 +40,10 @@ def _place(name: str) -> float:
 
 #: Every rule.
 ORDER = tuple(sorted(bm.RULES, key=_place))
-COLUMNS = ("boundary", "rule", "segments_needed", "same_chain_as")
 LIMITS = (3, 200)
 
 
-def data(progress: Progress | None = None) -> xarray.Dataset:
+def data(progress: Progress) -> xarray.Dataset:
     """Segments by boundary and rule, and the first rule in the row that lays out the same chains."""
     needed, same = [], []
     for i, pair in enumerate(bm.BOUNDARIES):
@@ -57,8 +52,7 @@ def data(progress: Progress | None = None) -> xarray.Dataset:
         counts = {rule: bm.segments_needed(pair, TOLERANCE, MODES, rule) for rule in dict.fromkeys(first)}
         needed.append([*(counts[rule] for rule in first), _shortest_matched(pair)])
         same.append([*first, MATCHED.name])
-        if progress is not None:
-            progress(i + 1, len(bm.BOUNDARIES))
+        progress(i + 1, len(bm.BOUNDARIES))
     dims = ("boundary", "rule")
     return xarray.Dataset(
         {"segments_needed": (dims, needed), "same_chain_as": (dims, same)},
@@ -83,33 +77,30 @@ def _shortest_matched(pair: bm.Boundary) -> int:
     raise ArithmeticError(f"no short chain of {pair.name} has {MATCHED.name} springs")
 
 
-def draw(table: xarray.Dataset) -> Figure:
+def draw(table: xarray.Dataset, figure: Figure) -> None:
     """The map, its scale beside it."""
-    with matplotlib.rc_context(STYLE):
-        figure = Figure(figsize=(9.0, 5.6), layout="constrained")
-        ax = figure.subplots()
-        plot_number_map(table.segments_needed, table.same_chain_as, ax, limits=LIMITS)
-        ax.set_title(
-            "Segments needed for 1 % in the first three natural frequencies",
-            fontsize=13,
-            fontweight="bold",
-            loc="left",
-        )
-        names = [str(name).replace("_", "_\n").replace("(", "\n(") for name in table.rule.values]
-        ax.set_xticks(ax.get_xticks(), names, fontsize=9)
-        bar = figure.colorbar(
-            ScalarMappable(LogNorm(*LIMITS), NUMBER_MAP), ax=ax, aspect=40, pad=0.01, label="segments N"
-        )
-        bar.set_ticks([3, 10, 30, 100, 200], labels=["3", "10", "30", "100", "200"])
-        bar.minorticks_off()
-        figure.supxlabel(
-            "One cell across several rules: they lay out the same chain. matched(3): its shortest, exact.",
-            fontsize=10,
-            color=GREY,
-        )
-    return figure
+    ax = figure.subplots()
+    plot_number_map(table.segments_needed, table.same_chain_as, ax, limits=LIMITS)
+    names = [str(name).replace("_", "_\n").replace("(", "\n(") for name in table.rule.values]
+    ax.set_xticks(ax.get_xticks(), names, fontsize=9)
+    bar = figure.colorbar(
+        ScalarMappable(LogNorm(*LIMITS), NUMBER_MAP), ax=ax, aspect=40, pad=0.01, label="segments N"
+    )
+    bar.set_ticks([3, 10, 30, 100, 200], labels=["3", "10", "30", "100", "200"])
+    bar.minorticks_off()
+    figure.supxlabel(
+        "One cell across several rules: they lay out the same chain. matched(3): its shortest, exact.",
+        fontsize=10,
+        color=GREY,
+    )
 
 
-def tables(table: xarray.Dataset) -> dict[str, str]:
-    """The tidy CSV beside the picture, by ending of its file name."""
-    return {".csv": csv_table(COLUMNS, tidy_rows(table, COLUMNS))}
+STUDY = Study(
+    name="segments_map",
+    title="Segments needed for 1 % in the first three natural frequencies",
+    caption="Segments needed for 1 % in the first three modes, for every pair of ends and every rule.",
+    data=data,
+    draw=draw,
+    sheets={".csv": Sheet(("boundary", "rule", "segments_needed", "same_chain_as"))},
+    size=(9.0, 5.6),
+)

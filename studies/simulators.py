@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from functools import partial
 
-import matplotlib
 import numpy as np
 import xarray
 from matplotlib.axes import Axes
@@ -12,13 +11,9 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 from numpy.typing import NDArray
 
-from beammodes.views.symbols import COLOURS, GREY, STYLE
-from studies import Progress
-from studies.drawing import bold_title
-from studies.tables import csv_table, tidy_rows
+from beammodes.views.symbols import COLOURS, GREY
+from studies.study import Kind, Progress, Sheet, Study
 from studies.tool_layouts import TOOLS, Tool, springs_at_the_wall
-
-__all__ = ["data", "draw", "tables"]
 
 SEGMENTS = np.unique(np.geomspace(3, 60, 24).astype(int).clip(3))
 MARKED, DRAWN = 10, 4
@@ -26,11 +21,9 @@ VERSIONS = ("as is", "mended")
 AS_IS, MENDED, HELD = COLOURS[0], COLOURS[1], "#CCCCCC"
 END = DRAWN + 0.6
 POWERS = {1: "", 2: "²", 3: "³", 4: "⁴"}
-COLUMNS = ("tool", "version", "segments", "relative_error")
-SPRING_COLUMNS = ("tool", "version", "hinge", "spring")
 
 
-def data(progress: Progress | None = None) -> xarray.Dataset:
+def data(progress: Progress) -> xarray.Dataset:
     """Errors of a cantilever's first frequency, and the springs nearest the wall at N = 10, by tool."""
     segments = np.union1d(SEGMENTS, MARKED)
     error = np.empty((len(TOOLS), len(VERSIONS), len(segments)))
@@ -39,8 +32,7 @@ def data(progress: Progress | None = None) -> xarray.Dataset:
         error[i] = tool.as_is(segments), tool.mended(segments)
         for j, rule in enumerate(tool.springs or ()):
             spring[i, j] = [str(value) for value in springs_at_the_wall(rule, MARKED, DRAWN)]
-        if progress is not None:
-            progress(i + 1, len(TOOLS))
+        progress(i + 1, len(TOOLS))
     return xarray.Dataset(
         {
             "relative_error": (("tool", "version", "segments"), error),
@@ -55,24 +47,20 @@ def data(progress: Progress | None = None) -> xarray.Dataset:
     )
 
 
-def draw(table: xarray.Dataset) -> Figure:
+def draw(table: xarray.Dataset, figure: Figure) -> None:
     """A picture of each layout near the wall, and its error against N before and after."""
-    with matplotlib.rc_context(STYLE):
-        figure = Figure(figsize=(9.0, 9.6), layout="constrained")
-        bold_title(figure, "A cantilever in your simulator: its layout at the wall, its error, what mends it")
-        panels = figure.subplots(len(TOOLS), 2, width_ratios=(1.45, 1), squeeze=False)
-        for tool, (left, right) in zip(TOOLS, panels, strict=True):
-            one = table.sel(tool=tool.name)
-            _layout(tool, one, left)
-            _errors(tool, one, right)
-        panels[0, 0].set_title(
-            "circles: hinges; numbers: their springs at N = 10, in EI/ℓ", fontsize=10, loc="left"
-        )
-        panels[0, 1].set_title("|error| of the first frequency, and at N = 10", fontsize=10, loc="left")
-        for ax in panels[:-1, 1]:
-            ax.tick_params(labelbottom=False)
-        panels[-1, 1].set_xlabel("number of segments N")
-    return figure
+    panels = figure.subplots(len(TOOLS), 2, width_ratios=(1.45, 1), squeeze=False)
+    for tool, (left, right) in zip(TOOLS, panels, strict=True):
+        one = table.sel(tool=tool.name)
+        _layout(tool, one, left)
+        _errors(tool, one, right)
+    panels[0, 0].set_title(
+        "circles: hinges; numbers: their springs at N = 10, in EI/ℓ", fontsize=10, loc="left"
+    )
+    panels[0, 1].set_title("|error| of the first frequency, and at N = 10", fontsize=10, loc="left")
+    for ax in panels[:-1, 1]:
+        ax.tick_params(labelbottom=False)
+    panels[-1, 1].set_xlabel("number of segments N")
 
 
 def _layout(tool: Tool, one: xarray.Dataset, ax: Axes) -> None:
@@ -135,10 +123,18 @@ def _errors(tool: Tool, one: xarray.Dataset, ax: Axes) -> None:
     ax.minorticks_off()
 
 
-def tables(table: xarray.Dataset) -> dict[str, str]:
-    """The errors and the springs, as CSV."""
-    errors, springs = table.drop_dims("hinge"), table.drop_dims("segments")
-    return {
-        ".csv": csv_table(COLUMNS, tidy_rows(errors, COLUMNS)),
-        "_springs.csv": csv_table(SPRING_COLUMNS, tidy_rows(springs, SPRING_COLUMNS)),
-    }
+STUDY = Study(
+    name="simulators",
+    title="A cantilever in your simulator: its layout at the wall, its error, what mends it",
+    caption="Each simulator's layout at a clamped end, its error against N, and what corrects it.",
+    data=data,
+    draw=draw,
+    sheets={
+        # Errors of the tools that are no rule come rounded, from dense solvers.
+        ".csv": Sheet(
+            ("tool", "version", "segments", "relative_error"), {"relative_error": Kind(decimals=9, some=True)}
+        ),
+        "_springs.csv": Sheet(("tool", "version", "hinge", "spring")),
+    },
+    size=(9.0, 9.6),
+)

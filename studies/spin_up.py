@@ -13,11 +13,9 @@ from matplotlib.figure import Figure
 import beammodes as bm
 from beammodes.views.animation import film_bytes, film_of, plot_motion, seen_from
 from beammodes.views.symbols import COLOURS, STYLE
-from studies import Progress
-from studies.drawing import bold_title
+from studies.common import moved
 from studies.figure_1 import AT, BEAM, BOUNDARY, LARGEST, MOTIONS
-from studies.motions import moved, repeatable
-from studies.tables import csv_table, tidy_rows
+from studies.study import Kind, Progress, Sheet, Study
 
 BASE = MOTIONS["rotational"][0]
 DURATION, EVERY = 20.0, 0.02
@@ -27,33 +25,27 @@ RATE, LASTING = 12.5, 8.0
 #: Times at which the still shows the beam [s], and how far its label is moved up [points].
 STILLS = {0.0: 3.0, 3.0: 0.0, 5.0: 0.0, AT: -3.0, 10.0: 0.0, 12.0: 0.0, 15.0: -9.0}
 LOOK = {4: (COLOURS[4], "-"), 10: (COLOURS[0], "-"), 20: (COLOURS[1], (0, (3, 2)))}
-COLUMNS = ("segments", "time", "tip_deflection")
 
 
-def data(progress: Progress | None = None) -> xarray.Dataset:
+def data(progress: Progress) -> xarray.Dataset:
     """Tip deflections over time, by N, and the nodes of the chain that is filmed."""
     lines, filmed = [], xarray.Dataset()
     for i, n in enumerate(SEGMENTS):
         motion = moved(bm.Chain(BEAM, BOUNDARY, n, RULE), DURATION, EVERY, base=BASE)
-        lines.append(xarray.apply_ufunc(repeatable, motion.tip_deflection))
+        lines.append(motion.tip_deflection)
         if n == FILMED:
             filmed = motion[["x", "y"]]
-        if progress is not None:
-            progress(i + 1, len(SEGMENTS))
+        progress(i + 1, len(SEGMENTS))
     return filmed.assign(tip_deflection=xarray.concat(lines, "segments")).assign_coords(
         segments=list(SEGMENTS)
     )
 
 
-def draw(table: xarray.Dataset) -> Figure:
+def draw(table: xarray.Dataset, figure: Figure) -> None:
     """The bent beam at some moments as the hub sees it, and its tip over time."""
-    with matplotlib.rc_context(STYLE):
-        figure = Figure(figsize=(9.0, 4.4), layout="constrained")
-        bold_title(figure, "Spin-up to 6 rad/s in 15 s: the beam lags behind, then straightens")
-        left, right = figure.subplots(1, 2, width_ratios=[1, 1.35])
-        _stills(table, left)
-        _tips(table, right)
-    return figure
+    left, right = figure.subplots(1, 2, width_ratios=[1, 1.35])
+    _stills(table, left)
+    _tips(table, right)
 
 
 def _stills(table: xarray.Dataset, ax: Axes) -> None:
@@ -134,7 +126,20 @@ def film(table: xarray.Dataset) -> bytes:
         return film_bytes(made, ".gif", fps=RATE)
 
 
-def tables(table: xarray.Dataset) -> dict[str, str | bytes]:
-    """The tips' deflections as CSV, every tenth of a second, and the film."""
-    tips = table[["tip_deflection"]].isel(time=slice(None, None, 5))
-    return {".csv": csv_table(COLUMNS, tidy_rows(tips, COLUMNS)), ".gif": film(table)}
+STUDY = Study(
+    name="spin_up",
+    title="Spin-up to 6 rad/s in 15 s: the beam lags behind, then straightens",
+    caption="A beam spun up from rest to 6 rad/s, and its tip's deflection for 4, 10 and 20 rods.",
+    data=data,
+    draw=draw,
+    sheets={
+        ".csv": Sheet(
+            ("segments", "time", "tip_deflection"),
+            {"tip_deflection": Kind(decimals=8)},
+            part=lambda table: table.isel(time=slice(None, None, 5)),
+        )
+    },
+    size=(9.0, 4.4),
+    more=lambda table: {".gif": film(table)},
+    seconds=20.0,
+)

@@ -2,19 +2,16 @@
 
 from __future__ import annotations
 
-import matplotlib
 import numpy as np
 import xarray
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.patches import Circle
 
 import beammodes as bm
-from beammodes.views.symbols import COLOURS, GREY, ROD, STYLE, draw_block, draw_coil
-from studies import Progress
-from studies.drawing import bold_title, mode_shapes, picture
-from studies.tables import csv_table, tidy_rows
+from beammodes.views.symbols import COLOURS, GREY, ROD, draw_block, draw_coil
+from studies.common import mode_shapes, picture
+from studies.study import Kind, Progress, Sheet, Study
 
 # A light truck; the report's picture has no numbers, so these are chosen. SI units.
 BED = bm.Beam(
@@ -40,52 +37,46 @@ REAR = bm.End(
 SEGMENTS, STIFFER = 4, 1e4
 CHAIN = bm.Chain(BED, (FRONT, REAR), SEGMENTS)
 MODES = ("heave", "pitch", "bending 1", "bending 2")
-COLUMNS = ("bed", "mode", "motion", "frequency", "exact_frequency", "relative_error")
-SHAPE_COLUMNS = ("bed", "mode", "node", "position", "deflection", "exact_deflection")
 # Drawing, in m: the bed's height, the wheels' radius, the gap under cab and load; the largest deflection,
 # and the largest turn [rad].
 HEIGHT, WHEEL, GAP, AMPLITUDE, TURN = 0.85, 0.33, 0.3, 0.25, 0.32
 
 
-def data(progress: Progress | None = None) -> xarray.Dataset:
+def data(progress: Progress) -> xarray.Dataset:
     """Frequencies [Hz] and shapes of four modes, with this bed and with one ten thousand times as stiff."""
     parts = []
     for i, factor in enumerate((1.0, STIFFER)):
         bed = bm.Beam(BED.length, factor * BED.mean_bending_stiffness, BED.mean_mass_per_length)
         parts.append(mode_shapes(bm.Chain(bed, (FRONT, REAR), SEGMENTS), len(MODES)))
-        if progress is not None:
-            progress(i + 1, 2)
+        progress(i + 1, 2)
     table = xarray.concat(parts, "bed").assign_coords(bed=["flexible", "rigid"], motion=("mode", list(MODES)))
-    return table.assign(relative_error=(table.frequency / table.exact_frequency - 1).round(11))
+    return table.assign(relative_error=table.frequency / table.exact_frequency - 1)
 
 
-def draw(table: xarray.Dataset) -> Figure:
+def draw(table: xarray.Dataset, figure: Figure) -> None:
     """The truck; heave and pitch with a rigid bed and with this one; and what only this one does."""
-    with matplotlib.rc_context(STYLE):
-        figure = Figure(figsize=(9.0, 9.0), layout=ConstrainedLayoutEngine(wspace=0.05, hspace=0.03))
-        bold_title(figure, "Figure 2 · a truck whose bed is flexible, as a chain of four rods")
-        panels = figure.subplots(4, 2)
-        _draw_numbers(*panels[0], table)
-        shown = [
-            ("rigid", 0),
-            ("flexible", 0),
-            ("rigid", 1),
-            ("flexible", 1),
-            ("flexible", 2),
-            ("flexible", 3),
-        ]
-        for ax, (bed, mode) in zip(panels[1:].flat, shown, strict=True):
-            one = table.sel(bed=bed).isel(mode=mode)
-            # No block may turn so far that it would strike the bed.
-            amplitude = min(AMPLITUDE, TURN / float(np.abs(one.rotation).max()))
-            _draw_truck(ax, one, 0.0, faint=True)
-            _draw_truck(ax, one, amplitude)
-            title = f"{bed} bed, {one.motion.item()}: {float(one.exact_frequency):#.4g} Hz"
-            ax.set_title(title, fontsize=11, fontweight="bold", loc="left")
-            if bed == "flexible":
-                error = f"chain {100 * float(one.relative_error):+.2g} %".replace("-", "−")
-                ax.set_title(error, fontsize=11, loc="right", color=ROD)
-    return figure
+    figure.get_layout_engine().set(wspace=0.05, hspace=0.03)
+    panels = figure.subplots(4, 2)
+    _draw_numbers(*panels[0], table)
+    shown = [
+        ("rigid", 0),
+        ("flexible", 0),
+        ("rigid", 1),
+        ("flexible", 1),
+        ("flexible", 2),
+        ("flexible", 3),
+    ]
+    for ax, (bed, mode) in zip(panels[1:].flat, shown, strict=True):
+        one = table.sel(bed=bed).isel(mode=mode)
+        # No block may turn so far that it would strike the bed.
+        amplitude = min(AMPLITUDE, TURN / float(np.abs(one.rotation).max()))
+        _draw_truck(ax, one, 0.0, faint=True)
+        _draw_truck(ax, one, amplitude)
+        title = f"{bed} bed, {one.motion.item()}: {float(one.exact_frequency):#.4g} Hz"
+        ax.set_title(title, fontsize=11, fontweight="bold", loc="left")
+        if bed == "flexible":
+            error = f"chain {100 * float(one.relative_error):+.2g} %".replace("-", "−")
+            ax.set_title(error, fontsize=11, loc="right", color=ROD)
 
 
 def _draw_truck(ax: Axes, one: xarray.Dataset, amplitude: float, *, faint: bool = False) -> None:
@@ -137,11 +128,18 @@ def _draw_numbers(ax: Axes, beside: Axes, table: xarray.Dataset) -> None:
     beside.text(0.018, 1.0, text, va="top", fontsize=10, linespacing=1.5, transform=beside.transAxes)
 
 
-def tables(table: xarray.Dataset) -> dict[str, str]:
-    """The frequencies as tidy CSV, and the mode shapes, by ending of the file name."""
-    frequencies = table[["frequency", "exact_frequency", "relative_error"]]
-    shapes = table[["deflection", "exact_deflection"]]
-    return {
-        ".csv": csv_table(COLUMNS, tidy_rows(frequencies, COLUMNS)),
-        "_shapes.csv": csv_table(SHAPE_COLUMNS, tidy_rows(shapes, SHAPE_COLUMNS)),
-    }
+STUDY = Study(
+    name="truck",
+    title="Figure 2 · a truck whose bed is flexible, as a chain of four rods",
+    caption="Figure 2 of the report: a truck whose bed is flexible, between a cab and a load on springs.",
+    data=data,
+    draw=draw,
+    sheets={
+        ".csv": Sheet(
+            ("bed", "mode", "motion", "frequency", "exact_frequency", "relative_error"),
+            {"relative_error": Kind(decimals=11)},
+        ),
+        "_shapes.csv": Sheet(("bed", "mode", "node", "position", "deflection", "exact_deflection")),
+    },
+    size=(9.0, 9.0),
+)

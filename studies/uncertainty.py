@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
-import matplotlib
 import numpy as np
 import xarray
 from matplotlib.axes import Axes
@@ -12,19 +11,13 @@ from matplotlib.figure import Figure
 from matplotlib.patheffects import withStroke
 
 import beammodes as bm
-from beammodes.views.symbols import GREY, STYLE
-from studies import Progress
-from studies.drawing import bold_title
-from studies.motions import repeatable
+from beammodes.views.symbols import GREY
 from studies.plots import method_style
-from studies.tables import csv_table, tidy_rows
+from studies.study import Kind, Progress, Sheet, Study
 
 FIGURES = {"clamped-free": "Figure 6", "clamped-clamped": "Figure 7"}
 RULES, MODES, SAMPLES, FRACTION = ("mitiguy", "gregory"), 3, 10_000, 1 / 3
-COLUMNS = ("boundary", "rule", "segments", "mode", "relative_error")
 SPREAD = ("frequency", "standard_deviation", "standard_deviation_error", "first_order", "half_width")
-SPREAD_COLUMNS = ("beam", "boundary", "mode", *SPREAD)
-ENOUGH_COLUMNS = ("beam", "boundary", "rule", "segments_enough", "largest_error", "narrowest")
 
 
 class Bar(NamedTuple):
@@ -77,7 +70,7 @@ BARS = {
 }
 
 
-def data(progress: Progress | None = None) -> xarray.Dataset:
+def data(progress: Progress) -> xarray.Dataset:
     """Errors for N = 1..40, the spread of two beams' frequencies, and how many segments are enough."""
     errors = bm.error_dataset(boundary=list(FIGURES), segments=range(1, 41), modes=MODES, rule=RULES)
     by_beam = []
@@ -87,11 +80,8 @@ def data(progress: Progress | None = None) -> xarray.Dataset:
             spread = bm.frequency_spread(
                 bar.section, boundary, bar.tolerances, MODES, samples=SAMPLES, **bar.numbers
             )
-            # Differences leave rounding in the last digits.
-            spread["first_order"] = ("mode", repeatable(spread.first_order, 9))
             by_ends.append(spread[list(SPREAD)].assign(_enough(spread)))
-            if progress is not None:
-                progress(i * len(FIGURES) + j + 1, len(BARS) * len(FIGURES))
+            progress(i * len(FIGURES) + j + 1, len(BARS) * len(FIGURES))
         by_beam.append(xarray.concat(by_ends, "boundary"))
     spreads = xarray.concat(by_beam, "beam").assign_coords(
         beam=list(BARS), boundary=list(FIGURES), rule=list(RULES)
@@ -109,25 +99,21 @@ def _enough(spread: xarray.Dataset) -> dict[str, Any]:
     }
 
 
-def draw(table: xarray.Dataset) -> Figure:
+def draw(table: xarray.Dataset, figure: Figure) -> None:
     """One row a beam, one column a figure of the report: |error| of three modes, and what hides it."""
-    with matplotlib.rc_context(STYLE):
-        figure = Figure(figsize=(9.0, 8.6), layout="constrained")
-        bold_title(figure, "Figures 6 and 7 over what the beam itself leaves open")
-        rows = figure.subfigures(len(BARS), 1)
-        for row, (beam, bar) in zip(rows, BARS.items(), strict=True):
-            row.suptitle(f"{beam}: {bar.text}", fontsize=10, x=0.01, ha="left", color="#444444")
-            panels = row.subplots(1, len(FIGURES))
-            for ax, boundary in zip(panels, FIGURES, strict=True):
-                _draw_panel(ax, table.sel(beam=beam, boundary=boundary))
-                ax.set_title(f"{FIGURES[boundary]}, {boundary}", fontsize=11, fontweight="bold", loc="left")
-            panels[0].set_ylabel("|frequency error|  [%]")
-        note = (
-            "shaded: the beam's own 95 % band and, darker, a third of it; bold: fewest segments that stay\n"
-            "in that, for modes 1, 2 and 3 · tolerances of density and dimensions are illustrative"
-        )
-        figure.supxlabel(note, fontsize=10, color=GREY, x=0.99, ha="right")
-    return figure
+    rows = figure.subfigures(len(BARS), 1)
+    for row, (beam, bar) in zip(rows, BARS.items(), strict=True):
+        row.suptitle(f"{beam}: {bar.text}", fontsize=10, x=0.01, ha="left", color="#444444")
+        panels = row.subplots(1, len(FIGURES))
+        for ax, boundary in zip(panels, FIGURES, strict=True):
+            _draw_panel(ax, table.sel(beam=beam, boundary=boundary))
+            ax.set_title(f"{FIGURES[boundary]}, {boundary}", fontsize=11, fontweight="bold", loc="left")
+        panels[0].set_ylabel("|frequency error|  [%]")
+    note = (
+        "shaded: the beam's own 95 % band and, darker, a third of it; bold: fewest segments that stay\n"
+        "in that, for modes 1, 2 and 3 · tolerances of density and dimensions are illustrative"
+    )
+    figure.supxlabel(note, fontsize=10, color=GREY, x=0.99, ha="right")
 
 
 def _draw_panel(ax: Axes, one: xarray.Dataset) -> None:
@@ -174,10 +160,17 @@ def _mark_enough(ax: Axes, rule: str, one: xarray.Dataset) -> None:
     )
 
 
-def tables(table: xarray.Dataset) -> dict[str, str]:
-    """The errors, the beams' own spreads, and the segments that are enough, as CSV."""
-    return {
-        ".csv": csv_table(COLUMNS, tidy_rows(table[["relative_error"]], COLUMNS)),
-        "_spread.csv": csv_table(SPREAD_COLUMNS, tidy_rows(table[list(SPREAD)], SPREAD_COLUMNS)),
-        "_enough.csv": csv_table(ENOUGH_COLUMNS, tidy_rows(table[list(ENOUGH_COLUMNS[3:])], ENOUGH_COLUMNS)),
-    }
+STUDY = Study(
+    name="uncertainty",
+    title="Figures 6 and 7 over what the beam itself leaves open",
+    caption="Figures 6 and 7 of the report over the spread of frequencies from a beam's own tolerances.",
+    data=data,
+    draw=draw,
+    sheets={
+        ".csv": Sheet(("boundary", "rule", "segments", "mode", "relative_error")),
+        # Differences leave rounding in the last digits.
+        "_spread.csv": Sheet(("beam", "boundary", "mode", *SPREAD), {"first_order": Kind(decimals=9)}),
+        "_enough.csv": Sheet(("beam", "boundary", "rule", "segments_enough", "largest_error", "narrowest")),
+    },
+    size=(9.0, 8.6),
+)

@@ -183,13 +183,13 @@ def test_a_process_of_its_own_prints_json(capsys: pytest.CaptureFixture[str]) ->
 
 def test_the_figure_has_a_line_for_every_method(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(accuracy, "SEGMENTS", (4, 6, 100))
-    table = accuracy.data()
+    table = accuracy.STUDY.compute()
     errors = table.relative_error.to_pandas()
     assert not errors.isna().any().any()
     assert (errors.loc[["closed form", "flexibility form"]] < 1e-13).all().all()
     assert errors.loc["dense", 100] > 100 * errors.loc["flexibility form", 100]
-    assert accuracy.tables(table)[".csv"].startswith("method,segments,relative_error\nclosed form,4,")
-    assert len(accuracy.draw(table).axes[0].get_lines()) == len(accuracy.LINES) + 1
+    assert accuracy.STUDY.tables(table)[".csv"].startswith("method,segments,relative_error\nclosed form,4,")
+    assert len(accuracy.STUDY.picture(table).axes[0].get_lines()) == len(accuracy.LINES) + 1
 
 
 def test_what_a_billion_points_need() -> None:

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from studies.compare import KINDS, RELATIVE, folders_differ, main, rows_of, tables_differ
+from studies.compare import RELATIVE, folders_differ, kinds, main, rows_of, tables_differ
 
 FIGURES = Path(__file__).parent.parent / "figures"
 TABLES = sorted(FIGURES.glob("*.csv"))
@@ -58,7 +58,7 @@ def test_the_tenth_digit_of_every_number_may_differ(path: Path, units: int) -> N
 @pytest.mark.parametrize("factor", [1 + 1e-6, 1 - 1e-6])
 def test_no_number_may_be_off_by_a_millionth(path: Path, factor: float) -> None:
     """Every number is changed, and every change must be named: none hides behind another."""
-    noise = {column for column, kind in KINDS.get(path.stem, {}).items() if kind.factor is not None}
+    noise = {column for column, kind in kinds().get(path.name, {}).items() if kind.factor is not None}
     expected = []
 
     def off(row: int, column: str, cell: str) -> str:
@@ -76,15 +76,15 @@ def test_no_number_may_be_off_by_a_millionth(path: Path, factor: float) -> None:
 
 
 @pytest.mark.parametrize(
-    "stem", [s for s, columns in KINDS.items() if any(k.factor for k in columns.values())]
+    "file", [file for file, columns in kinds().items() if any(k.factor for k in columns.values())]
 )
-def test_noise_keeps_its_size(stem: str) -> None:
+def test_noise_keeps_its_size(file: str) -> None:
     """Noise may differ by its factor, not by ten times that."""
-    path, kinds = FIGURES / f"{stem}.csv", KINDS[stem]
+    path, special = FIGURES / file, kinds()[file]
 
     def scaled(by: float) -> str:
         def change(_: int, column: str, cell: str) -> str:
-            value, kind = number(cell), kinds.get(column)
+            value, kind = number(cell), special.get(column)
             if value is None or kind is None or kind.factor is None:
                 return cell
             return repr(value * kind.factor * by)
@@ -97,14 +97,14 @@ def test_noise_keeps_its_size(stem: str) -> None:
 
 
 def test_kinds_are_of_columns_that_there_are() -> None:
-    for stem, kinds in KINDS.items():
-        rows = rows_of(FIGURES / f"{stem}.csv")
-        for column, kind in kinds.items():
+    for file, special in kinds().items():
+        rows = rows_of(FIGURES / file)
+        for column, kind in special.items():
             values = [float(row[column]) for row in rows if row[column]]
-            assert values, (stem, column)
+            assert values, (file, column)
             if kind.decimals is not None:
                 rounded = [abs(round(v, kind.decimals) - v) <= RELATIVE * abs(v) for v in values]
-                assert any(rounded), (stem, column)
+                assert any(rounded), (file, column)
 
 
 @pytest.mark.parametrize(

@@ -16,8 +16,9 @@ from beammodes.dynamics.superposition import modal_response
 from beammodes.exact.exact_beam import plain_modes
 from studies import motion_spectrum
 from studies.appendix import pinned_shape, plucked
+from studies.common import moved
 from studies.compare import rows_of
-from studies.motions import moved, repeatable
+from studies.study import repeatable
 
 FIGURES = Path(__file__).parent.parent / "figures"
 UNIT = bm.Beam.unit()

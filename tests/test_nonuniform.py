@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from computed_studies import computed
 from numpy.typing import NDArray
 
 import beammodes as bm
@@ -521,7 +522,7 @@ def slope(errors: NDArray[np.float64], segments: NDArray[np.int64]) -> float:
 
 @pytest.mark.slow
 def test_study_of_nonuniform_beams_shows_the_orders_that_it_names() -> None:
-    table = nonuniform.data()
+    table = computed("nonuniform")
     named = {"1/N": 1, "1/N²": 2, "1/N⁴": 4}
     for *_, places in nonuniform.PANELS:
         for case, rule, text, *_ in places:
@@ -535,7 +536,7 @@ def test_study_of_nonuniform_beams_shows_the_orders_that_it_names() -> None:
 
 @pytest.mark.slow
 def test_study_of_axial_force_shows_the_orders_that_it_names() -> None:
-    table = axial_force.data()
+    table = computed("axial_force")
     named = {"1/N²": 2, "1/N³": 3, "1/N⁴": 4}
     for pair, lines in axial_force.LABELS.items():
         for case, (text, *_) in lines.items():

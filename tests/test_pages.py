@@ -22,7 +22,7 @@ from beammodes.__main__ import main
 
 pytest.importorskip("skfem")
 
-from studies.largest_errors import element_errors
+from studies.common import element_errors
 from studies.tool_layouts import adams_link_errors, flex_errors
 
 ROOT = Path(__file__).parent.parent

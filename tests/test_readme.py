@@ -13,7 +13,7 @@ import beammodes as bm
 from beammodes.__main__ import main
 from beammodes.vibration.integrators import accuracy_limit
 from studies.c_table import SAFE_CONSTANT
-from studies.step_size_data import OUTPUTS
+from studies.step_size import OUTPUTS
 from studies.step_trials import variable_step_cost
 
 ROOT = Path(__file__).parent.parent

@@ -4,52 +4,50 @@ from __future__ import annotations
 
 import math
 import warnings
-from importlib import import_module
 
 import numpy as np
 import pytest
 import xarray
+from computed_studies import computed
 
 import beammodes as bm
-from studies import figure_3, figure_5, truck
-from studies.compare import study_differs
+from studies import every_study, figures_3_and_5, truck
 
-BLOCKS = {"figure_3": figure_3, "figure_5": figure_5}
+#: A beam on free bodies, and between walls instead.
+BLOCKS = {
+    "figure_3": (figures_3_and_5.ONE_BODY, "clamped-free"),
+    "figure_5": (figures_3_and_5.TWO_BODIES, "clamped-clamped"),
+}
 #: Order of each rule; theory.md section 4 has them for free vibration with end bodies too.
 ORDERS = {"mitiguy": 2, "gregory": 4}
 
 
 @pytest.fixture(scope="module")
 def tables() -> dict[str, xarray.Dataset]:
-    return {name: import_module(f"studies.{name}").data() for name in (*BLOCKS, "truck")}
-
-
-@pytest.mark.parametrize("name", [*BLOCKS, "truck"])
-def test_data_are_those_committed(tables: dict[str, xarray.Dataset], name: str) -> None:
-    assert study_differs(name, import_module(f"studies.{name}").tables(tables[name])) == []
+    return {name: computed(name) for name in (*BLOCKS, "truck")}
 
 
 @pytest.mark.parametrize("name", [*BLOCKS, "truck"])
 def test_drawn_without_warnings(tables: dict[str, xarray.Dataset], name: str) -> None:
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        figure = import_module(f"studies.{name}").draw(tables[name])
+        figure = every_study()[name].picture(tables[name])
         figure.draw_without_rendering()
     assert len(figure.axes) == (8 if name == "truck" else 7)
 
 
 def test_blocks_are_square_and_as_heavy_as_the_beam() -> None:
-    body, side = figure_3.BODY, figure_3.SIDE
+    body, side = figures_3_and_5.BODY, figures_3_and_5.SIDE
     assert (body.mass, body.offset) == (1.0, side / 2)
     assert body.rotary_inertia == pytest.approx(body.mass * (side**2 + side**2) / 12)
 
 
 @pytest.mark.parametrize("name", BLOCKS)
 def test_blocks(tables: dict[str, xarray.Dataset], name: str) -> None:
-    table, study = tables[name], BLOCKS[name]
+    table, (bodies, walls) = tables[name], BLOCKS[name]
     sizes = {"held_by": 2, "rule": 2, "segments": 20, "mode": 3, "x": 201}
     assert sizes.items() <= dict(table.sizes).items()
-    for held_by, pair in (("free body", study.BOUNDARY), ("fixed wall", study.WALL)):
+    for held_by, pair in (("free body", bodies), ("fixed wall", walls)):
         exact = bm.euler_bernoulli(bm.Beam.unit(), pair, 3)
         here = table.sel(held_by=held_by)
         shown = here.exact_angular_frequency.sel(segments=20, rule="mitiguy")
@@ -75,14 +73,14 @@ def test_springs_are_the_reports(tables: dict[str, xarray.Dataset]) -> None:
     # Worked examples of the report, "Cantilever/Free" and "Cantilever/Cantilever" with N = 4.
     inside = ["1"] * 3
     for name, springs in (("figure_3", ["24/11", *inside]), ("figure_5", ["24/11", *inside, "24/11"])):
-        system = BLOCKS[name].draw(tables[name]).axes[0]
+        system = every_study()[name].picture(tables[name]).axes[0]
         assert [text.get_text() for text in system.texts][: len(springs)] == springs
 
 
 @pytest.mark.parametrize("name", BLOCKS)
 def test_errors_of_the_reports_springs_follow_from_the_moment_at_the_blocks(name: str) -> None:
     """Its sum misses ∫M² by -h² (M² + M M')/6 at each block, M' inwards; ∫M² = ω² and e = -½ of the ratio."""
-    pair = BLOCKS[name].BOUNDARY
+    pair = BLOCKS[name][0]
     exact = bm.euler_bernoulli(bm.Beam.unit(), pair, 3)
     coefficient = np.zeros(3)
     for x, inward in ((0.0, 1), (1.0, -1)):
@@ -95,7 +93,7 @@ def test_errors_of_the_reports_springs_follow_from_the_moment_at_the_blocks(name
     np.testing.assert_allclose(long + (long - short) / 3, coefficient, rtol=1e-3, atol=1e-4)
     # Modes 1 and 2 are too stiff with these blocks, where walls make every mode too soft.
     assert (coefficient[:2] > 0).all()
-    assert np.all(bm.frequency_error(BLOCKS[name].WALL, segments=200, mode=mode) < 0)
+    assert np.all(bm.frequency_error(BLOCKS[name][1], segments=200, mode=mode) < 0)
 
 
 @pytest.mark.parametrize("name", BLOCKS)
@@ -103,7 +101,7 @@ def test_errors_of_the_reports_springs_follow_from_the_moment_at_the_blocks(name
 def test_errors_fall_at_the_rules_order(name: str, rule: str, order: int) -> None:
     """Then e N^order is a smooth function of 1/N, so three chains foretell a longer one."""
     count = np.array([40, 80, 160, 320])[:, None]
-    error = np.asarray(bm.frequency_error(BLOCKS[name].BOUNDARY, segments=count, mode=[1, 2, 3], rule=rule))
+    error = np.asarray(bm.frequency_error(BLOCKS[name][0], segments=count, mode=[1, 2, 3], rule=rule))
     scaled = error * count.astype(float) ** order
     parabola = np.polyfit(1 / count[:3, 0], scaled[:3], 2)
     foretold = parabola.T @ (1 / 320.0) ** np.arange(2, -1, -1)

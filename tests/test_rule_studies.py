@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-from importlib import import_module
-
 import numpy as np
 import pytest
 import xarray
+from computed_studies import computed
 
 import beammodes as bm
-from studies import better_figures, cost_front, error_by_rule, segments_map
-from studies.compare import study_differs
-from studies.largest_errors import element_errors
+from studies import error_by_rule, segments_map
+from studies.common import element_errors
 
 pytest.importorskip("skfem")
 
@@ -29,22 +27,17 @@ FOR_ONE_PERCENT = {
 
 @pytest.fixture(scope="module", params=STUDIES)
 def study(request: pytest.FixtureRequest) -> tuple[str, xarray.Dataset]:
-    return request.param, import_module(f"studies.{request.param}").data()
+    return request.param, computed(request.param)
 
 
 @pytest.fixture(scope="module")
 def by_rule() -> xarray.Dataset:
-    return error_by_rule.data()
+    return computed("error_by_rule")
 
 
 @pytest.fixture(scope="module")
 def costs() -> xarray.Dataset:
-    return cost_front.data()
-
-
-def test_data_are_those_committed(study: tuple[str, xarray.Dataset]) -> None:
-    name, table = study
-    assert study_differs(name, import_module(f"studies.{name}").tables(table)) == []
+    return computed("cost_front")
 
 
 def test_no_rounding_is_published(study: tuple[str, xarray.Dataset]) -> None:
@@ -98,7 +91,7 @@ def test_elements_converge_as_cubic_elements_do() -> None:
 
 
 def test_better_figures() -> None:
-    error = better_figures.data().relative_error
+    error = computed("better_figures").relative_error
     report = 100 * error.sel(rule="mitiguy", segments=10)
     # theory.md section 3, the row N = 10.
     assert report.sel(boundary="clamped-free").values == pytest.approx([-0.126, -1.251, -2.264], abs=6e-4)
@@ -112,7 +105,7 @@ def test_better_figures() -> None:
 
 
 def test_map() -> None:
-    table = segments_map.data()
+    table = computed("segments_map")
     for (boundary, rule), needed in FOR_ONE_PERCENT.items():
         assert table.segments_needed.sel(boundary=boundary, rule=rule) == needed
     assert (table.segments_needed.sel(rule="matched(3)") <= 6).all()
@@ -123,7 +116,7 @@ def test_map() -> None:
         np.testing.assert_array_equal(*errors)
     merged = table.same_chain_as.sel(boundary="pinned-pinned").values
     assert len(set(merged)) == 4  # hinge at the wall, half stub, masses at hinges, matched
-    texts = [text.get_text() for text in segments_map.draw(table).axes[0].texts]
+    texts = [text.get_text() for text in segments_map.STUDY.picture(table).axes[0].texts]
     assert len(texts) == sum(len(set(row)) for row in table.same_chain_as.values)
 
 
@@ -144,7 +137,7 @@ def test_front(costs: xarray.Dataset) -> None:
 
 
 def test_drawings_show_the_data(by_rule: xarray.Dataset) -> None:
-    left = error_by_rule.draw(by_rule).axes[0]
+    left = error_by_rule.STUDY.picture(by_rule).axes[0]
     shown = left.get_lines()[0].get_ydata()
     np.testing.assert_array_equal(shown, 100 * by_rule.largest_error[0, 0].dropna("segments"))
     written = {text.get_text() for text in left.texts}

@@ -11,16 +11,11 @@ from pathlib import Path
 
 import pytest
 
-from studies import NAMES, SLOWEST
 from studies.__main__ import main
 from studies.runner import run_all
 
 ROOT = Path(__file__).parent.parent
 QUICK = ["c_table", "quadrature"]
-
-
-def test_slowest_studies_are_studies() -> None:
-    assert set(SLOWEST) <= set(NAMES)
 
 
 def test_at_once_as_one_after_another(tmp_path: Path) -> None:

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 import xarray
+from computed_studies import computed
 from drawn_ends import RULES_DRAWN
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
@@ -26,7 +27,6 @@ from beammodes.views.pose import pose_of
 from beammodes.views.schematic import spring_texts, support_texts
 from beammodes.views.symbols import GROUND_SPRING, SPRING, body_of
 from studies import schematics
-from studies.compare import study_differs
 
 UNIT = bm.Beam.unit()
 BLOCK = bm.End(mass=1.0, rotary_inertia=0.2**2 / 6, offset=0.1)
@@ -318,11 +318,7 @@ def test_what_is_no_chain_or_too_long_is_refused() -> None:
 
 @pytest.fixture(scope="module")
 def gallery() -> xarray.Dataset:
-    return schematics.data()
-
-
-def test_the_gallery_is_the_one_committed(gallery: xarray.Dataset) -> None:
-    assert study_differs("schematics", schematics.tables(gallery)) == []
+    return computed("schematics")
 
 
 def test_the_gallery_shows_its_chains(gallery: xarray.Dataset) -> None:
@@ -331,7 +327,7 @@ def test_the_gallery_shows_its_chains(gallery: xarray.Dataset) -> None:
     assert rules == list(bm.RULES)
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        figure = schematics.draw(gallery)
+        figure = schematics.STUDY.picture(gallery)
         figure.draw_without_rendering()
     axes = [ax for ax in figure.axes if hinges(ax)]
     assert len(axes) == len(panels) == gallery.sizes["panel"]

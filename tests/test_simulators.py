@@ -9,13 +9,13 @@ import numpy as np
 import pytest
 import scipy.linalg
 import xarray
+from computed_studies import computed
 
 import beammodes as bm
 
 pytest.importorskip("skfem")
 
 from studies import simulators
-from studies.compare import study_differs
 from studies.tool_layouts import TOOLS, adams_link_errors, flex_errors
 
 RULED = {tool.name: tool.springs for tool in TOOLS if tool.springs}
@@ -31,11 +31,7 @@ KNOWN = {
 
 @pytest.fixture(scope="module")
 def table() -> xarray.Dataset:
-    return simulators.data()
-
-
-def test_data_are_those_committed(table: xarray.Dataset) -> None:
-    assert study_differs("simulators", simulators.tables(table)) == []
+    return computed("simulators")
 
 
 def test_as_it_is_against_physics(table: xarray.Dataset) -> None:
@@ -158,7 +154,7 @@ def test_mujocos_flex_rings_as_computed(shifted: bool) -> None:
 
 
 def test_drawing_shows_the_data(table: xarray.Dataset) -> None:
-    figure = simulators.draw(table)
+    figure = simulators.STUDY.picture(table)
     for row, tool in enumerate(TOOLS):
         left, right = figure.axes[2 * row], figure.axes[2 * row + 1]
         one = 100 * table.relative_error.sel(tool=tool.name)

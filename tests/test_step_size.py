@@ -10,6 +10,7 @@ import casadi
 import numpy as np
 import pytest
 import xarray
+from computed_studies import computed
 
 from beammodes.chains.chain import Chain
 from beammodes.dynamics.base_motion import BaseMotion
@@ -34,8 +35,8 @@ from beammodes.vibration.stability import (
 )
 from studies import step_size
 from studies.c_table import SAFE_CONSTANT, step_constants
-from studies.compare import RELATIVE, rows_of, study_differs
-from studies.step_size_data import ANALYSED, BOUNDARIES
+from studies.compare import RELATIVE, rows_of
+from studies.step_size import ANALYSED, BOUNDARIES
 from studies.step_trials import equal_start, largest_angles, modal_motion, variable_step_cost
 
 FIGURES = Path(__file__).parent.parent / "figures"
@@ -273,19 +274,12 @@ def test_committed_constants() -> None:
 
 @pytest.fixture(scope="module")
 def table() -> xarray.Dataset:
-    return step_size.data()
-
-
-@pytest.mark.slow
-def test_the_study_regenerates_what_is_committed(table: xarray.Dataset) -> None:
-    found = step_size.tables(table)
-    assert study_differs("step_size", found) == []
-    assert found[".md"].splitlines()[0] == "# The step size, settled"
+    return computed("step_size")
 
 
 @pytest.mark.slow
 def test_the_drawing_shows_the_data(table: xarray.Dataset) -> None:
-    constants, growth, recipe = step_size.draw(table).axes
+    constants, growth, recipe = step_size.STUDY.picture(table).axes
     stable = table.C_stable.sel(boundary="clamped-free", integrator="rk4", damping_ratio=0.0)
     assert any(np.array_equal(line.get_ydata(), stable) for line in constants.get_lines())
     assert growth.get_ylabel().startswith("largest angle")

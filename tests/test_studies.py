@@ -2,18 +2,22 @@
 
 from __future__ import annotations
 
-from importlib import import_module
+import re
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
+from computed_studies import computed
 
-import studies
-from studies import c_table
+from studies import c_table, every_study
 from studies.__main__ import main
 from studies.compare import RELATIVE, rows_of, study_differs
+from studies.runner import gallery
 
 FIGURES = Path(__file__).parent.parent / "figures"
+#: Seconds from which on a study is a slow test.
+SLOW = 5.0
 
 #: Errors to 18 digits, chain frequency / Euler-Bernoulli frequency - 1, rule mitiguy. Source: recomputed
 #: from the chain's characteristic polynomial and the beam's characteristic equation with 40 to 60 digits.
@@ -61,33 +65,70 @@ def test_committed_c_table() -> None:
 
 
 @pytest.mark.slow
-def test_the_command_regenerates_what_is_committed(tmp_path: Path) -> None:
-    assert main(["--into", str(tmp_path), "figure_6", "figure_7", "c_table"]) == 0
-    written = [path for path in tmp_path.iterdir() if path.suffix in (".csv", ".md")]
-    tables = {path.name: path.read_text(encoding="utf-8") for path in written}
-    assert len(tables) == 5
-    assert study_differs("", tables) == []
-    assert main(["--into", str(tmp_path / "again"), "c_table"]) == 0
-    for ending in (".svg", ".png"):
-        assert (tmp_path / f"c_table{ending}").read_bytes() == (
-            tmp_path / "again" / f"c_table{ending}"
-        ).read_bytes()
+def test_the_command_writes_the_same_bytes_again(tmp_path: Path) -> None:
+    for folder in ("once", "again"):
+        assert main(["--into", str(tmp_path / folder), "c_table", "simulators"]) == 0
+    files = sorted(path.name for path in (tmp_path / "once").iterdir())
+    assert {"c_table.csv", "c_table.md", "c_table.svg", "c_table.png", "README.md"} <= set(files)
+    for file in files:
+        assert (tmp_path / "once" / file).read_bytes() == (tmp_path / "again" / file).read_bytes()
 
 
-@pytest.mark.parametrize("name", studies.NAMES)
-def test_each_study_has_its_files_and_its_parts(name: str) -> None:
-    module = import_module(f"studies.{name}")
-    assert callable(module.data)
-    assert callable(module.draw)
-    for ending in (".csv", ".svg"):
-        assert (FIGURES / f"{name}{ending}").stat().st_size > 200
+EVERY_STUDY = pytest.mark.parametrize(
+    "name",
+    [
+        pytest.param(name, marks=pytest.mark.slow if study.seconds > SLOW else ())
+        for name, study in every_study().items()
+    ],
+)
+
+
+@EVERY_STUDY
+def test_its_tables_are_those_committed(name: str) -> None:
+    assert study_differs(name, every_study()[name].tables(computed(name))) == []
+
+
+@EVERY_STUDY
+def test_its_picture_is_drawn_without_warnings(name: str) -> None:
+    figure = every_study()[name].picture(computed(name))
+    figure.draw_without_rendering()
+    assert figure.get_suptitle() == every_study()[name].title
+    assert figure.axes
+
+
+@pytest.mark.parametrize("name", every_study())
+def test_each_study_is_told_and_has_its_files(name: str) -> None:
+    study = every_study()[name]
+    assert study.title and study.caption.endswith(".") and ".csv" in study.sheets
+    for ending in (".svg", *study.sheets):
+        assert (FIGURES / f"{name}{ending}").stat().st_size > 200, f"run python -m studies {name}"
     svg = (FIGURES / f"{name}.svg").read_text(encoding="utf-8")
     assert "<dc:date>" not in svg
 
 
+def test_the_list_names_every_study(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["--list"]) == 0
+    told = capsys.readouterr().out
+    assert all(f"{name} " in told and study.caption in told for name, study in every_study().items())
+
+
+def test_the_gallery_shows_every_study_and_is_the_one_committed() -> None:
+    text = (FIGURES / "README.md").read_text(encoding="utf-8")
+    assert text == gallery(FIGURES)
+    assert re.findall(r"\]\((\w+)\.svg\)", text) == list(every_study())
+    assert all((FIGURES / target).is_file() for target in re.findall(r"\]\(([^)]+)\)", text))
+
+
+def test_two_studies_of_one_name_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    twin = replace(c_table.STUDY, caption="Another.")
+    monkeypatch.setattr("studies.truck.STUDY", twin)
+    with pytest.raises(ValueError, match="'c_table' twice"):
+        every_study.__wrapped__()
+
+
 def test_drawing_shows_the_data() -> None:
-    table = c_table.data()
-    axes = c_table.draw(table).axes[0]
+    table = computed("c_table")
+    axes = c_table.STUDY.picture(table).axes[0]
     np.testing.assert_array_equal(axes.get_lines()[0].get_ydata(), table.C_published)
     assert axes.get_ylabel().startswith("C in")
 

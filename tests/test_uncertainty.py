@@ -12,13 +12,13 @@ from typing import Any
 import numpy as np
 import pytest
 import xarray
+from computed_studies import computed
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import beammodes as bm
 from beammodes.accuracy.uncertainty import EnoughSegments
 from studies import uncertainty
-from studies.compare import study_differs
 
 README = Path(__file__).parent.parent / "README.md"
 BAR = bm.Rectangle(width=0.06, height=0.02)
@@ -235,11 +235,7 @@ def test_bad_input_of_the_count() -> None:
 
 @pytest.fixture(scope="module")
 def table() -> xarray.Dataset:
-    return uncertainty.data()
-
-
-def test_the_study_is_the_one_committed(table: xarray.Dataset) -> None:
-    assert study_differs("uncertainty", uncertainty.tables(table)) == []
+    return computed("uncertainty")
 
 
 def test_the_study_takes_the_reports_ranges() -> None:
@@ -266,7 +262,7 @@ def test_the_study_marks_where_the_error_is_hidden(table: xarray.Dataset) -> Non
     assert (away < 4 * table.standard_deviation_error / table.first_order + table.first_order**2).all()
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        figure = uncertainty.draw(table)
+        figure = uncertainty.STUDY.picture(table)
         figure.draw_without_rendering()
     marks = [text.get_text() for ax in figure.axes for text in ax.texts if ":" in text.get_text()]
     assert marks == [

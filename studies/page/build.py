@@ -9,19 +9,17 @@ from string import Template
 
 import beammodes as bm
 from beammodes.numerics.blas import one_thread
-from studies import NAMES, PAGE
+from studies import PAGE, every_study
 from studies.page import accuracy_parts, added_parts, springs, step_parts, systems
 from studies.page.atlas_data import atlas
 from studies.page.evidence import EVIDENCE, note, source_list
-from studies.page.markup import caption_of, escaped, figure, picture
+from studies.page.markup import escaped, figure, picture
 from studies.runner import write_bytes
 
 __all__ = ["page", "unused", "write"]
 
 FOLDER = Path(__file__).parent
 TEXTS = ("source", "added", "atlas")
-#: A study of rounding, whose picture is another on every machine: the page would be too.
-LEFT_OUT = ("accuracy",)
 
 
 def page(folder: Path) -> str:
@@ -48,13 +46,15 @@ def _put_together(folder: Path) -> str:
     parts["atlas_data"] = _json(atlas())
     parts |= {name: _read(f"{file}.js") for name, file in _SCRIPTS.items()}
     texts = {name: _read(f"{name}.html") for name in TEXTS}
-    placed = [name for name in NAMES if any(f"${{picture_{name}}}" in text for text in texts.values())]
+    placed = [
+        name for name in every_study() if any(f"${{picture_{name}}}" in text for text in texts.values())
+    ]
     for name in placed:
         parts[f"picture_{name}"] = _figure(folder, name)
     if left := unused(parts, "".join(texts.values())):
         raise KeyError(f"the page's text must have a place for {', '.join(left)}")
-    whole = {name: Template(text).substitute(parts) for name, text in texts.items()}
-    others = [name for name in NAMES if name not in (*placed, *LEFT_OUT)]
+    whole = {name: Template(source).substitute(parts) for name, source in texts.items()}
+    others = [name for name, study in every_study().items() if study.reproducible and name not in placed]
     whole["further"] = "\n".join(_figure(folder, name) for name in others)
     whole |= {"sources": source_list(agreements), "style": _read("style.css"), "version": bm.__version__}
     return Template(_read("report.html")).substitute(whole)
@@ -77,7 +77,7 @@ def _read(name: str) -> str:
 
 
 def _figure(folder: Path, name: str) -> str:
-    return figure(picture(folder, name), escaped(caption_of(name)), name)
+    return figure(picture(folder, name), escaped(every_study()[name].caption), name)
 
 
 def _json(data: object) -> str:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import ast
 import base64
 import html
 import math
@@ -10,9 +9,10 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 from urllib.parse import quote
 
-__all__ = ["Cell", "bound", "caption_of", "escaped", "figure", "percent", "picture", "significant", "table"]
+from studies import every_study
 
-STUDIES = Path(__file__).resolve().parent.parent
+__all__ = ["Cell", "bound", "escaped", "figure", "percent", "picture", "significant", "table"]
+
 Cell = str | int | float
 
 
@@ -99,7 +99,7 @@ def _cell(tag: str, content: str, style: str, scope: str = "") -> str:
 def picture(folder: Path, name: str) -> str:
     """Return a study's picture as an image that is part of the page."""
     source = _vector((folder / f"{name}.svg").read_text(encoding="utf-8"))
-    return f'<img src="{source}" alt="{escaped(caption_of(name))}">'
+    return f'<img src="{source}" alt="{escaped(every_study()[name].caption)}">'
 
 
 def _vector(svg: str) -> str:
@@ -108,12 +108,6 @@ def _vector(svg: str) -> str:
         return f"data:image/svg+xml;base64,{base64.b64encode(body.encode()).decode()}"
     # Quotation marks of the other kind need no escape in the attribute, and most of the rest none at all.
     return "data:image/svg+xml," + quote(body.replace('"', "'"), safe=" !$'()*+,/:;=?@[]|{}^`\n~")
-
-
-def caption_of(name: str) -> str:
-    """Return the first line of a study's docstring: what its picture shows."""
-    code = ast.parse((STUDIES / f"{name}.py").read_text(encoding="utf-8"))
-    return (ast.get_docstring(code) or name).splitlines()[0]
 
 
 def figure(content: str, caption: str, name: str) -> str:

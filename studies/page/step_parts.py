@@ -10,7 +10,7 @@ import beammodes as bm
 from beammodes.closed_form.dispersion import chain_frequency
 from beammodes.vibration.integrators import accuracy_limit, amplification, stability_limit
 from beammodes.vibration.stability import ROARK_CLAMPED_CLAMPED, published_constants
-from studies import c_table, figure_1, step_size_data
+from studies import c_table, figure_1, step_size
 from studies.c_table import SAFE_CONSTANT, exact_constants, step_constants
 from studies.page.evidence import note
 from studies.page.markup import Cell, significant, table
@@ -24,7 +24,7 @@ TEN = 10
 
 def parts(folder: Path) -> Parts:
     """Return the parts of this section, from what the studies have written into a folder."""
-    shown, (modes, tolerance) = step_size_data.SEGMENTS[-1], (1, step_size_data.TOLERANCES[0])
+    shown, (modes, tolerance) = step_size.SEGMENTS[-1], (1, step_size.TOLERANCES[0])
     (recipe,) = read(
         folder,
         "step_size_recipe",
@@ -147,7 +147,7 @@ def _recipe_agrees(folder: Path, segments: int) -> str:
         "step_size_growth",
         boundary=PAIRS[0],
         segments=str(segments),
-        start=f"{step_size_data.SMALL:g}",
+        start=f"{step_size.SMALL:g}",
         fixed_step="published 1",
     )
     if not row["overflow"]:

@@ -1,57 +1,60 @@
-"""Figure 3 of the report: a beam clamped to a rigid body that is free to move."""
+"""Figures 3 and 5 of the report: a beam clamped to one rigid body that is free to move, and to two."""
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Literal
 
-import matplotlib
 import numpy as np
 import xarray
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.layout_engine import ConstrainedLayoutEngine
 
 import beammodes as bm
-from beammodes.views.symbols import GREY, ROD, SPRING, STYLE
-from studies import Progress, figure_6
-from studies.drawing import bold_title, mode_shapes, picture
-from studies.motions import repeatable
+from beammodes.views.symbols import GREY, ROD, SPRING
+from studies.common import mode_shapes, picture
 from studies.plots import label_along, method_style
-from studies.tables import csv_table, tidy_rows
+from studies.study import Kind, Progress, Sheet, Study
 
 #: The report gives its body no numbers; these are chosen: a square block as heavy as the beam, the beam
 #: clamped to the middle of one side. In units of the beam's mass and length.
 SIDE = 0.2
 BODY = bm.End(mass=1.0, rotary_inertia=SIDE**2 / 6, offset=SIDE / 2)
-BOUNDARY = bm.Boundary(BODY, bm.ENDS["free"])
-WALL = "clamped-free"
-TITLE = "Figure 3 · beam clamped to a rigid body that is free to move"
-BODIES = "the body is a square block\nof side 0.2 L, as heavy as the beam"
+ONE_BODY, TWO_BODIES = bm.Boundary(BODY, bm.ENDS["free"]), bm.Boundary(BODY, BODY)
 DRAWN, MODES = 4, 3
 RULES = ("mitiguy", "gregory")
-COLUMNS = ("held_by", *figure_6.COLUMNS[1:])
-SHAPE_COLUMNS = ("mode", "node", "position", "deflection", "exact_deflection")
+COLUMNS = (
+    "held_by",
+    "rule",
+    "segments",
+    "mode",
+    "angular_frequency",
+    "exact_angular_frequency",
+    "relative_error",
+)
 # Largest deflection drawn, in lengths of the beam.
 AMPLITUDE = 0.2
 # Where the lines of each mode are named: mitiguy, gregory, and mitiguy on walls.
 Places = tuple[tuple[float, Literal["above", "below"]], ...]
-PLACES: tuple[Places, ...] = (
+ONE_PLACES: tuple[Places, ...] = (
     ((13.5, "above"), (14.5, "above"), (14, "below")),
     ((14, "above"), (15, "below"), (13, "below")),
     ((13, "above"), (12, "above"), (14, "below")),
 )
+TWO_PLACES: tuple[Places, ...] = (
+    ((13.5, "above"), (14.5, "below"), (13, "below")),
+    ((13.5, "above"), (13, "below"), (13, "below")),
+    ((4.6, "below"), (9.5, "above"), (13, "below")),
+)
 
 
-def data(
-    progress: Progress | None = None, boundary: bm.Boundary = BOUNDARY, wall: str = WALL
-) -> xarray.Dataset:
+def data(progress: Progress, boundary: bm.Boundary, wall: str) -> xarray.Dataset:
     """Errors for N = 1..20 on free bodies and on fixed walls; mode shapes for N = 4 on free bodies."""
     tables = []
     for i, pair in enumerate((boundary, wall)):
         table = bm.error_dataset(boundary=[pair], segments=range(1, 21), modes=MODES, rule=RULES)
         tables.append(table.squeeze("boundary", drop=True))
-        if progress is not None:
-            progress(i + 1, 2)
+        progress(i + 1, 2)
     errors = xarray.concat(tables, "held_by").assign_coords(held_by=["free body", "fixed wall"])
     chain = bm.Chain(bm.Beam.unit(), boundary, DRAWN)
     return errors.merge(mode_shapes(chain, MODES))
@@ -59,37 +62,34 @@ def data(
 
 def draw(
     table: xarray.Dataset,
-    boundary: bm.Boundary = BOUNDARY,
-    title: str = TITLE,
-    bodies: str = BODIES,
-    places: tuple[Places, ...] = PLACES,
-) -> Figure:
+    figure: Figure,
+    boundary: bm.Boundary,
+    bodies: str,
+    places: tuple[Places, ...],
+) -> None:
     """The chain, its first modes over the beam's, and their errors against N."""
-    with matplotlib.rc_context(STYLE):
-        figure = Figure(figsize=(9.0, 6.6), layout=ConstrainedLayoutEngine(wspace=0.06))
-        bold_title(figure, title)
-        chain = bm.Chain(bm.Beam.unit(), boundary, DRAWN)
-        grid = figure.add_gridspec(3, MODES, height_ratios=[0.75, 1.25, 2.5])
-        _draw_system(figure.add_subplot(grid[0, :]), chain, bodies)
-        panels: list[Axes] = []
-        for column, mode in enumerate(table.mode.values):
-            one = table.sel(mode=mode)
-            _draw_mode(figure.add_subplot(grid[1, column]), chain, one)
-            first = panels[0] if panels else None
-            panels.append(figure.add_subplot(grid[2, column], sharex=first, sharey=first))
-            panels[-1].tick_params(labelleft=first is None)
-            _draw_errors(panels[-1], one)
-        panels[0].set_ylabel("frequency error  [%]")
-        panels[0].text(20.5, 130, "chain too stiff", color=GREY, ha="right", va="top", fontsize=10)
-        panels[0].text(20.5, -50, "chain too soft", color=GREY, ha="right", va="bottom", fontsize=10)
-        note = "vertical axis: signed errors, linear within ±0.1 %, logarithmic beyond"
-        figure.supxlabel(note, fontsize=10, color=GREY, x=0.99, ha="right")
-        names = ("mitiguy (report)", "gregory", "mitiguy, fixed wall" + "s" * (boundary.right == BODY))
-        for ax, where in zip(panels, places, strict=True):
-            _, still, *rules = ax.get_lines()
-            lines = zip((*rules, still), names, where, strict=True)
-            label_along(ax, [(line, name, *place) for line, name, place in lines], size=10)
-    return figure
+    figure.get_layout_engine().set(wspace=0.06)
+    chain = bm.Chain(bm.Beam.unit(), boundary, DRAWN)
+    grid = figure.add_gridspec(3, MODES, height_ratios=[0.75, 1.25, 2.5])
+    _draw_system(figure.add_subplot(grid[0, :]), chain, bodies)
+    panels: list[Axes] = []
+    for column, mode in enumerate(table.mode.values):
+        one = table.sel(mode=mode)
+        _draw_mode(figure.add_subplot(grid[1, column]), chain, one)
+        first = panels[0] if panels else None
+        panels.append(figure.add_subplot(grid[2, column], sharex=first, sharey=first))
+        panels[-1].tick_params(labelleft=first is None)
+        _draw_errors(panels[-1], one)
+    panels[0].set_ylabel("frequency error  [%]")
+    panels[0].text(20.5, 130, "chain too stiff", color=GREY, ha="right", va="top", fontsize=10)
+    panels[0].text(20.5, -50, "chain too soft", color=GREY, ha="right", va="bottom", fontsize=10)
+    note = "vertical axis: signed errors, linear within ±0.1 %, logarithmic beyond"
+    figure.supxlabel(note, fontsize=10, color=GREY, x=0.99, ha="right")
+    names = ("mitiguy (report)", "gregory", "mitiguy, fixed wall" + "s" * (boundary.right == BODY))
+    for ax, where in zip(panels, places, strict=True):
+        _, still, *rules = ax.get_lines()
+        lines = zip((*rules, still), names, where, strict=True)
+        label_along(ax, [(line, name, *place) for line, name, place in lines], size=10)
 
 
 def _draw_system(ax: Axes, chain: bm.Chain, bodies: str) -> None:
@@ -128,12 +128,39 @@ def _draw_errors(ax: Axes, one: xarray.Dataset) -> None:
     ax.minorticks_off()
 
 
-def tables(table: xarray.Dataset) -> dict[str, str]:
-    """The errors as tidy CSV, and the mode shapes, by ending of the file name."""
-    errors = table[["angular_frequency", "exact_angular_frequency", "relative_error"]]
+def _study(
+    name: str, title: str, boundary: bm.Boundary, wall: str, bodies: str, places: tuple[Places, ...]
+) -> Study:
+    words = name.replace("_", " ").capitalize()
     # At a node of symmetry a shape is zero, or rounding.
-    shapes = table[["deflection", "exact_deflection"]].map(repeatable, decimals=12)
-    return {
-        ".csv": csv_table(COLUMNS, tidy_rows(errors, COLUMNS)),
-        "_shapes.csv": csv_table(SHAPE_COLUMNS, tidy_rows(shapes, SHAPE_COLUMNS)),
-    }
+    rounded = {"deflection": Kind(decimals=12), "exact_deflection": Kind(decimals=12)}
+    return Study(
+        name=name,
+        title=f"{words} · {title} free to move",
+        caption=f"{words} of the report: a {title} free to move.",
+        data=partial(data, boundary=boundary, wall=wall),
+        draw=partial(draw, boundary=boundary, bodies=bodies, places=places),
+        sheets={
+            ".csv": Sheet(COLUMNS),
+            "_shapes.csv": Sheet(("mode", "node", "position", "deflection", "exact_deflection"), rounded),
+        },
+        size=(9.0, 6.6),
+    )
+
+
+FIGURE_3 = _study(
+    "figure_3",
+    "beam clamped to a rigid body that is",
+    ONE_BODY,
+    "clamped-free",
+    "the body is a square block\nof side 0.2 L, as heavy as the beam",
+    ONE_PLACES,
+)
+FIGURE_5 = _study(
+    "figure_5",
+    "beam clamped to two rigid bodies that are",
+    TWO_BODIES,
+    "clamped-clamped",
+    "each body is a square\nblock of side 0.2 L, as heavy as the beam",
+    TWO_PLACES,
+)
