@@ -135,7 +135,7 @@ def test_refusals(changed: dict[str, Any], error: type[Exception], message: str)
 
 
 def test_digits_that_repeat() -> None:
-    assert repeatable([123.456789123, -1e-9]).tolist() == [123.45678912, 0.0]
+    assert repeatable([123.456789123, -1e-9], 8).tolist() == [123.45678912, 0.0]
     assert str(repeatable([-1e-9], 3)[0]) == "0.0"
 
 
