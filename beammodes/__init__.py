@@ -97,11 +97,11 @@ _HOME = {
     "Load": "problem.loading",
     "MODULI": "problem.materials",
     "Modes": "vibration.modes",
-    "Normal": "batch.study_axes",
+    "Normal": "numerics.distributions",
     "RULES": "chains.rules",
     "Rectangle": "problem.sections",
     "Rule": "chains.rules",
-    "SlendernessWarning": "accuracy.error_table",
+    "SlendernessWarning": "accuracy.chain_against_beam",
     "SpectralBeamModes": "exact.spectral_beam",
     "Study": "batch.study",
     "SupportedBeamModes": "exact.supported_beam",
@@ -109,7 +109,7 @@ _HOME = {
     "TimoshenkoModes": "exact.timoshenko_beam",
     "Tolerance": "accuracy.uncertainty",
     "Tube": "problem.sections",
-    "Uniform": "batch.study_axes",
+    "Uniform": "numerics.distributions",
     "Weight": "chains.rules",
     "__version__": "version",
     "animate": "views.animation",
@@ -119,7 +119,7 @@ _HOME = {
     "beam_statics": "accuracy.statics",
     "buckling_dataset": "accuracy.buckling",
     "buckling_load": "accuracy.buckling",
-    "chain_errors": "accuracy.error_table",
+    "chain_errors": "accuracy.chain_against_beam",
     "chain_frequency": "closed_form.dispersion",
     "chain_statics": "accuracy.statics",
     "compile_equations": "equations.numeric",
@@ -152,7 +152,7 @@ _HOME = {
     "published_time_step": "vibration.stability",
     "read_chain_csv": "exporters.chain_csv",
     "recommend": "accuracy.advice",
-    "segments_needed": "accuracy.errors",
+    "segments_needed": "accuracy.segments",
     "segments_within_spread": "accuracy.uncertainty",
     "shape_dataset": "accuracy.shapes",
     "simulate": "dynamics.simulation",
@@ -163,7 +163,7 @@ _HOME = {
     "stiffness_from_deflection": "accuracy.identification",
     "stiffness_from_frequency": "accuracy.identification",
     "symbolic_energies": "equations.symbolic",
-    "theory_errors": "accuracy.error_table",
+    "theory_errors": "accuracy.chain_against_beam",
     "timoshenko": "exact.timoshenko_beam",
     "wall_spring_weight": "equations.derivation",
     "wavenumber": "exact.exact_beam",
@@ -175,18 +175,18 @@ if TYPE_CHECKING:
     from beammodes.accuracy.advice import recommend as recommend
     from beammodes.accuracy.buckling import buckling_dataset as buckling_dataset
     from beammodes.accuracy.buckling import buckling_load as buckling_load
-    from beammodes.accuracy.error_table import SlendernessWarning as SlendernessWarning
-    from beammodes.accuracy.error_table import chain_errors as chain_errors
+    from beammodes.accuracy.chain_against_beam import SlendernessWarning as SlendernessWarning
+    from beammodes.accuracy.chain_against_beam import chain_errors as chain_errors
+    from beammodes.accuracy.chain_against_beam import theory_errors as theory_errors
     from beammodes.accuracy.error_table import derived_error_dataset as derived_error_dataset
     from beammodes.accuracy.error_table import error_dataset as error_dataset
-    from beammodes.accuracy.error_table import theory_errors as theory_errors
     from beammodes.accuracy.errors import frequency_error as frequency_error
-    from beammodes.accuracy.errors import segments_needed as segments_needed
     from beammodes.accuracy.identification import stiffness_from_deflection as stiffness_from_deflection
     from beammodes.accuracy.identification import stiffness_from_frequency as stiffness_from_frequency
     from beammodes.accuracy.law import error_law as error_law
     from beammodes.accuracy.law import law_holds_from as law_holds_from
     from beammodes.accuracy.remarks import error_remarks as error_remarks
+    from beammodes.accuracy.segments import segments_needed as segments_needed
     from beammodes.accuracy.shapes import modal_assurance as modal_assurance
     from beammodes.accuracy.shapes import shape_dataset as shape_dataset
     from beammodes.accuracy.statics import beam_statics as beam_statics
@@ -201,8 +201,6 @@ if TYPE_CHECKING:
     from beammodes.batch.cases import Case as Case
     from beammodes.batch.study import Study as Study
     from beammodes.batch.study import open_study as open_study
-    from beammodes.batch.study_axes import Normal as Normal
-    from beammodes.batch.study_axes import Uniform as Uniform
     from beammodes.chains.chain import Chain as Chain
     from beammodes.chains.rods import MissedFeatureWarning as MissedFeatureWarning
     from beammodes.chains.rules import RULES as RULES
@@ -238,6 +236,8 @@ if TYPE_CHECKING:
     from beammodes.exact.timoshenko_beam import timoshenko as timoshenko
     from beammodes.exporters.chain_csv import read_chain_csv as read_chain_csv
     from beammodes.exporters.export import export_chain as export_chain
+    from beammodes.numerics.distributions import Normal as Normal
+    from beammodes.numerics.distributions import Uniform as Uniform
     from beammodes.problem.beam import Beam as Beam
     from beammodes.problem.ends import BOUNDARIES as BOUNDARIES
     from beammodes.problem.ends import ENDS as ENDS

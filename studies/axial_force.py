@@ -12,7 +12,7 @@ from matplotlib.lines import Line2D
 
 import beammodes as bm
 from beammodes.accuracy.buckling import buckling_dataset, buckling_load
-from beammodes.accuracy.error_table import chain_errors
+from beammodes.accuracy.chain_against_beam import chain_errors
 from beammodes.chains.rules import AnyRule, axially_corrected
 from beammodes.problem.loading import Load
 from beammodes.views.symbols import COLOURS, GREY

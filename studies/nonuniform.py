@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 import beammodes as bm
-from beammodes.accuracy.error_table import chain_errors
+from beammodes.accuracy.chain_against_beam import chain_errors
 from beammodes.problem.profiles import Table, value_at
 from beammodes.views.symbols import COLOURS, GREY
 from studies.plots import label_along, method_style

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import beammodes as bm
-from beammodes.accuracy.error_table import chain_errors
+from beammodes.accuracy.chain_against_beam import chain_errors
 from beammodes.accuracy.errors import frequency_error
 from beammodes.auditing.audit import Audit, _by_all_modes, _by_search, audit_chain
 from beammodes.auditing.judged_pieces import UNKNOWN, JudgedPieces

@@ -15,7 +15,7 @@ from typing import Any
 import pytest
 
 from beammodes.__main__ import main
-from beammodes.accuracy.error_table import chain_errors
+from beammodes.accuracy.chain_against_beam import chain_errors
 from beammodes.chains.chain import Chain
 from beammodes.command_line.commands import COMMANDS
 from beammodes.command_line.options import BEAM as BEAM_OPTIONS

@@ -9,9 +9,10 @@ import pytest
 import scipy.stats
 
 import beammodes as bm
-from beammodes.batch.study_axes import uniform_samples
+from beammodes.numerics.distributions import draw
 
 COUNT = 20_000
+UNIT = bm.Uniform(0.0, 1.0)
 
 
 @pytest.mark.parametrize(
@@ -24,7 +25,7 @@ COUNT = 20_000
 )
 def test_samples_follow_their_law(distribution: bm.Normal | bm.Uniform, law: object) -> None:
     # The second route is SciPy's; 0.015 is where Kolmogorov's statistic of 20,000 samples is one of 4000.
-    values = distribution.quantile(uniform_samples(3, "height", 0, COUNT))
+    values = draw(distribution, 3, "height", 0, COUNT)
     assert scipy.stats.kstest(values, law.cdf).statistic < 0.015  # type: ignore[attr-defined]
     low, high = distribution.bounds
     assert low <= values.min() and values.max() <= high
@@ -34,16 +35,16 @@ def test_samples_follow_their_law(distribution: bm.Normal | bm.Uniform, law: obj
 
 
 def test_streams_are_independent_and_repeat() -> None:
-    one, two, other = (uniform_samples(s, n, 0, COUNT) for s, n in ((3, "a"), (3, "b"), (4, "a")))
-    assert (one == uniform_samples(3, "a", 0, COUNT)).all()
+    one, two, other = (draw(UNIT, s, n, 0, COUNT) for s, n in ((3, "a"), (3, "b"), (4, "a")))
+    assert (one == draw(UNIT, 3, "a", 0, COUNT)).all()
     # Of independent samples the correlation has a standard deviation of 1/sqrt(COUNT) = 0.007.
     assert max(abs(np.corrcoef(pair)[0, 1]) for pair in ((one, two), (one, other))) < 0.035
     assert abs(np.corrcoef(one[:-1], one[1:])[0, 1]) < 0.035
     for start, stop in ((0, 1), (4, 5), (17, 400), (COUNT - 3, COUNT)):
-        assert (uniform_samples(3, "a", start, stop) == one[start:stop]).all()
+        assert (draw(UNIT, 3, "a", start, stop) == one[start:stop]).all()
     assert len(np.unique(one)) == COUNT
     assert one.min() > 0.0 and one.max() < 1.0
-    assert (uniform_samples(2**64 - 1, "a", 2**40, 2**40 + 2) > 0).all()
+    assert (draw(UNIT, 2**64 - 1, "a", 2**40, 2**40 + 2) > 0).all()
 
 
 @pytest.mark.parametrize(

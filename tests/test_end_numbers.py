@@ -10,9 +10,11 @@ import numpy as np
 import pytest
 
 import beammodes as bm
-from beammodes.accuracy.error_table import chain_errors, error_dataset
-from beammodes.accuracy.errors import frequency_error, segments_needed
-from beammodes.accuracy.grids import NUMBERS, in_beam_units
+from beammodes.accuracy.beam_units import NUMBERS, in_beam_units
+from beammodes.accuracy.chain_against_beam import chain_errors
+from beammodes.accuracy.error_table import error_dataset
+from beammodes.accuracy.errors import frequency_error
+from beammodes.accuracy.segments import segments_needed
 from beammodes.chains.chain import Chain
 from beammodes.exact.beam_theory import euler_bernoulli
 from beammodes.problem.beam import Beam

@@ -18,7 +18,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from beammodes.accuracy.error_table import chain_errors
+from beammodes.accuracy.chain_against_beam import chain_errors
 from beammodes.auditing.audit_model import audit_file
 from beammodes.chains.chain import Chain
 from beammodes.exporters.export import export_chain

@@ -335,12 +335,12 @@ def test_many_modes_are_sought_in_bounded_memory(monkeypatch: pytest.MonkeyPatch
     # Every N up to 40 times the highest mode is looked at, in all modes: 144,000 errors here.
     import tracemalloc
 
-    from beammodes.accuracy import errors
+    from beammodes.accuracy import segments
 
     def sought(block: int) -> tuple[int, int]:
-        monkeypatch.setattr(errors, "_BLOCK", block)
+        monkeypatch.setattr(segments, "_BLOCK", block)
         tracemalloc.start()
-        needed = errors.segments_needed("clamped-free", 0.01, 60)
+        needed = segments.segments_needed("clamped-free", 0.01, 60)
         peak = tracemalloc.get_traced_memory()[1]
         tracemalloc.stop()
         return needed, peak
@@ -352,7 +352,7 @@ def test_many_modes_are_sought_in_bounded_memory(monkeypatch: pytest.MonkeyPatch
     # The definition, one N at a time.
     modes = np.arange(1, 61)
     worst = [
-        np.abs(errors.frequency_error("clamped-free", segments=n, mode=modes)).max()
+        np.abs(bm.frequency_error("clamped-free", segments=n, mode=modes)).max()
         for n in range(needed - 1, 400)
     ]
     assert worst[0] > 0.01 or np.isnan(worst[0])
@@ -360,7 +360,7 @@ def test_many_modes_are_sought_in_bounded_memory(monkeypatch: pytest.MonkeyPatch
     with pytest.raises(
         ValueError, match="modes must be a whole number of at least 1 and at most 1000, got 1001"
     ):
-        errors.segments_needed("clamped-free", 0.01, 1001)
+        segments.segments_needed("clamped-free", 0.01, 1001)
 
 
 @pytest.mark.parametrize("mode", [1, 5, 10**6])

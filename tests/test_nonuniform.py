@@ -15,7 +15,7 @@ from computed_studies import computed
 from numpy.typing import NDArray
 
 import beammodes as bm
-from beammodes.accuracy.error_table import SlendernessWarning, chain_errors, theory_errors
+from beammodes.accuracy.chain_against_beam import SlendernessWarning, chain_errors, theory_errors
 from beammodes.chains.rods import profile_weights
 from beammodes.chains.rules import RULES, AnyRule
 from beammodes.chains.units import ExactUnits

@@ -18,7 +18,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.integrate import quad
 
-from beammodes.accuracy.error_table import SlendernessWarning, chain_errors, theory_errors
+from beammodes.accuracy.chain_against_beam import SlendernessWarning, chain_errors, theory_errors
 from beammodes.accuracy.statics import beam_statics
 from beammodes.chains.chain import Chain
 from beammodes.checks import shown

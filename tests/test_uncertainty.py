@@ -134,6 +134,27 @@ def test_the_same_seed_gives_the_same_numbers() -> None:
     assert bm.Boundary.of(one.attrs["boundary"]) == bm.Boundary.of("clamped-free")
 
 
+def test_a_study_draws_the_same_beams() -> None:
+    sizes = {"height": bm.Tolerance(0.02), "elastic_modulus": bm.Tolerance(0.03, "normal")}
+    levels, seed = [0.0, 0.1, 0.5, 1.0], 11
+    spread = spread_of(sizes, samples=300, seed=seed, quantiles=levels, modes=2)
+    nominal = {"width": BAR.width, "height": BAR.height, **STEEL}
+    drawn = nominal | {name: part.around(nominal[name]) for name, part in sizes.items()}
+    study = bm.Study.sampled(
+        300,
+        seed=seed,
+        boundary="clamped-free",
+        segments=1,
+        mode=[1, 2],
+        section="rectangle",
+        compute="exact_angular_frequency",
+        **drawn,
+    )
+    hertz = study.run(progress=False).exact_angular_frequency.sel(mode=1) / (2 * math.pi)
+    found = np.quantile(hertz, levels)
+    np.testing.assert_allclose(spread.frequency_quantile.sel(mode=1), found, rtol=1e-12)
+
+
 def test_progress_is_told() -> None:
     told: list[tuple[int, int]] = []
     spread_of({"height": 0.02}, samples=250, progress=lambda done, total: told.append((done, total)))

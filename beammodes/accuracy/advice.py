@@ -9,14 +9,15 @@ from typing import NamedTuple
 
 import numpy as np
 
-from beammodes.accuracy.errors import (
+from beammodes.accuracy.errors import frequency_error
+from beammodes.accuracy.remarks import error_remarks
+from beammodes.accuracy.segments import (
     MAX_MODES_SOUGHT,
     ToleranceOutOfReach,
-    frequency_error,
+    first_lasting_upwards,
     segments_needed,
     solved_grid,
 )
-from beammodes.accuracy.remarks import error_remarks
 from beammodes.accuracy.statics import LOADS, beam_statics, chain_statics
 from beammodes.chains.chain import Chain
 from beammodes.chains.rules import RULES, AnyRule, Layout, layout_of
@@ -130,7 +131,8 @@ def recommend(
 
     Examples
     --------
-    >>> for way in recommend("clamped-free", tolerance=0.01, modes=3)[:3]:
+    >>> import beammodes as bm
+    >>> for way in bm.recommend("clamped-free", tolerance=0.01, modes=3)[:3]:
     ...     print(way.rule, way.segments, f"{way.static_error['tip_moment']:+.4f}")
     gregory 8 -0.0026
     half_stub_corrected 9 +0.0010
@@ -221,15 +223,11 @@ class _Judge(NamedTuple):
         """Return the N from which errors stay in bounds; raises ToleranceOutOfReach."""
         if self.beam.is_uniform and not self.beam.has_rotary_inertia:
             return segments_needed(self.boundary, self.tolerance, self.modes, record, beam=self.beam)
-        grid, needed = solved_grid(self.modes), 0
-        for count in grid.tolist():
-            if not (np.abs(self.errors(record, count)) <= self.tolerance).all():
-                needed = 0
-            elif not needed:
-                needed = count
-            elif count > 3 * needed:
-                break
-        if not needed:
+        grid = solved_grid(self.modes)
+        needed = first_lasting_upwards(
+            lambda count: not (np.abs(self.errors(record, count)) <= self.tolerance).all(), grid, ahead=3
+        )
+        if needed is None:
             raise ToleranceOutOfReach(
                 f"tolerance must be larger: with rule {record.name} and {self.modes} modes no chain of up to "
                 f"{grid[-1]} segments of this beam stays within {shown(self.tolerance)}"

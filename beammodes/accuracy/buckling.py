@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, overload
 
 import numpy as np
 
-from beammodes.accuracy.grids import ChainGrid
+from beammodes.accuracy.error_table import ChainGrid, labelled
 from beammodes.chains.chain import Chain
 from beammodes.chains.pieces import MAX_PIECES
 from beammodes.chains.rules import AnyRule
@@ -16,7 +16,6 @@ from beammodes.checks import shown
 from beammodes.numerics.arrays import Floats
 from beammodes.problem.beam import Beam
 from beammodes.problem.ends import Boundary, BoundaryLike
-from beammodes.version import SOURCE
 from beammodes.vibration.modes import MAX_DENSE
 from beammodes.vibration.spectrum import FlexibilityForm, flexibility_form
 
@@ -57,10 +56,11 @@ def buckling_load(structure: Beam | Chain, boundary: BoundaryLike | None = None)
 
     Examples
     --------
-    >>> buckling_load(Beam.unit(), "pinned-pinned") - np.pi**2
+    >>> import beammodes as bm
+    >>> bm.buckling_load(bm.Beam.unit(), "pinned-pinned") - np.pi**2
     0.0
-    >>> chain = Chain(Beam.unit(), "pinned-pinned", segments=4, rule="double_wall")
-    >>> bool(abs(buckling_load(chain) / (64 * np.sin(np.pi / 8) ** 2) - 1) < 1e-14)      # Hencky's own
+    >>> chain = bm.Chain(bm.Beam.unit(), "pinned-pinned", segments=4, rule="double_wall")
+    >>> bool(abs(bm.buckling_load(chain) / (64 * np.sin(np.pi / 8) ** 2) - 1) < 1e-14)      # Hencky's own
     True
     """
     if isinstance(structure, Chain):
@@ -115,33 +115,29 @@ def buckling_dataset(
 
     Examples
     --------
-    >>> table = buckling_dataset(boundary="clamped-free", segments=[10, 20], rule=["double_wall", "gregory"])
+    >>> import beammodes as bm
+    >>> rules = ["double_wall", "gregory"]
+    >>> table = bm.buckling_dataset(boundary="clamped-free", segments=[10, 20], rule=rules)
     >>> table.relative_error.squeeze().values.round(6)
     array([[-0.002054, -0.000514],
            [-0.00212 , -0.000524]])
     """
-    import xarray
-
-    grid = ChainGrid.of(boundary, segments, rule, MAX_PIECES, beam)
+    grid = ChainGrid.of(boundary, segments, rule, MAX_PIECES, beam).canonical
     exact = np.array([buckling_load(grid.beam, pair) for pair in grid.boundaries])
     load = np.full(grid.shape, np.nan)
     for index, chain in grid.chains():
         load[index] = buckling_load(chain) if chain.elastic_modes else np.nan
-    dims = ("rule", "boundary", "segments")
-    units = {"units": "EI / L^2" if grid.beam == Beam.unit() else "N"}
+    units = "EI / L^2" if grid.beam == Beam.unit() else "N"
     exact_load = np.where(np.isnan(load), np.nan, exact[None, :, None])
-    return xarray.Dataset(
+    return labelled(
+        ("rule", "boundary", "segments"),
         {
-            "buckling_load": (dims, load, {"long_name": "buckling load of the chain", **units}),
-            "exact_buckling_load": (dims, exact_load, {"long_name": "buckling load of the beam", **units}),
-            "relative_error": (
-                dims,
-                load / exact_load - 1,
-                {"long_name": "relative error of the buckling load", "units": "1"},
-            ),
+            "buckling_load": (load, "buckling load of the chain", units),
+            "exact_buckling_load": (exact_load, "buckling load of the beam", units),
+            "relative_error": (load / exact_load - 1, "relative error of the buckling load", "1"),
         },
-        coords=grid.coordinates(),
-        attrs={"source": SOURCE, "route": "flexibility form"},
+        grid.coordinates(),
+        "flexibility form",
     )
 
 

@@ -1,28 +1,24 @@
-"""Frequency errors of many chains as one labelled table."""
+"""Labelled tables of chains: their axes, and the tables of frequency errors."""
 
 from __future__ import annotations
 
-import warnings
-from collections.abc import Callable, Iterable, Mapping
-from contextlib import suppress
-from typing import TYPE_CHECKING
+from collections.abc import Iterable, Iterator, Mapping
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from beammodes.accuracy.errors import MAX_MODES, beam_frequencies, errors_in_multiples
-from beammodes.accuracy.grids import EndNumbers, listed, looked_up
+from beammodes.accuracy.beam_units import BEAM_NUMBERS, NUMBERS, looked_up, with_numbers
+from beammodes.accuracy.errors import MAX_MODES, errors_in_multiples, exact_frequencies
 from beammodes.chains.chain import Chain
 from beammodes.chains.rules import AnyRule, Layout, layout_of
-from beammodes.checks import shown, whole_number
+from beammodes.checks import bounded, choice, shown, whole_number
 from beammodes.closed_form.uniform import MAX_SEGMENTS
-from beammodes.exact.beam_theory import euler_bernoulli
-from beammodes.exact.exact_beam import wavenumber
-from beammodes.exact.timoshenko_beam import MOST_MODES, theory_error_of
 from beammodes.numerics.arrays import Floats
 from beammodes.problem.beam import Beam
-from beammodes.problem.ends import Boundary, BoundaryLike
+from beammodes.problem.ends import Boundary, BoundaryLike, is_pair
 from beammodes.problem.loading import Load, checked_load
+from beammodes.progress import Progress
 from beammodes.version import SOURCE
 from beammodes.vibration.linear import linearize
 from beammodes.vibration.modes import solve_modes
@@ -31,15 +27,132 @@ if TYPE_CHECKING:
     import xarray
 
 __all__ = [
-    "SlendernessWarning",
-    "chain_errors",
+    "MAX_VALUES",
+    "ROUTES_AGREE",
+    "ChainGrid",
     "derived_error_dataset",
     "error_dataset",
-    "exact_frequencies",
-    "labelled_errors",
-    "stout_remark",
-    "theory_errors",
+    "labelled",
+    "listed",
+    "stands_alone",
 ]
+
+#: Values of one axis of a table: each is looked at by itself.
+MAX_VALUES = 10**6
+
+#: Relative disagreement of two routes that cannot be rounding.
+ROUTES_AGREE = 1e-10
+
+#: Segments of a chain that is derived in symbols; more would take hours.
+MAX_DERIVED = 100
+
+
+def stands_alone(value: Any, single: tuple[type, ...]) -> bool:
+    """Return whether `value` is one value and not several: no iterable, or an instance of `single`.
+
+    Where `single` names tuples, for boundaries, a pair of ends is one value, as a tuple or as a list.
+
+    Examples
+    --------
+    >>> from beammodes.problem.ends import BOUNDARIES
+    >>> pairs = (("clamped", "free"), ["clamped", "free"], ("clamped-free", "free-free"), BOUNDARIES)
+    >>> [stands_alone(pair, (str, tuple)) for pair in pairs]
+    [True, True, False, False]
+    """
+    if tuple in single and isinstance(value, tuple | list):
+        return is_pair(value)
+    return isinstance(value, single) or not isinstance(value, Iterable)
+
+
+def listed(name: str, value: Any, single: tuple[type, ...]) -> list[Any]:
+    """Return `value` as a list; one that is an instance of `single` stands alone.
+
+    Raises
+    ------
+    ValueError
+        If it is empty, or has more than `MAX_VALUES`.
+
+    Examples
+    --------
+    >>> listed("rule", "naive", (str,)), listed("segments", range(3), (str,))
+    (['naive'], [0, 1, 2])
+    """
+    items = [value] if stands_alone(value, single) else bounded(name, value, most=MAX_VALUES)
+    if not items:
+        raise ValueError(f"{name} must name at least one value, got none")
+    return items
+
+
+class ChainGrid(NamedTuple):
+    """Rules, pairs of ends and segment counts, the first dimensions of a table, and their beam."""
+
+    rules: list[Layout]
+    boundaries: list[Boundary]
+    segments: list[int]
+    beam: Beam
+
+    @classmethod
+    def of(cls, boundary: Any, segments: Any, rule: Any, most: int, beam: Beam | None = None) -> ChainGrid:
+        """Return the grid of one or an iterable of each, of at most so many segments.
+
+        Numbers of ends are in the units of `beam`; without one they are multiples of ρA L, EI/L and so on.
+        """
+        if beam is not None and not isinstance(beam, Beam):
+            raise TypeError(f"beam must be a Beam or None, got {shown(beam)}")
+        return cls(
+            [layout_of(name) for name in listed("rule", rule, (str, Layout))],
+            [Boundary.of(pair) for pair in listed("boundary", boundary, (str, Boundary, tuple))],
+            [whole_number("segments", n, most=most) for n in listed("segments", segments, (str,))],
+            Beam.unit() if beam is None else beam,
+        )
+
+    @property
+    def canonical(self) -> ChainGrid:
+        """The grid with the firmer end of each pair first."""
+        return self._replace(boundaries=[pair.canonical for pair in self.boundaries])
+
+    @property
+    def shape(self) -> tuple[int, int, int]:
+        """How many of each."""
+        return len(self.rules), len(self.boundaries), len(self.segments)
+
+    def coordinates(self, modes: int = 0) -> dict[str, Any]:
+        """Return the coordinates as xarray takes them, and that of the first modes."""
+        mode = {"mode": ("mode", np.arange(1, modes + 1), {"long_name": "elastic mode", "units": "1"})}
+        return {
+            "rule": [record.name for record in self.rules],
+            "boundary": [pair.name for pair in self.boundaries],
+            "segments": ("segments", self.segments, {"long_name": "number of rigid segments", "units": "1"}),
+        } | (mode if modes else {})
+
+    def chains(self) -> Iterator[tuple[tuple[int, int, int], Chain]]:
+        """Yield indices and chains of the beam, leaving out those whose springs are not positive."""
+        for i, j, k in np.ndindex(self.shape):
+            try:
+                chain = Chain(self.beam, self.boundaries[j], self.segments[k], self.rules[i])
+            except ValueError:
+                # No positive springs for this boundary and N.
+                continue
+            yield (i, j, k), chain
+
+
+def labelled(
+    dims: tuple[str, ...],
+    variables: Mapping[str, tuple[Floats, str, str]],
+    coordinates: Mapping[str, Any],
+    route: str,
+) -> xarray.Dataset:
+    """Return variables, each with its values, long name and unit, as a Dataset that names its source."""
+    import xarray
+
+    return xarray.Dataset(
+        {
+            name: (dims, values, {"long_name": long_name, "units": units})
+            for name, (values, long_name, units) in variables.items()
+        },
+        coords=coordinates,
+        attrs={"source": SOURCE, "route": route},
+    )
 
 
 def error_dataset(
@@ -86,126 +199,84 @@ def error_dataset(
 
     Examples
     --------
-    >>> table = error_dataset(boundary="clamped-free", segments=range(1, 4), modes=2)
+    >>> import beammodes as bm
+    >>> table = bm.error_dataset(boundary="clamped-free", segments=range(1, 4), modes=2)
     >>> table.relative_error.sel(mode=1).squeeze().values.round(5)
     array([-0.14676, -0.03366, -0.01443])
     >>> masses = {"right_mass": [0.0, 0.5, 1.0]}
-    >>> dict(error_dataset(boundary="clamped-free", segments=8, modes=1, over=masses).sizes)
+    >>> dict(bm.error_dataset(boundary="clamped-free", segments=8, modes=1, over=masses).sizes)
     {'rule': 1, 'boundary': 1, 'right_mass': 3, 'segments': 1, 'mode': 1}
     """
-    pairs = [Boundary.of(pair) for pair in listed("boundary", boundary, (str, Boundary, tuple))]
-    numbers, pull = EndNumbers(over), checked_load(load)
+    between, pull = _numbers_over(over), checked_load(load)
     looked_up("clamped-free", pull, beam)
-    pairs = pairs if numbers.values else [pair.canonical for pair in pairs]
-    records = [layout_of(name) for name in listed("rule", rule, (str, Layout))]
-    counts = [whole_number("segments", n, most=MAX_SEGMENTS) for n in listed("segments", segments, (str,))]
-    mode = np.arange(1, whole_number("modes", modes, most=MAX_MODES) + 1)
-    exact = np.empty((len(pairs), *numbers.shape, len(mode)))
-    error = np.empty((len(records), len(pairs), *numbers.shape, len(counts), len(mode)))
-    for p, pair in enumerate(pairs):
-        for index, given, given_force in numbers.cases(pair, pull):
-            # Those of `over` are multiples without a beam, as numbers of ends are.
-            ends, force = looked_up(given, given_force, beam) if beam is not None else (given, given_force)
-            exact[(p, *index)] = exact_frequencies(ends, mode, force)
-            for r, record in enumerate(records):
-                error[(r, p, *index)] = errors_in_multiples(
-                    ends, np.array(counts)[:, None], mode, record, force
-                )
-    exact *= 1.0 if beam is None else beam.frequency_unit
-    return labelled_errors(
-        [record.name for record in records],
-        [pair.name for pair in pairs],
-        counts,
-        angular_frequency=exact[None, ..., None, :] * (1 + error),
-        exact=exact,
-        error=error,
-        route="closed form",
-        over=numbers,
-        beam=None if beam == Beam.unit() else beam,
-    )
+    grid = ChainGrid.of(boundary, segments, rule, MAX_SEGMENTS, beam)
+    grid = grid if between else grid.canonical
+    mode, counts = np.arange(1, whole_number("modes", modes, most=MAX_MODES) + 1), np.array(grid.segments)
+    sizes = tuple(map(len, between.values()))
+    exact = np.empty((len(grid.boundaries), *sizes, len(mode)))
+    error = np.empty((len(grid.rules), len(grid.boundaries), *sizes, len(counts), len(mode)))
+    for p, *index in np.ndindex(exact.shape[:-1]):
+        chosen = {name: values[i] for (name, values), i in zip(between.items(), index, strict=True)}
+        ends, force = with_numbers(grid.boundaries[p], pull, chosen)
+        if beam is not None:
+            ends, force = looked_up(ends, force, beam)
+        exact[p, *index] = exact_frequencies(ends, mode, force)
+        for r, record in enumerate(grid.rules):
+            error[r, p, *index] = errors_in_multiples(ends, counts[:, None], mode, record, force)
+    own = grid.beam == Beam.unit()
+    exact *= 1.0 if own else grid.beam.frequency_unit
+    omega = exact[None, ..., None, :] * (1 + error)
+    return _errors_labelled(grid, omega, exact, error, route="closed form", own=own, between=between)
 
 
-def exact_frequencies(boundary: Boundary, mode: NDArray[np.intp], load: Load) -> Floats:
-    """Return the beam's angular frequencies of these modes, for L = EI = ρA = 1.
-
-    Examples
-    --------
-    >>> exact_frequencies(Boundary.of("pinned-pinned"), np.array([2]), Load()) == (2 * np.pi) ** 2
-    array([ True])
-    """
-    if boundary.is_plain and load == Load():
-        return np.asarray(wavenumber(boundary, mode)) ** 2
-    return beam_frequencies(boundary, int(mode.max()), load)[mode - 1]
+def _numbers_over(over: Mapping[str, Iterable[float]] | None) -> dict[str, list[float]]:
+    if over is not None and not isinstance(over, Mapping):
+        raise TypeError(f"over must map names to numbers, got {shown(over)}")
+    return {
+        choice("over", name, NUMBERS): listed(name, values, (str,)) for name, values in (over or {}).items()
+    }
 
 
-def labelled_errors(
-    rules: list[str],
-    boundaries: list[str],
-    segments: list[int],
-    *,
-    angular_frequency: Floats,
+def _errors_labelled(
+    grid: ChainGrid,
+    omega: Floats,
     exact: Floats,
     error: Floats,
+    *,
     route: str,
-    over: EndNumbers | None = None,
-    beam: Beam | None = None,
+    own: bool = True,
+    between: Mapping[str, list[float]] = MappingProxyType({}),
 ) -> xarray.Dataset:
     """Return frequencies and errors as the Dataset that `error_dataset` describes.
 
     Parameters
     ----------
-    rules, boundaries, segments : list
-        Coordinates of the first three dimensions; modes count from 1.
-    angular_frequency, error : ndarray, shape (rules, boundaries, ..., segments, modes)
+    omega, error : ndarray, shape (rules, boundaries, ..., segments, modes)
         Of the chains.
     exact : ndarray, shape (boundaries, ..., modes)
         Of the beam.
-    route : str
-        How the frequencies were computed; kept as an attribute.
-    over : EndNumbers, optional
-        What the dimensions in between are.
-    beam : Beam, optional
-        In whose units frequencies and numbers are; multiples of its own without one.
     """
-    import xarray
-
-    between = over or EndNumbers(None)
-    dims = ("rule", "boundary", *between.values, "segments", "mode")
+    unit = "sqrt(EI / (rhoA L^4))" if own else "rad / s"
     exact = np.broadcast_to(exact[None, ..., None, :], error.shape)
-    frequency = {"units": "sqrt(EI / (rhoA L^4))" if beam is None else "rad / s"}
-    return xarray.Dataset(
+    numbers = NUMBERS if own else BEAM_NUMBERS
+    over = {
+        name: (name, values, {"long_name": name.replace("_", " "), "units": numbers[name]})
+        for name, values in between.items()
+    }
+    return labelled(
+        ("rule", "boundary", *between, "segments", "mode"),
         {
-            "angular_frequency": (
-                dims,
-                angular_frequency,
-                {"long_name": "angular frequency of the chain", **frequency},
-            ),
+            "angular_frequency": (omega, "angular frequency of the chain", unit),
             "exact_angular_frequency": (
-                dims,
                 np.where(np.isnan(error), np.nan, exact),
-                {"long_name": "angular frequency of the Euler-Bernoulli beam", **frequency},
+                "angular frequency of the Euler-Bernoulli beam",
+                unit,
             ),
-            "relative_error": (
-                dims,
-                error,
-                {"long_name": "relative frequency error of the chain", "units": "1"},
-            ),
+            "relative_error": (error, "relative frequency error of the chain", "1"),
         },
-        coords={
-            "rule": rules,
-            "boundary": boundaries,
-            **between.coordinates(beam),
-            "segments": ("segments", segments, {"long_name": "number of rigid segments", "units": "1"}),
-            "mode": ("mode", np.arange(1, error.shape[-1] + 1), {"long_name": "elastic mode", "units": "1"}),
-        },
-        attrs={"source": SOURCE, "route": route},
+        grid.coordinates(error.shape[-1]) | over,
+        route,
     )
-
-
-#: Relative disagreement of two routes that cannot be rounding.
-ROUTES_AGREE = 1e-10
-#: Segments of a chain that is derived in symbols; more would take hours.
-MAX_DERIVED = 100
 
 
 def derived_error_dataset(
@@ -214,7 +285,7 @@ def derived_error_dataset(
     segments: Iterable[int],
     modes: int,
     rule: AnyRule = "mitiguy",
-    progress: Callable[[int, int], None] | None = None,
+    progress: Progress | None = None,
 ) -> xarray.Dataset:
     """Return the errors of a rule by the report's route, `derive_chain`, as in its Figures 6 and 7.
 
@@ -249,25 +320,18 @@ def derived_error_dataset(
     >>> table.relative_error.sel(mode=1).squeeze().values.round(5)
     array([-0.14676, -0.03366])
     """
-    pair, record = Boundary.of(boundary).canonical, layout_of(rule)
-    counts = [whole_number("segments", n, most=MAX_DERIVED) for n in listed("segments", segments, (str,))]
-    exact = np.asarray(wavenumber(pair, np.arange(1, whole_number("modes", modes, most=MAX_MODES) + 1))) ** 2
-    omega, worst = np.full((len(counts), modes), np.nan), 0.0
-    for i, count in enumerate(counts):
-        found, disagreement = _by_three_routes(Chain(Beam.unit(), pair, count, record))
+    grid = ChainGrid.of(Boundary.of(boundary), segments, layout_of(rule), MAX_DERIVED).canonical
+    mode = np.arange(1, whole_number("modes", modes, most=MAX_MODES) + 1)
+    exact = exact_frequencies(grid.boundaries[0], mode, Load())
+    omega, worst = np.full((*grid.shape, len(mode)), np.nan), 0.0
+    for i, count in enumerate(grid.segments):
+        found, disagreement = _by_three_routes(Chain(grid.beam, grid.boundaries[0], count, grid.rules[0]))
         worst = max(worst, disagreement)
-        omega[i, : min(modes, len(found))] = found[:modes]
+        omega[0, 0, i, : min(len(mode), len(found))] = found[: len(mode)]
         if progress is not None:
-            progress(i + 1, len(counts))
-    table = labelled_errors(
-        [record.name],
-        [pair.name],
-        counts,
-        angular_frequency=omega[None, None],
-        exact=exact[None],
-        error=(omega / exact - 1)[None, None],
-        route="SymPy: nonlinear equations of motion, linearized",
-    )
+            progress(i + 1, len(grid.segments))
+    route = "SymPy: nonlinear equations of motion, linearized"
+    table = _errors_labelled(grid, omega, exact[None], omega / exact - 1, route=route)
     return table.assign_attrs(disagreement=worst)
 
 
@@ -287,173 +351,3 @@ def _by_three_routes(chain: Chain) -> tuple[Floats, float]:
     if not apart < ROUTES_AGREE:
         raise ArithmeticError(f"routes disagree for {chain!r}: {derived}, {others}")
     return derived, apart
-
-
-# A chain beside the beam that it stands for, and beside what Euler-Bernoulli theory itself leaves out.
-
-#: More modes than any chain has whose frequencies are all solved for.
-MOST_ERRORS = 100_000
-
-
-class SlendernessWarning(UserWarning):
-    """The beam is so stout that Euler-Bernoulli theory errs more on it than the chain errs on the theory."""
-
-
-#: Errors of the theory below this are not told: no beam's stiffness and mass are known so well.
-LEAST_TOLD = 1e-3
-
-
-def chain_errors(chain: Chain, modes: int = 3, *, load: Load | None = None) -> Floats:
-    """Return the relative frequency errors of a chain against its own exact beam.
-
-        e = ω_chain / ω_beam - 1
-
-    For any beam, ends and axial force; both frequencies are solved for, so e is good to 1e-10 absolute, or
-    1e-12 on a uniform beam. `frequency_error` is quicker and keeps more digits where it applies.
-
-    Parameters
-    ----------
-    chain : Chain
-        One with a beam, not from pieces.
-    modes : int
-        How many, from the first.
-    load : Load, optional
-        An axial force.
-
-    Returns
-    -------
-    ndarray, shape (modes,) [-]
-        NaN beyond the chain's last mode.
-
-    Warns
-    -----
-    SlendernessWarning
-        If the beam's section is known, from `Beam.from_section` or by its rotary inertia, and `theory_errors`
-        are larger than these errors and than 0.1 %.
-
-    Raises
-    ------
-    TypeError, ValueError
-        If an argument is not of its kind, the chain has no beam, or the axial force buckles it.
-
-    Examples
-    --------
-    >>> taper = Beam(1.0, bending_stiffness=lambda x: (1 - x / 2) ** 3, mass_per_length=lambda x: 1 - x / 2)
-    >>> chain_errors(Chain(taper, "clamped-free", segments=20, rule="gregory"), modes=2).round(6)
-    array([0.0e+00, 2.5e-05])
-    """
-    if not isinstance(chain, Chain):
-        raise TypeError(f"chain must be a Chain, got {shown(chain)}")
-    if chain.beam is None:
-        raise ValueError("chain must have a beam to be compared with; one from pieces has none")
-    count = whole_number("modes", modes, most=MAX_MODES)
-    found = solve_modes(linearize(chain, load=load), count).angular_frequency
-    errors = np.full(count, np.nan)
-    if len(found):
-        exact = euler_bernoulli(chain.beam, chain.boundary, len(found), load=load)
-        errors[: len(found)] = found / exact.angular_frequency - 1
-        # A load that the stiffer theory bears may buckle the softer one, which then has nothing to compare.
-        with suppress(ValueError, ArithmeticError):
-            _warn_if_stout(errors[: len(found)], exact.theory_error, exact.theory_assumed)
-    return errors
-
-
-def theory_errors(
-    beam: Beam,
-    boundary: BoundaryLike,
-    modes: int = 3,
-    *,
-    radius_of_gyration: float | None = None,
-    shear_ratio: float | None = None,
-    load: Load | None = None,
-) -> Floats:
-    """Return how much lower a real beam's frequencies are than this beam's, which neglects shear.
-
-        ω_Timoshenko / ω_beam - 1
-
-    of the n-th modes, both solved for. What a chain of this beam has beside its own error e: against the real
-    beam it errs by (1 + e)/(1 + this) - 1, which more segments bring no lower than this.
-
-    Parameters
-    ----------
-    beam : Beam
-        Its own rotary inertia, where it has one, is in both frequencies.
-    boundary : str, pair or Boundary
-    modes : int
-        How many, from the first, 1 to 100.
-    radius_of_gyration : float [m], optional
-        r = √(I/A) of the section; the beam's own, or √(ρI/ρA), by default.
-    shear_ratio : float, optional
-        E/(κG), for κGA = EI/(r² E/(κG)). The beam's own shear stiffness by default, and where it has none
-        3.12, a rectangle's with Poisson's ratio 0.3.
-    load : Load, optional
-        One that leaves the beam straight.
-
-    Returns
-    -------
-    ndarray, shape (modes,) [-]
-        NaN for modes beyond Timoshenko's cut-off frequency √(κGA/ρI): from there on modes of shear lie among
-        those of bending, and n-th modes are not of one kind.
-
-    Raises
-    ------
-    TypeError, ValueError
-        If an argument is not of its kind, or no radius of gyration is known.
-
-    Examples
-    --------
-    >>> theory_errors(Beam.unit(), "pinned-pinned", 2, radius_of_gyration=0.02).round(4)
-    array([-0.008 , -0.0307])
-    """
-    if not isinstance(beam, Beam):
-        raise TypeError(f"beam must be a Beam, got {shown(beam)}")
-    count, pull = whole_number("modes", modes, most=MOST_MODES), checked_load(load)
-    omega = euler_bernoulli(beam, boundary, count, load=load).angular_frequency
-    errors = theory_error_of(beam, Boundary.of(boundary), pull, omega, radius_of_gyration, shear_ratio)
-    if errors is None:
-        raise ValueError(
-            "radius_of_gyration must be given for a beam that has neither one nor a rotary inertia, "
-            "got None; Beam.from_section knows it"
-        )
-    return errors
-
-
-def _warn_if_stout(errors: Floats, theory: Floats, assumed: tuple[str, ...]) -> None:
-    if remark := _stout(errors, theory, assumed):
-        warnings.warn(remark, SlendernessWarning, stacklevel=3)
-
-
-def _stout(errors: Floats, theory: Floats, assumed: tuple[str, ...]) -> str:
-    worse = np.flatnonzero(np.abs(theory) > np.maximum(np.abs(errors), LEAST_TOLD))
-    if not len(worse):
-        return ""
-    n = int(worse[0])
-    taken = f" (assumed: {', '.join(assumed)})" if assumed else ""
-    return (
-        f"shear and what else Euler-Bernoulli theory leaves out lower frequency {n + 1} of this beam by "
-        f"{-100 * theory[n]:.3g} %{taken}, more than the chain's {100 * abs(errors[n]):.2g} %: more "
-        "segments do not bring it closer to the real beam"
-    )
-
-
-def stout_remark(beam: Beam, boundary: BoundaryLike, errors: Floats) -> str:
-    """Return the words of `SlendernessWarning` for a chain's errors, "" where they are the larger ones.
-
-    Also "" where nothing tells the beam's section, or a mode is missing.
-
-    Examples
-    --------
-    >>> stout = Beam(1.0, 1.0, 1.0, radius_of_gyration=0.1)
-    >>> stout_remark(stout, "clamped-free", np.array([1e-3]))[:49]
-    'shear and what else Euler-Bernoulli theory leaves'
-    >>> stout_remark(Beam.unit(), "clamped-free", np.array([1e-3]))
-    ''
-    """
-    known = beam.shear_stiffness is not None or beam.radius_of_gyration is not None or beam.has_rotary_inertia
-    count = len(errors) - int(np.isnan(errors).sum())
-    if not known or not count:
-        return ""
-    with suppress(ValueError, ArithmeticError):
-        exact = euler_bernoulli(beam, boundary, count)
-        return _stout(errors[:count], exact.theory_error, exact.theory_assumed)
-    return ""

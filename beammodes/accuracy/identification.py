@@ -65,10 +65,11 @@ def stiffness_from_frequency(
 
     Examples
     --------
-    >>> beam = Beam(length=1.2, bending_stiffness=85.0, mass_per_length=0.62)
-    >>> measured = euler_bernoulli(beam, "clamped-free(mass=0.2)", 1).frequency[0]
+    >>> import beammodes as bm
+    >>> beam = bm.Beam(length=1.2, bending_stiffness=85.0, mass_per_length=0.62)
+    >>> measured = bm.euler_bernoulli(beam, "clamped-free(mass=0.2)", 1).frequency[0]
     >>> given = {"length": 1.2, "mass_per_length": 0.62}
-    >>> round(stiffness_from_frequency(measured, "clamped-free(mass=0.2)", **given), 9)
+    >>> round(bm.stiffness_from_frequency(measured, "clamped-free(mass=0.2)", **given), 9)
     85.0
     """
     omega = 2.0 * math.pi * positive_real("frequency", frequency)
@@ -164,7 +165,8 @@ def stiffness_from_deflection(
 
     Examples
     --------
-    >>> round(stiffness_from_deflection(-0.02, "clamped-free", length=1.2, tip_force=-3.0), 9)
+    >>> import beammodes as bm
+    >>> round(bm.stiffness_from_deflection(-0.02, "clamped-free", length=1.2, tip_force=-3.0), 9)
     86.4
     """
     measured, whole = real("deflection", deflection), positive_real("length", length)

@@ -38,7 +38,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from beammodes.accuracy.grids import last_failing, segment_grid
+from beammodes.accuracy.segments import first_lasting, segment_grid
 from beammodes.chains.rules import CANCELLED, HIGHEST_ORDER, RuleLike, RuleMaker, rule_named
 from beammodes.checks import positive_real, whole_number
 from beammodes.closed_form.discretization import relative_error
@@ -106,10 +106,11 @@ def error_law(boundary: BoundaryLike, mode: int, rule: RuleLike | RuleMaker = "m
 
     Examples
     --------
-    >>> law = error_law("clamped-free", mode=1, rule="mitiguy")    # (1 - σβ)/3 per clamped end
+    >>> import beammodes as bm
+    >>> law = bm.error_law("clamped-free", mode=1, rule="mitiguy")    # (1 - σβ)/3 per clamped end
     >>> law.order, round(law.coefficient, 6)
     (2, -0.125502)
-    >>> [law_holds_from("clamped-free", 1, rule) for rule in ("mitiguy", "gregory")]
+    >>> [bm.law_holds_from("clamped-free", 1, rule) for rule in ("mitiguy", "gregory")]
     [1, 676]
     """
     pair = Boundary.of(boundary)
@@ -157,7 +158,8 @@ def law_holds_from(
 
     Examples
     --------
-    >>> law_holds_from("clamped-free", 3, "half_stub")
+    >>> import beammodes as bm
+    >>> bm.law_holds_from("clamped-free", 3, "half_stub")
     4
     """
     pair, fraction = Boundary.of(boundary), positive_real("within", within)
@@ -169,13 +171,7 @@ def law_holds_from(
         # Written so that NaN fails: a mode that is not there.
         return np.asarray(~(np.abs(law.at(counts) - error) <= fraction * np.abs(error)))
 
-    grid = segment_grid(mode)
-    failing = np.flatnonzero(fails(grid))
-    if not len(failing):
-        return int(grid[0])
-    if failing[-1] == len(grid) - 1:
-        return None
-    return last_failing(fails, int(grid[failing[-1]]), int(grid[failing[-1] + 1])) + 1
+    return first_lasting(fails, segment_grid(mode))
 
 
 @lru_cache(maxsize=1)

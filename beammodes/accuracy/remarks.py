@@ -5,16 +5,13 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 from beammodes.accuracy.errors import frequency_error
 from beammodes.chains.rules import RULES, AnyRule, Layout, Rule, RuleMaker, axially_corrected, layout_of
 from beammodes.checks import percent, whole_number
+from beammodes.problem.beam import Beam
 from beammodes.problem.ends import Boundary, BoundaryLike, End
 from beammodes.problem.loading import Load, checked_load
-
-if TYPE_CHECKING:
-    from beammodes.problem.beam import Beam
 
 __all__ = ["error_remarks"]
 
@@ -62,9 +59,10 @@ def error_remarks(
 
     Examples
     --------
-    >>> error_remarks("clamped-free", segments=10, mode=1, rule="gregory")
+    >>> import beammodes as bm
+    >>> bm.error_remarks("clamped-free", segments=10, mode=1, rule="gregory")
     ()
-    >>> for remark in error_remarks("clamped-free", segments=2, mode=2, rule="gregory"):
+    >>> for remark in bm.error_remarks("clamped-free", segments=2, mode=2, rule="gregory"):
     ...     print(remark)
     coarse: the mode is too near the chain's last, where every rule is wrong
     the end corrections of gregory need at least 3 hinges: with 2 they are cut short

@@ -13,32 +13,25 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
-from beammodes.accuracy.grids import ChainGrid
+from beammodes.accuracy.error_table import ChainGrid, labelled
 from beammodes.chains.chain import Chain
 from beammodes.chains.pieces import MAX_PIECES
 from beammodes.chains.rules import AnyRule
 from beammodes.checks import real_numbers, shown, whole_number
 from beammodes.exact.beam_theory import euler_bernoulli
 from beammodes.numerics.arrays import Floats
+from beammodes.problem.beam import Beam
 from beammodes.problem.ends import BoundaryLike
-from beammodes.version import SOURCE
 from beammodes.vibration.linear import linearize
 from beammodes.vibration.modes import solve_modes
 
 if TYPE_CHECKING:
     import xarray
 
-    from beammodes.problem.beam import Beam
-
 __all__ = ["modal_assurance", "shape_dataset"]
 
 #: A table of more modes than this would be a mistake.
 MAX_MODES = 10_000
-
-_LABELS = {
-    "assurance_deficit": "1 less the modal assurance of the chain's and the beam's mode",
-    "largest_deviation": "largest deviation of the chain's mode over the beam's largest deflection",
-}
 
 
 def modal_assurance(a: ArrayLike, b: ArrayLike, mass: ArrayLike | None = None) -> Floats:
@@ -71,7 +64,8 @@ def modal_assurance(a: ArrayLike, b: ArrayLike, mass: ArrayLike | None = None) -
 
     Examples
     --------
-    >>> modal_assurance([[1, 2, 3]], [[-2, -4, -6], [3, 0, -1], [1, 1, 1]]).round(4)
+    >>> import beammodes as bm
+    >>> bm.modal_assurance([[1, 2, 3]], [[-2, -4, -6], [3, 0, -1], [1, 1, 1]]).round(4)
     array([[1.    , 0.    , 0.8571]])
     """
     first, second = _array("a", a, 2), _array("b", b, 2)
@@ -127,29 +121,30 @@ def shape_dataset(
 
     Examples
     --------
-    >>> table = shape_dataset(boundary="clamped-free", segments=[5, 10], modes=1)
+    >>> import beammodes as bm
+    >>> table = bm.shape_dataset(boundary="clamped-free", segments=[5, 10], modes=1)
     >>> table.largest_deviation.squeeze().values.round(5)
     array([0.00272, 0.00073])
     """
-    import xarray
-
-    grid = ChainGrid.of(boundary, segments, rule, MAX_PIECES, beam)
+    grid = ChainGrid.of(boundary, segments, rule, MAX_PIECES, beam).canonical
     count = whole_number("modes", modes, most=MAX_MODES)
-    values = np.full((2, *grid.shape, count), np.nan)
+    deficit, largest = np.full((2, *grid.shape, count), np.nan)
     for index, chain in grid.chains():
         found = _deviations(chain, count)
-        values[:, *index, : found.shape[1]] = found
-    dims = ("rule", "boundary", "segments", "mode")
-    return xarray.Dataset(
+        deficit[index][: found.shape[1]], largest[index][: found.shape[1]] = found
+    text = "largest deviation of the chain's mode over the beam's largest deflection"
+    return labelled(
+        ("rule", "boundary", "segments", "mode"),
         {
-            name: (dims, block, {"long_name": label, "units": "1"})
-            for (name, label), block in zip(_LABELS.items(), values, strict=True)
+            "assurance_deficit": (
+                deficit,
+                "1 less the modal assurance of the chain's and the beam's mode",
+                "1",
+            ),
+            "largest_deviation": (largest, text, "1"),
         },
-        coords={
-            **grid.coordinates(),
-            "mode": ("mode", np.arange(1, count + 1), {"long_name": "elastic mode", "units": "1"}),
-        },
-        attrs={"source": SOURCE, "route": "modes of the linear chain at its nodes"},
+        grid.coordinates(count),
+        "modes of the linear chain at its nodes",
     )
 
 

@@ -25,7 +25,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from beammodes.accuracy.grids import ChainGrid
+from beammodes.accuracy.error_table import ChainGrid, labelled
 from beammodes.chains.chain import Chain
 from beammodes.chains.pieces import MAX_PIECES, Number
 from beammodes.chains.rules import AnyRule
@@ -35,7 +35,6 @@ from beammodes.numerics.arrays import Floats
 from beammodes.problem.beam import Beam
 from beammodes.problem.ends import BOUNDARIES, Boundary, BoundaryLike
 from beammodes.problem.profiles import profile_parts, value_at
-from beammodes.version import SOURCE
 
 if TYPE_CHECKING:
     import xarray
@@ -56,12 +55,6 @@ __all__ = [
     "without_rigid_motion",
 ]
 
-
-# Static loads and the response to one of them: what the beam's and the chain's statics have in common.
-#
-# Both are seen with the firmer end at x = 0 and the *tip*, the less firm end, at x = L; deflections, forces
-# and
-# distributed load point up, rotations and moments are counter-clockwise. Loads are of unit size.
 
 Loads = tuple[Fraction, Fraction, Fraction]
 
@@ -97,10 +90,9 @@ class Statics:
 
     Examples
     --------
-    >>> from beammodes.problem.beam import Beam
-    >>> from beammodes.accuracy.statics import beam_statics
-    >>> beam = Beam(length=2.0, bending_stiffness=80.0, mass_per_length=1.0)
-    >>> sag = beam_statics(beam, "clamped-free", "tip_force")
+    >>> import beammodes as bm
+    >>> beam = bm.Beam(length=2.0, bending_stiffness=80.0, mass_per_length=1.0)
+    >>> sag = bm.beam_statics(beam, "clamped-free", "tip_force")
     >>> sag.own.deflection, sag.deflection                          # F L³ / (3 EI)
     (Fraction(1, 3), 0.03333333333333333)
     >>> print(sag)
@@ -197,9 +189,11 @@ def beam_statics(beam: Beam, boundary: BoundaryLike, load: str) -> Statics:
 
     Examples
     --------
-    >>> beam_statics(Beam.unit(), "pinned-pinned", "uniform_load").own.midspan_deflection
+    >>> import beammodes as bm
+    >>> bm.beam_statics(bm.Beam.unit(), "pinned-pinned", "uniform_load").own.midspan_deflection
     Fraction(5, 384)
-    >>> round(beam_statics(Beam(4.0, [1.5, 1.0], 1.0), "clamped-free", "tip_force").deflection, 6)  # of 1 N
+    >>> taper = bm.Beam(4.0, [1.5, 1.0], 1.0)
+    >>> round(bm.beam_statics(taper, "clamped-free", "tip_force").deflection, 6)        # of 1 N
     15.111111
     """
     if not isinstance(beam, Beam):
@@ -237,8 +231,9 @@ def chain_statics(chain: Chain, load: str) -> Statics:
 
     Examples
     --------
-    >>> chain = Chain(Beam.unit(), "clamped-free", segments=4, rule="mitiguy")
-    >>> chain_statics(chain, "tip_force").own.deflection                # the beam's 4³/3 ell³/EI
+    >>> import beammodes as bm
+    >>> chain = bm.Chain(bm.Beam.unit(), "clamped-free", segments=4, rule="mitiguy")
+    >>> bm.chain_statics(chain, "tip_force").own.deflection                # the beam's 4³/3 ell³/EI
     Fraction(64, 3)
     """
     if not isinstance(chain, Chain):
@@ -381,8 +376,6 @@ def _solved(rows: Sequence[Sequence[Any]], rest: Sequence[Any]) -> list[Any]:
     return [row[-1] for row in table]
 
 
-# Static errors of chains as one labelled table.
-
 #: What bends under a static load, as datasets name its relative error with "_error" after it.
 STATIC_QUANTITIES = ("tip_deflection", "tip_rotation", "midspan_deflection")
 
@@ -418,30 +411,26 @@ def static_dataset(
 
     Examples
     --------
-    >>> table = static_dataset(boundary="clamped-free", segments=[4, 10], rule=["mitiguy", "naive"])
+    >>> import beammodes as bm
+    >>> table = bm.static_dataset(boundary="clamped-free", segments=[4, 10], rule=["mitiguy", "naive"])
     >>> table.tip_deflection_error.sel(static_load="tip_force").squeeze().values
     array([[0.     , 0.     ],
            [0.40625, 0.155  ]])
     """
-    import xarray
-
-    grid = ChainGrid.of(boundary, segments, rule, MAX_PIECES)
+    grid = ChainGrid.of(boundary, segments, rule, MAX_PIECES).canonical
     for pair in grid.boundaries:
         without_rigid_motion(pair)
     errors = np.full((3, *grid.shape, len(LOADS)), np.nan)
     for index, chain in grid.chains():
         errors[:, *index, :] = np.transpose([chain_static_errors(chain, load) for load in LOADS])
-    dims = ("rule", "boundary", "segments", "static_load")
-    labels = {
-        name: f"relative error of the chain's static {name.replace('_', ' ')}" for name in STATIC_QUANTITIES
-    }
-    return xarray.Dataset(
+    return labelled(
+        ("rule", "boundary", "segments", "static_load"),
         {
-            f"{name}_error": (dims, error, {"long_name": label, "units": "1"})
-            for (name, label), error in zip(labels.items(), errors, strict=True)
+            f"{name}_error": (error, f"relative error of the chain's static {name.replace('_', ' ')}", "1")
+            for name, error in zip(STATIC_QUANTITIES, errors, strict=True)
         },
-        coords={**grid.coordinates(), "static_load": list(LOADS)},
-        attrs={"source": SOURCE, "route": "equilibrium in exact fractions"},
+        grid.coordinates() | {"static_load": list(LOADS)},
+        "equilibrium in exact fractions",
     )
 
 

@@ -1,4 +1,4 @@
-"""How well a real beam's frequencies are known.
+"""How well a real beam's frequencies are known, and how many segments are enough for that.
 
 Materials and dimensions have tolerances. Shear, damping and the give of real supports are other reasons why a
 beam's frequencies differ from computed ones; they are not counted here.
@@ -13,36 +13,36 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from beammodes.accuracy.errors import frequency_error, segments_needed
-from beammodes.accuracy.grids import in_beam_units
+from beammodes.accuracy.beam_units import in_beam_units
+from beammodes.accuracy.errors import frequency_error
+from beammodes.accuracy.segments import segments_needed
 from beammodes.chains.rules import AnyRule, layout_of
 from beammodes.checks import bounded, choice, positive_real, real, shown, whole_number
 from beammodes.exact.beam_theory import euler_bernoulli
 from beammodes.numerics.arrays import Floats
+from beammodes.numerics.distributions import MAX_SEED, Distribution, Normal, Uniform, draw
 from beammodes.problem.beam import Beam
 from beammodes.problem.ends import Boundary, BoundaryLike
 from beammodes.problem.sections import Section, Tube
+from beammodes.progress import Progress, progress_of
 from beammodes.version import SOURCE
 
 if TYPE_CHECKING:
     import xarray
 
-__all__ = [
-    "MAX_MODES",
-    "MAX_SAMPLES",
-    "EnoughSegments",
-    "Tolerance",
-    "dimensions_of",
-    "frequency_spread",
-    "given_tolerances",
-    "segments_within_spread",
-]
-
-
-# Tolerances of a beam's material and dimensions: how they are distributed, and of what they may be.
+__all__ = ["EnoughSegments", "Tolerance", "frequency_spread", "segments_within_spread"]
 
 #: Wider ones would make beams of no thickness, or of a negative one.
 _WIDEST = {"uniform": 1.0, "normal": 0.1}
+
+#: More would be a mistake: the third digit of a band takes a hundredth of these samples.
+_MAX_SAMPLES, _MAX_MODES, _MAX_QUANTILES = 1_000_000, 100, 10_000
+
+#: Relative step of the differences that give the sensitivities.
+_STEP = 1e-4
+
+_BAND = (0.025, 0.975)
+_MATERIAL = ("elastic_modulus", "density", "length")
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,8 +64,9 @@ class Tolerance:
 
     Examples
     --------
-    >>> Tolerance(0.03).standard_deviation == 0.03 / math.sqrt(3)
-    True
+    >>> import beammodes as bm
+    >>> bm.Tolerance(0.03).around(200e9)
+    Uniform(low=194000000000.0, high=206000000000.0)
     """
 
     size: float
@@ -86,85 +87,14 @@ class Tolerance:
         """σ over the nominal value."""
         return self.size / math.sqrt(3) if self.distribution == "uniform" else self.size
 
-    def factors(self, generator: np.random.Generator, count: int) -> Floats:
-        """Return random multiples of the nominal value, shape (count,)."""
-        if self.distribution == "uniform":
-            return generator.uniform(1 - self.size, 1 + self.size, count)
-        return generator.normal(1.0, self.size, count)
+    def around(self, value: float) -> Distribution:
+        """Return the distribution of a number with this nominal value, greater than 0."""
+        half = self.size * value
+        return Uniform(value - half, value + half) if self.distribution == "uniform" else Normal(value, half)
 
     def __str__(self) -> str:
-        return (
-            f"{self.distribution} {'±' if self.distribution == 'uniform' else 'σ = '}{100 * self.size:.3g} %"
-        )
-
-
-def dimensions_of(section: Section) -> dict[str, float]:
-    """Return a section's dimensions by name, as its class takes them; none of one from elsewhere.
-
-    Raises
-    ------
-    TypeError
-        If it lacks an area or a second moment.
-
-    Examples
-    --------
-    >>> dimensions_of(Tube(0.05, wall=0.002))
-    {'outer': 0.05, 'wall': 0.002}
-    """
-    for name in ("area", "second_moment"):
-        if not hasattr(section, name):
-            raise TypeError(f"section must have its {name}, got {shown(section)}")
-    if not hasattr(section, "__dataclass_fields__"):
-        return {}
-    # A tube takes two of its three numbers; its wall keeps the digits of a thin one.
-    kept: Any = section
-    return {f.name: float(getattr(kept, f.name)) for f in fields(kept) if not _redundant(section, f.name)}
-
-
-def _redundant(section: Section, name: str) -> bool:
-    return isinstance(section, Tube) and name == "inner"
-
-
-def given_tolerances(given: Any, values: Mapping[str, float]) -> dict[str, Tolerance]:
-    """Return the tolerances that a mapping gives, each of one of the named values.
-
-    Raises
-    ------
-    TypeError, ValueError
-        If it is no mapping, empty, or names or sizes are not allowed.
-    """
-    if not isinstance(given, Mapping):
-        raise TypeError(f"tolerances must map names to numbers, got {shown(given)}")
-    if not given:
-        raise ValueError(f"tolerances must name at least one of {', '.join(values)}, got none")
-    found = {}
-    for name, part in given.items():
-        choice("name of a tolerance", name, values)
-        try:
-            found[name] = part if isinstance(part, Tolerance) else Tolerance(part)
-        except (TypeError, ValueError) as error:
-            raise type(error)(f"tolerance of {name}: {error}") from None
-    return found
-
-
-#: More samples than this would be a mistake: the third digit of a band takes a hundredth of them.
-MAX_SAMPLES = 1_000_000
-
-
-MAX_MODES = 100
-
-
-MAX_QUANTILES = 10_000
-
-
-#: Relative step of the differences that give the sensitivities.
-_STEP = 1e-4
-
-
-_BAND = (0.025, 0.975)
-
-
-_MATERIAL = ("elastic_modulus", "density", "length")
+        sign = "±" if self.distribution == "uniform" else "σ = "
+        return f"{self.distribution} {sign}{100 * self.size:.3g} %"
 
 
 def frequency_spread(
@@ -179,14 +109,15 @@ def frequency_spread(
     samples: int = 10_000,
     seed: int = 0,
     quantiles: Iterable[float] = (0.025, 0.5, 0.975),
-    progress: Callable[[int, int], None] | None = None,
+    progress: Progress | bool | None = False,
 ) -> xarray.Dataset:
     """Return how widely the exact frequencies of a uniform beam spread with its material and dimensions.
 
         ω = K √(EI/ρA) / L²,    (σ_ω/ω)² ≈ Σ (∂ln ω/∂ln p)² (σ_p/p)²
 
-    by Monte Carlo, each quantity drawn by itself, and beside it by this first-order law. For a rectangle of
-    height h and plain ends (σ_ω/ω)² ≈ ¼ σ_E² + ¼ σ_ρ² + σ_h² + 4 σ_L²; its width does not matter.
+    by Monte Carlo, each quantity drawn by itself, as `Study.sampled` draws it, and by this first-order law.
+    For a rectangle of height h and plain ends (σ_ω/ω)² ≈ ¼ σ_E² + ¼ σ_ρ² + σ_h² + 4 σ_L²; its width does not
+    matter.
 
     Parameters
     ----------
@@ -204,11 +135,11 @@ def frequency_spread(
     samples : int
         How many beams are drawn, 100 to a million: 0.1 ms each with plain ends, else some 10 ms.
     seed : int
-        The same seed gives the same numbers.
+        The same seed gives the same numbers; from 0 to 2⁶⁴ - 1.
     quantiles : iterable of float
         Between 0 and 1.
-    progress : callable, optional
-        Called with how many beams are done, and of how many.
+    progress : callable, bool or None
+        Called with how many beams are done, and of how many; True shows a line, None only on a terminal.
 
     Returns
     -------
@@ -225,42 +156,68 @@ def frequency_spread(
 
     Examples
     --------
-    >>> from beammodes.problem.sections import Rectangle
-    >>> bar = Rectangle(width=0.06, height=0.02)
-    >>> spread = frequency_spread(bar, "clamped-free", {"height": 0.025}, modes=1,
-    ...                           elastic_modulus=207e9, density=7850.0, length=1.0)
+    >>> import beammodes as bm
+    >>> bar = bm.Rectangle(width=0.06, height=0.02)
+    >>> spread = bm.frequency_spread(bar, "clamped-free", {"height": 0.025}, modes=1,
+    ...                              elastic_modulus=207e9, density=7850.0, length=1.0)
     >>> spread.first_order.values.round(4), spread.half_width.values.round(3)     # 2.5 %/√3, 0.95 x 2.5 %
     (array([0.0144]), array([0.024]))
     """
     nominal = zip(_MATERIAL, (elastic_modulus, density, length), strict=True)
-    values = {name: positive_real(name, value) for name, value in nominal} | dimensions_of(section)
-    given = given_tolerances(tolerances, values)
-    ends, count = Boundary.of(boundary), whole_number("samples", samples, least=100, most=MAX_SAMPLES)
-    if progress is not None and not callable(progress):
-        raise TypeError(f"progress must be a function of two numbers or None, got {shown(progress)}")
-    levels, wanted = _levels(quantiles), whole_number("modes", modes, most=MAX_MODES)
-    generator = np.random.default_rng(whole_number("seed", seed, least=0))
-    if progress is not None and not callable(progress):
-        raise TypeError(f"progress must be a function or None, got {shown(progress)}")
-    factors = {name: part.factors(generator, count) for name, part in given.items()}
+    values = {name: positive_real(name, value) for name, value in nominal} | _dimensions(section)
+    given = _tolerances(tolerances, values)
+    ends, count = Boundary.of(boundary), whole_number("samples", samples, least=100, most=_MAX_SAMPLES)
+    levels, wanted = _levels(quantiles), whole_number("modes", modes, most=_MAX_MODES)
+    key = whole_number("seed", seed, least=0, most=MAX_SEED)
+    told = progress_of(progress, "spread", "beams")
 
     def frequencies(changed: dict[str, float]) -> Floats:
         return euler_bernoulli(_beam(section, values | changed), ends, wanted).frequency
 
     centre = frequencies({})
+    parameters = {name: draw(part.around(values[name]), key, name, 0, count) for name, part in given.items()}
     drawn = np.empty((count, len(centre)))
     for i in range(count):
-        drawn[i] = frequencies({name: values[name] * factor[i] for name, factor in factors.items()})
-        if progress is not None and ((i + 1) % 100 == 0 or i + 1 == count):
-            progress(i + 1, count)
+        drawn[i] = frequencies({name: float(column[i]) for name, column in parameters.items()})
+        if (i + 1) % 100 == 0 or i + 1 == count:
+            told(i + 1, count)
     steep = np.array([_sensitivity(frequencies, name, values[name]) for name in given])
     attributes = {
+        "source": SOURCE,
         "boundary": in_beam_units(ends, _beam(section, values)).name,
         "samples": count,
-        "seed": seed,
+        "seed": key,
         "tolerances": "; ".join(f"{name} {part}" for name, part in given.items()),
     }
-    return _labelled(centre, drawn, steep, levels, given, attributes)
+    return _estimates(centre, drawn, steep, levels, given, attributes)
+
+
+def _dimensions(section: Section) -> dict[str, float]:
+    """Return a section's dimensions by name, as its class takes them; none of one from elsewhere."""
+    for name in ("area", "second_moment"):
+        if not hasattr(section, name):
+            raise TypeError(f"section must have its {name}, got {shown(section)}")
+    if not hasattr(section, "__dataclass_fields__"):
+        return {}
+    kept: Any = section
+    # A tube takes two of its three numbers; its wall keeps the digits of a thin one.
+    names = [f.name for f in fields(kept) if not (isinstance(section, Tube) and f.name == "inner")]
+    return {name: float(getattr(kept, name)) for name in names}
+
+
+def _tolerances(given: Any, values: Mapping[str, float]) -> dict[str, Tolerance]:
+    if not isinstance(given, Mapping):
+        raise TypeError(f"tolerances must map names to numbers, got {shown(given)}")
+    if not given:
+        raise ValueError(f"tolerances must name at least one of {', '.join(values)}, got none")
+    found = {}
+    for name, part in given.items():
+        choice("name of a tolerance", name, values)
+        try:
+            found[name] = part if isinstance(part, Tolerance) else Tolerance(part)
+        except (TypeError, ValueError) as error:
+            raise type(error)(f"tolerance of {name}: {error}") from None
+    return found
 
 
 def _beam(section: Section, values: Mapping[str, float]) -> Beam:
@@ -275,7 +232,7 @@ def _beam(section: Section, values: Mapping[str, float]) -> Beam:
 def _levels(quantiles: Any) -> list[float]:
     if isinstance(quantiles, str) or not isinstance(quantiles, Iterable):
         raise TypeError(f"quantiles must be numbers between 0 and 1, got {shown(quantiles)}")
-    levels = [real("quantiles", level) for level in bounded("quantiles", quantiles, most=MAX_QUANTILES)]
+    levels = [real("quantiles", level) for level in bounded("quantiles", quantiles, most=_MAX_QUANTILES)]
     if not levels or not all(0.0 <= level <= 1.0 for level in levels):
         raise ValueError(f"quantiles must be numbers between 0 and 1, got {shown(levels)}")
     return levels
@@ -286,7 +243,7 @@ def _sensitivity(frequencies: Callable[[dict[str, float]], Floats], name: str, v
     return np.asarray((high - low) / np.log((1 + _STEP) / (1 - _STEP)))
 
 
-def _labelled(
+def _estimates(
     centre: Floats,
     drawn: Floats,
     steep: Floats,
@@ -301,36 +258,21 @@ def _labelled(
     fourth = ((away - away.mean(axis=0)) ** 4).mean(axis=0)
     deviations = np.array([part.standard_deviation for part in given.values()])
     low, high = np.quantile(away, _BAND, axis=0)
-    per_mode = {
-        "frequency": (centre, "Hz"),
-        "standard_deviation": (sigma, "1"),
+    variables = {
+        "frequency": ("mode", centre, "Hz"),
+        "standard_deviation": ("mode", sigma, "1"),
         # Of a sample's standard deviation s: √((μ₄ - s⁴)/(4 n s²)).
-        "standard_deviation_error": (np.sqrt((fourth - sigma**4) / (4 * len(away))) / sigma, "1"),
-        "first_order": (np.sqrt((steep**2 * deviations[:, None] ** 2).sum(axis=0)), "1"),
-        "half_width": ((high - low) / 2, "1"),
+        "standard_deviation_error": ("mode", np.sqrt((fourth - sigma**4) / (4 * len(away))) / sigma, "1"),
+        "first_order": ("mode", np.sqrt((steep**2 * deviations[:, None] ** 2).sum(axis=0)), "1"),
+        "half_width": ("mode", (high - low) / 2, "1"),
+        "frequency_quantile": (("quantile", "mode"), np.quantile(drawn, levels, axis=0), "Hz"),
+        "sensitivity": (("parameter", "mode"), steep, "1"),
     }
     return xarray.Dataset(
-        {name: ("mode", array, {"units": unit}) for name, (array, unit) in per_mode.items()}
-        | {
-            "frequency_quantile": (
-                ("quantile", "mode"),
-                np.quantile(drawn, levels, axis=0),
-                {"units": "Hz"},
-            ),
-            "sensitivity": (("parameter", "mode"), steep, {"units": "1"}),
-        },
-        coords={
-            "mode": np.arange(1, len(centre) + 1),
-            "quantile": levels,
-            "parameter": list(given),
-        },
-        attrs={"source": SOURCE, **attributes},
+        {name: (dims, array, {"units": unit}) for name, (dims, array, unit) in variables.items()},
+        coords={"mode": np.arange(1, len(centre) + 1), "quantile": levels, "parameter": list(given)},
+        attrs=attributes,
     )
-
-
-# How many segments are enough for a beam whose own frequencies are known only so well.
-#
-# A chain's error well inside what the beam's tolerances leave open is not worth more segments.
 
 
 @dataclass(frozen=True)
@@ -391,13 +333,13 @@ def segments_within_spread(
 
     Examples
     --------
-    >>> from beammodes.accuracy.uncertainty import frequency_spread
-    >>> from beammodes.problem.sections import Rectangle
-    >>> spread = frequency_spread(Rectangle(0.06, 0.02), "clamped-free", {"height": 0.025}, samples=1000,
-    ...                           elastic_modulus=207e9, density=7850.0, length=1.0)
-    >>> print(segments_within_spread(spread, "gregory"))
+    >>> import beammodes as bm
+    >>> bar = bm.Rectangle(width=0.06, height=0.02)
+    >>> spread = bm.frequency_spread(bar, "clamped-free", {"height": 0.025}, samples=1000,
+    ...                              elastic_modulus=207e9, density=7850.0, length=1.0)
+    >>> print(bm.segments_within_spread(spread, "gregory"))
     9 segments by rule gregory are enough: their error in modes 1 to 3, at most 0.41 %, stays below 33 % of
-    what the beam itself leaves open, ±2.4 % (95 %)
+    what the beam itself leaves open, ±2.3 % (95 %)
     """
     import xarray
 
@@ -411,6 +353,5 @@ def segments_within_spread(
     width, modes = float(spread.half_width.min()), spread.sizes["mode"]
     boundary: str = spread.attrs["boundary"]
     count = segments_needed(boundary, part * width, modes, rule)
-    mode = np.arange(1, modes + 1)
-    error = np.abs(frequency_error(boundary, segments=count, mode=mode, rule=rule))
-    return EnoughSegments(layout_of(rule).name, count, modes, float(error.max()), width, part)
+    error = frequency_error(boundary, segments=count, mode=np.arange(1, modes + 1), rule=rule)
+    return EnoughSegments(layout_of(rule).name, count, modes, float(np.abs(error).max()), width, part)

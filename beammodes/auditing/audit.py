@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from beammodes.accuracy.error_table import stout_remark
+from beammodes.accuracy.chain_against_beam import stout_remark
 from beammodes.auditing.judged_pieces import SOLVED, UNKNOWN, Columns, Found, JudgedPieces
 from beammodes.chains.chain import Chain
 from beammodes.chains.rules import RULES

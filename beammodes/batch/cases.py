@@ -12,9 +12,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from beammodes.accuracy.error_table import exact_frequencies
-from beammodes.accuracy.errors import errors_in_multiples
-from beammodes.accuracy.grids import NUMBERS, in_beam_units, load_in_beam_units, with_numbers
+from beammodes.accuracy.beam_units import NUMBERS, in_beam_units, load_in_beam_units, with_numbers
+from beammodes.accuracy.errors import errors_in_multiples, exact_frequencies
 from beammodes.batch.study_axes import SECTIONS, dimensions_of
 from beammodes.chains.chain import Chain
 from beammodes.chains.rules import AnyRule

@@ -12,14 +12,15 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from beammodes.accuracy.grids import NUMBERS
+from beammodes.accuracy.beam_units import NUMBERS
 from beammodes.batch.cases import MATERIAL, UNIFORM_BEAM, Cases
 from beammodes.batch.executors import computed, executor_of
 from beammodes.batch.quantities import QUANTITIES, REASON, Quantity, quantities_of
 from beammodes.batch.store import BadChunk, Evaluated, Store, definition_digest, locked, made_ready
-from beammodes.batch.study_axes import AXES, SECTIONS, Axis, Normal, Uniform, axis_values, dimensions_of
+from beammodes.batch.study_axes import AXES, SECTIONS, Axis, axis_values, dimensions_of
 from beammodes.checks import choice, shown, whole_number
 from beammodes.numerics.arrays import Floats
+from beammodes.numerics.distributions import MAX_SEED, Normal, Uniform
 from beammodes.progress import Progress, ProgressLine, progress_of
 from beammodes.version import __version__
 
@@ -275,7 +276,7 @@ class Study:
         """
         size, key = (
             whole_number("count", count, most=MAX_CASES),
-            whole_number("seed", seed, least=0, most=2**64 - 1),
+            whole_number("seed", seed, least=0, most=MAX_SEED),
         )
         random = {name: value for name, value in axes.items() if isinstance(value, Normal | Uniform)}
         if not random:

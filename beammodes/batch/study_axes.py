@@ -15,12 +15,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from beammodes.accuracy.grids import BEAM_NUMBERS, NUMBERS, listed, stands_alone, with_numbers
+from beammodes.accuracy.beam_units import BEAM_NUMBERS, NUMBERS, with_numbers
+from beammodes.accuracy.error_table import listed, stands_alone
 from beammodes.accuracy.statics import LOADS
 from beammodes.chains.rules import RULES, Layout, layout_of
-from beammodes.checks import choice, positive_real, real, shown, whole_number
+from beammodes.checks import choice, positive_real, shown, whole_number
 from beammodes.closed_form.uniform import MAX_MODE, MAX_SEGMENTS
-from beammodes.numerics.arrays import Floats
+from beammodes.numerics.distributions import Distribution, Normal, Uniform, draw
 from beammodes.problem.ends import Boundary
 from beammodes.problem.loading import PLANES, Load
 from beammodes.problem.sections import Box, Circle, ISection, Rectangle, Tube
@@ -31,141 +32,9 @@ __all__ = [
     "SECTIONS",
     "Axis",
     "AxisKind",
-    "Distribution",
-    "Normal",
-    "Uniform",
     "axis_values",
     "dimensions_of",
-    "uniform_samples",
 ]
-
-
-# Distributions of a study's numbers, sampled so that sample i is the same whatever is computed with it.
-#
-# Sample i is a function of seed, axis and i alone: a counter-based generator (Philox, J. K. Salmon et al.,
-# Parallel random numbers: as easy as 1, 2, 3, SC 2011) is asked for its i-th block. So chunks, engines and a
-# longer study of the same seed see the same samples.
-
-
-@dataclass(frozen=True)
-class Normal:
-    """A normal distribution, cut off some standard deviations from its mean.
-
-    Parameters
-    ----------
-    mean, standard_deviation : float
-        Of the distribution before it is cut.
-    within : float
-        How many standard deviations from the mean a value may lie. Real parts have limits, and a height
-        below zero has no meaning; 6 cut off 2 in 10⁹.
-
-    Raises
-    ------
-    TypeError, ValueError
-        If a number is not finite, or one of the last two is not greater than 0.
-
-    Examples
-    --------
-    >>> Normal(200e9, 5e9).bounds
-    (170000000000.0, 230000000000.0)
-    """
-
-    mean: float
-    standard_deviation: float
-    within: float = 6.0
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "mean", real("mean", self.mean))
-        for name in ("standard_deviation", "within"):
-            object.__setattr__(self, name, positive_real(name, getattr(self, name)))
-
-    @property
-    def bounds(self) -> tuple[float, float]:
-        """The smallest and the largest value."""
-        half = self.within * self.standard_deviation
-        return self.mean - half, self.mean + half
-
-    def quantile(self, probability: Floats) -> Floats:
-        """Return the values below which a sample lies with these probabilities, between 0 and 1.
-
-        Examples
-        --------
-        >>> Normal(1.0, 0.5).quantile(np.array([0.5, 0.975])).round(3)      # 1.960 standard deviations
-        array([1.  , 1.98])
-        """
-        from scipy.special import ndtr, ndtri
-
-        low, high = ndtr(-self.within), ndtr(self.within)
-        deviations = ndtri(low + probability * (high - low))
-        return np.asarray(np.clip(self.mean + self.standard_deviation * deviations, *self.bounds))
-
-
-@dataclass(frozen=True)
-class Uniform:
-    """All values between two equally likely.
-
-    Parameters
-    ----------
-    low, high : float
-
-    Raises
-    ------
-    TypeError, ValueError
-        If one is not finite, or `high` is not greater than `low`.
-
-    Examples
-    --------
-    >>> Uniform(1.0, 3.0).quantile(np.array([0.25]))
-    array([1.5])
-    """
-
-    low: float
-    high: float
-
-    def __post_init__(self) -> None:
-        for name in ("low", "high"):
-            object.__setattr__(self, name, real(name, getattr(self, name)))
-        if self.high <= self.low:
-            raise ValueError(f"high must be greater than low, {shown(self.low)}, got {shown(self.high)}")
-
-    @property
-    def bounds(self) -> tuple[float, float]:
-        """The smallest and the largest value."""
-        return self.low, self.high
-
-    def quantile(self, probability: Floats) -> Floats:
-        """Return the values below which a sample lies with these probabilities, between 0 and 1."""
-        return np.clip(self.low + probability * (self.high - self.low), *self.bounds)
-
-
-Distribution = Normal | Uniform
-
-
-def uniform_samples(seed: int, name: str, start: int, stop: int) -> Floats:
-    """Return samples `start` to `stop` of a stream that its seed and name choose, inside 0 and 1.
-
-    Parameters
-    ----------
-    seed : int
-        From 0 to 2⁶⁴ - 1.
-    name : str
-        Streams of different names are independent.
-    start, stop : int
-
-    Returns
-    -------
-    ndarray, shape (stop - start,)
-
-    Examples
-    --------
-    >>> bool((uniform_samples(7, "height", 0, 9)[4:6] == uniform_samples(7, "height", 4, 6)).all())
-    True
-    """
-    stream = int.from_bytes(hashlib.sha256(name.encode()).digest()[:8], "little")
-    blocks = np.random.Philox(key=seed | stream << 64, counter=start)
-    # A block has four numbers; the first is taken, so that sample i is block i. 53 bits make a float.
-    words = blocks.random_raw(4 * (stop - start))[::4]
-    return np.asarray(((words >> np.uint64(11)) + 0.5) * 2.0**-53)
 
 
 #: The sections of given dimensions, by name.
@@ -316,8 +185,7 @@ class Axis:
         if self.distribution is None:
             return np.asarray(self._array[index if self.dimension else np.zeros_like(index)])
         first, last = int(index.min()), int(index.max()) + 1
-        samples = uniform_samples(self.seed, self.name, first, last)
-        return self.distribution.quantile(samples)[index - first]
+        return draw(self.distribution, self.seed, self.name, first, last)[index - first]
 
     def labels(self) -> list[Any]:
         """Return the values as a dataset's coordinates have them."""

@@ -166,7 +166,7 @@ def _way(way: Recommendation) -> list[str]:
     RULE,
 )
 def _segments(options: argparse.Namespace) -> Answer:
-    from beammodes.accuracy.errors import segments_needed
+    from beammodes.accuracy.segments import segments_needed
 
     count = segments_needed(
         options.boundary,

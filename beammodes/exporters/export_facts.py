@@ -10,7 +10,7 @@ from types import MappingProxyType
 
 import numpy as np
 
-from beammodes.accuracy.error_table import SlendernessWarning, chain_errors, stout_remark
+from beammodes.accuracy.chain_against_beam import SlendernessWarning, chain_errors, stout_remark
 from beammodes.chains.chain import Chain
 from beammodes.checks import percent, positive_real, shown
 from beammodes.equations.equilibria import EquilibriumNotFound, find_equilibrium

@@ -1,0 +1,197 @@
+"""The numbers of ends and loads in multiples of a beam's own units, and their names.
+
+Closed forms take multiples of ρA L, ρA L³, L, EI/L³, EI/L and EI/L², as if L = EI = ρA = 1.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import replace
+from fractions import Fraction
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from beammodes.chains.units import ExactUnits
+from beammodes.checks import bounded, shown
+from beammodes.problem.beam import Beam
+from beammodes.problem.ends import NUMBERS_OF_END, Boundary, with_pairs_read
+from beammodes.problem.loading import Load, load_of
+
+__all__ = [
+    "BEAM_NUMBERS",
+    "NUMBERS",
+    "distinct",
+    "in_beam_units",
+    "load_in_beam_units",
+    "looked_up",
+    "with_numbers",
+]
+
+_END_UNITS = {
+    "translational_stiffness": ("EI / L^3", "N / m"),
+    "rotational_stiffness": ("EI / L", "N m / rad"),
+    "mass": ("rhoA L", "kg"),
+    "rotary_inertia": ("rhoA L^3", "kg m^2"),
+    "offset": ("L", "m"),
+}
+_UNITS = {
+    **{f"{side}_{name}": _END_UNITS[name] for side in ("left", "right") for name in NUMBERS_OF_END},
+    "axial_force": ("EI / L^2", "N"),
+    "spin_rate": ("sqrt(EI / (rhoA L^4))", "rad / s"),
+    "hub_radius": ("L", "m"),
+}
+
+#: Names of numbers of ends and loads, with their unit for L = EI = ρA = 1.
+NUMBERS: Mapping[str, str] = MappingProxyType({name: own for name, (own, _) in _UNITS.items()})
+
+#: The same for a beam in any consistent units, here named as SI.
+BEAM_NUMBERS: Mapping[str, str] = MappingProxyType({name: units for name, (_, units) in _UNITS.items()})
+
+
+def with_numbers(boundary: Boundary, load: Load, numbers: Mapping[str, Any]) -> tuple[Boundary, Load]:
+    """Return a boundary and a load with numbers, named as in `NUMBERS`, in the place of their own.
+
+    Examples
+    --------
+    >>> print(*with_numbers(Boundary.of("clamped-free"), Load(), {"right_mass": 0.5})[:1])
+    clamped-free(mass=0.5)
+    """
+    ends = {"left": boundary.left, "right": boundary.right}
+    for name, value in numbers.items():
+        side, _, field = name.partition("_")
+        if side in ends:
+            # Rigid is one object, which `End` looks for.
+            number: dict[str, Any] = {field: math.inf if value == math.inf else value}
+            ends[side] = replace(ends[side], **number)
+        else:
+            load = replace(load, **{name: value})
+    return Boundary(**ends), load
+
+
+def in_beam_units(boundary: Boundary, beam: Beam) -> Boundary:
+    """Return ends whose numbers count for L = EI = ρA = 1 as these do for a uniform `beam`.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If `beam` is not a uniform Beam without rotary inertia of its sections.
+
+    Examples
+    --------
+    >>> print(in_beam_units(Boundary.of("clamped-free(mass=3)"), Beam(2.0, 1.0, 3.0)))
+    clamped-free(mass=0.5)
+    """
+    units = ExactUnits.of(_plain_beam(beam), 1)
+    ends = []
+    for end in (boundary.left, boundary.right):
+        mass, inertia, offset = units.body(end.mass, end.rotary_inertia, end.offset)
+        numbers = {
+            "translational_stiffness": units.support(end.translational_stiffness, 2),
+            "rotational_stiffness": units.support(end.rotational_stiffness, 0),
+            "mass": mass,
+            "rotary_inertia": inertia,
+            "offset": offset,
+        }
+        scaled: dict[str, Any] = {name: _float(name, value) for name, value in numbers.items()}
+        ends.append(replace(end, **scaled))
+    return Boundary(*ends)
+
+
+def load_in_beam_units(load: Load, beam: Beam) -> Load:
+    """Return a load whose numbers count for L = EI = ρA = 1 as these do for a uniform `beam`.
+
+    Raises
+    ------
+    TypeError, ValueError
+        As `in_beam_units`.
+
+    Examples
+    --------
+    >>> load_in_beam_units(Load(axial_force=3.0), Beam(2.0, 1.0, 1.0)).axial_force
+    12.0
+    """
+    units = ExactUnits.of(_plain_beam(beam), 1)
+    return Load(
+        axial_force=_float("axial_force", units.force(load.axial_force)),
+        spin_rate=float(load.spin_rate) / beam.frequency_unit,
+        hub_radius=float(load.hub_radius) / beam.length,
+        plane=load.plane,
+        gravity=_floats("gravity", map(units.acceleration, load.weight)),
+        tip_force=_floats("tip_force", map(units.force, load.tip)),
+        tip_moment=_float("tip_moment", units.moment(load.tip_moment)),
+    )
+
+
+def looked_up(boundary: Any, load: Load | None, beam: Beam | None) -> tuple[Any, Load]:
+    """Return ends and load in multiples, as closed forms take them.
+
+    The one place that says what the numbers of a question without a chain mean: with a `beam` they are in its
+    units; without one those of ends are multiples already, and a load is refused.
+
+    Parameters
+    ----------
+    boundary : boundary, or array or list of boundaries
+    load : Load or None
+    beam : Beam or None
+
+    Raises
+    ------
+    TypeError, ValueError
+        If there is a load without a beam, or an argument is not of its kind.
+
+    Examples
+    --------
+    >>> print(*looked_up("clamped-free(mass=3)", Load(axial_force=3.0), Beam(2.0, 1.0, 3.0)))
+    clamped-free(mass=0.5) Load(axial_force=12.0)
+    """
+    pull = load_of(load, beam)
+    if beam is None:
+        return boundary, pull
+    plain = _plain_beam(beam)
+    pairs, which = distinct("boundary", with_pairs_read(boundary), (str, Boundary), Boundary.of)
+    scaled = np.empty(len(pairs), dtype=object)
+    scaled[:] = [in_beam_units(pair, plain) for pair in pairs]
+    return scaled[which], load_in_beam_units(pull, beam)
+
+
+def distinct(
+    name: str, value: Any, single: tuple[type, ...], read: Callable[[Any], Any]
+) -> tuple[list[Any], NDArray[np.intp]]:
+    """Return what an array of names or records stands for, each once, and places in it, of its shape."""
+    if isinstance(value, single) or not isinstance(value, Iterable):
+        return [read(value)], np.asarray(0)
+    items = np.asarray(value if isinstance(value, np.ndarray) else bounded(name, value), dtype=object)
+    found: dict[Any, int] = {}
+    index = [found.setdefault(read(item), len(found)) for item in items.ravel()]
+    return list(found), np.array(index, dtype=np.intp).reshape(items.shape)
+
+
+def _plain_beam(beam: Beam) -> Beam:
+    if not isinstance(beam, Beam):
+        raise TypeError(f"beam must be a Beam, got {shown(beam)}")
+    if beam.is_uniform and not beam.has_rotary_inertia:
+        return beam
+    kind = "without rotary inertia of its sections" if beam.is_uniform else "uniform"
+    raise ValueError(
+        f"beam must be {kind} here, got {shown(beam)}: for any beam call chain_errors(Chain(beam, ...))"
+    )
+
+
+def _float(name: str, value: Fraction | float) -> float:
+    """Return a number as a float, unless it leaves the range of floats."""
+    try:
+        number = float(value)
+    except OverflowError:
+        number = math.nan
+    if math.isnan(number) or (value and not number):
+        raise ValueError(f"{name} must suit the beam: in its own units it leaves the range of floats")
+    return number
+
+
+def _floats(name: str, values: Iterable[Fraction]) -> tuple[float, float]:
+    x, y = (_float(name, value) for value in values)
+    return x, y

@@ -1,0 +1,199 @@
+"""How many segments keep errors within a tolerance, for every larger number of them too."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from beammodes.accuracy.beam_units import looked_up
+from beammodes.accuracy.errors import errors_in_multiples
+from beammodes.chains.rules import AnyRule, AxiallyCorrected, Rule, RuleMaker, layout_of
+from beammodes.checks import shown, small_fraction, whole_number
+from beammodes.closed_form.uniform import MAX_SEGMENTS
+from beammodes.problem.beam import Beam
+from beammodes.problem.ends import Boundary, BoundaryLike
+from beammodes.problem.loading import Load
+
+__all__ = [
+    "MAX_MODES_SOUGHT",
+    "ToleranceOutOfReach",
+    "first_lasting",
+    "first_lasting_upwards",
+    "segment_grid",
+    "segments_needed",
+    "solved_grid",
+]
+
+#: For more modes N is not sought: every N up to 40 times the highest is looked at, in all modes.
+MAX_MODES_SOUGHT = 1000
+
+# Longest chains in which N is sought: of some roots to find each, and solved as a whole.
+_LONGEST, _LONGEST_SOLVED = 10**5, 1000
+
+# Errors that are held at a time.
+_BLOCK = 200_000
+
+Counts = NDArray[np.int64]
+Fails = Callable[[Counts], NDArray[np.bool_]]
+
+
+class ToleranceOutOfReach(ValueError):
+    """No chain that is looked at stays within the tolerance."""
+
+
+def segments_needed(
+    boundary: BoundaryLike,
+    tolerance: float,
+    modes: int = 1,
+    rule: AnyRule = "mitiguy",
+    *,
+    load: Load | None = None,
+    beam: Beam | None = None,
+) -> int:
+    """Return the smallest N from which the first modes all stay within a tolerance, for every larger N too.
+
+        N = min { n : |e_k(n')| ≤ tolerance for all n' ≥ n and k = 1..modes }
+
+    With springs or bodies at the ends or an axial force, N is sought up to 10⁵, and every larger N stands for
+    those of a grid: all up to 30, then steps of a tenth. Where each chain is solved, under spin or weight and
+    with a `Layout` that is no `Rule`, N is sought up to 1000.
+
+    Parameters
+    ----------
+    boundary : str, pair or Boundary
+        Numbers of its ends are in the units of `beam`; without one they are multiples of ρA L, ρA L³, L,
+        EI/L³ and EI/L.
+    tolerance : float
+        Largest |e| allowed, as a fraction less than 0.5: 0.01 is one percent.
+    modes : int
+        How many modes, from the first; at most 1000.
+    rule : str, Rule or any Layout
+    load : Load, optional
+        Loads along the beam or of a turning hub, in the units of `beam`, which must then be given.
+    beam : Beam, optional
+        Uniform. `Beam.unit()` makes all numbers multiples of EI/L², ρA L and so on.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If an argument is not of its kind, a load comes without a beam, more segments would be needed than are
+        sought (10⁹ at most), or the rule is of `matched` springs, which meet frequencies at every N that has
+        them.
+
+    Examples
+    --------
+    >>> import beammodes as bm
+    >>> bm.segments_needed("clamped-clamped", tolerance=0.01, modes=3, rule="mitiguy")
+    26
+    """
+    limit = small_fraction("tolerance", tolerance)
+    ends, pull = looked_up(Boundary.of(boundary), load, beam)
+    record, mode = layout_of(rule), np.arange(1, whole_number("modes", modes, most=MAX_MODES_SOUGHT) + 1)
+    exact = getattr(record, "exact_modes", None)
+    if exact is not None:
+        raise ValueError(
+            f"rule must be one whose errors fall as N grows, got {record.name}: its first {exact} "
+            "frequencies are the beam's at every N that has springs for them, each N a search of its own; "
+            "frequency_error tells the errors of modes above them"
+        )
+
+    def fails(count: Counts) -> NDArray[np.bool_]:
+        error = errors_in_multiples(ends, count[:, None], mode, record, pull)
+        return np.asarray(~(np.abs(error) <= limit).all(axis=1))
+
+    closed = isinstance(record, Rule | RuleMaker)
+    corrected = isinstance(record, AxiallyCorrected) and isinstance(record.rule, Rule)
+    if closed and ends.is_plain and pull == Load():
+        grid = segment_grid(len(mode))
+    elif (closed or corrected) and pull.is_axial:
+        grid = _sparse_grid(len(mode), _LONGEST)
+    else:
+        grid = solved_grid(len(mode))
+    needed = first_lasting(fails, grid, len(mode))
+    if needed is None:
+        raise ToleranceOutOfReach(
+            f"tolerance must be larger: with rule {record.name}, {ends.name} and {len(mode)} modes no chain "
+            f"of up to {grid[-1]} segments stays within {shown(tolerance)}"
+        )
+    return needed
+
+
+def first_lasting(fails: Fails, grid: Counts, errors_of_each: int = 1) -> int | None:
+    """Return the smallest N from which on nothing of a grid fails; None if its largest N does.
+
+    The grid is looked at from its largest N on, in blocks of bounded memory; between the last that fails and
+    the next, N is found by bisection.
+
+    Examples
+    --------
+    >>> first_lasting(lambda counts: counts < 700, np.array([1, 400, 1000, 2000]))
+    700
+    """
+    size = max(1, _BLOCK // errors_of_each)
+    for stop in range(len(grid), 0, -size):
+        start = max(0, stop - size)
+        failing = np.flatnonzero(fails(grid[start:stop]))
+        if not len(failing):
+            continue
+        last = start + int(failing[-1])
+        if last == len(grid) - 1:
+            return None
+        low, high = int(grid[last]), int(grid[last + 1])
+        while high - low > 1:
+            middle = (low + high) // 2
+            low, high = (middle, high) if fails(np.array([middle]))[0] else (low, middle)
+        return high
+    return int(grid[0])
+
+
+def first_lasting_upwards(fails: Callable[[int], bool], grid: Counts, ahead: int) -> int | None:
+    """Return the smallest N of a grid from which on nothing fails up to `ahead` times N, None if none does.
+
+    For chains that are solved one by one, of which long ones cost most: the grid is looked at upwards.
+
+    Examples
+    --------
+    >>> first_lasting_upwards(lambda n: n < 7 or n == 9, np.arange(1, 100), ahead=3)
+    10
+    """
+    needed = None
+    for count in grid.tolist():
+        if fails(count):
+            needed = None
+        elif needed is None:
+            needed = count
+        elif count > ahead * needed:
+            break
+    return needed
+
+
+def segment_grid(modes: int) -> Counts:
+    """Return every N where errors are irregular, then N in steps of one percent up to the largest.
+
+    Up to 40 times the highest mode and 400 an error may rise and fall. Above, it is a sum of a few powers
+    of 1/N with at most one change of sign and one extremum, each wider than a step.
+
+    Examples
+    --------
+    >>> segment_grid(1)[[0, 399, 400, -1]].tolist()
+    [1, 400, 404, 1000000000]
+    """
+    return _grid(min(max(400, 40 * modes), MAX_SEGMENTS), 1.01, MAX_SEGMENTS)
+
+
+def solved_grid(modes: int) -> Counts:
+    """Return the N that stand for all of them where each chain has to be solved, up to 1000."""
+    return _sparse_grid(modes, _LONGEST_SOLVED)
+
+
+def _sparse_grid(modes: int, most: int) -> Counts:
+    return _grid(min(max(30, 3 * modes), most), 1.1, most)
+
+
+def _grid(dense: int, ratio: float, most: int) -> Counts:
+    """Return every N up to `dense`, then N that grow by a ratio, and the largest."""
+    steps = np.arange(1, 1 + int(np.log(most / dense) / np.log(ratio)))
+    coarse = (dense * ratio**steps).astype(np.int64)
+    return np.unique(np.concatenate([np.arange(1, dense + 1), coarse, [most]]))
