@@ -9,7 +9,7 @@ from typing import Any
 import mpmath as mp
 import pytest
 
-from beammodes.exact.euler_buckling import critical_compression
+from beammodes.exact.supported_beam import critical_compression
 from beammodes.problem.beam import Beam
 from beammodes.problem.ends import ENDS, Boundary, End
 

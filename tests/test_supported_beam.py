@@ -15,9 +15,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from beammodes.exact.euler_buckling import critical_compression
 from beammodes.exact.exact_beam import plain_modes
-from beammodes.exact.supported_beam import SupportedBeamModes, supported_modes
+from beammodes.exact.supported_beam import SupportedBeamModes, critical_compression, supported_modes
 from beammodes.problem.beam import Beam
 from beammodes.problem.ends import BOUNDARIES, ENDS, Boundary, End
 from beammodes.problem.loading import Load

@@ -19,7 +19,7 @@ from beammodes.closed_form import supported_chain
 from beammodes.closed_form.carried_planes import block_of, carried, closed, row_of_rods
 from beammodes.closed_form.dispersion import chain_frequency
 from beammodes.closed_form.supported_chain import joined, shortened, supported_chain_frequencies
-from beammodes.numerics.counted_brackets import CLOSEST, Counted, roots_between
+from beammodes.numerics.counted_roots import ROOT_DIGITS, Sample, ordered_roots
 from beammodes.problem.beam import Beam
 from beammodes.problem.ends import BOUNDARIES, Boundary, End
 from beammodes.problem.loading import Load
@@ -282,13 +282,16 @@ def test_nearly_equal_frequencies_are_two() -> None:
 
 
 def test_double_roots_are_listed_twice() -> None:
-    def evaluate(x: Decimal) -> Counted:
-        return Counted(x, 2 * (x > 2) + (x > 9), (x - 2) ** 2 * (x - 9))
+    def evaluate(x: Decimal) -> Sample:
+        return Sample(x, 2 * (x > 2) + (x > 9), (x - 2) ** 2 * (x - 9))
 
     with localcontext(Context(prec=50)):
-        found = roots_between(evaluate, evaluate(Decimal(1)), evaluate(Decimal(100)), 3)
-        assert all(abs(root / place - 1) <= CLOSEST for root, place in zip(found, (2, 2, 9), strict=True))
-        assert roots_between(evaluate, evaluate(Decimal(1)), evaluate(Decimal(100)), 1) == found[:1]
+        found = ordered_roots(evaluate, evaluate(Decimal(1)), evaluate(Decimal(100)), 3)
+        assert all(
+            abs(root / place - 1) <= Decimal(10) ** -ROOT_DIGITS
+            for root, place in zip(found, (2, 2, 9), strict=True)
+        )
+        assert ordered_roots(evaluate, evaluate(Decimal(1)), evaluate(Decimal(100)), 1) == found[:1]
 
 
 def test_what_does_not_exist_is_not_a_number() -> None:

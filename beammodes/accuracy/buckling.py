@@ -75,7 +75,7 @@ def buckling_load(structure: Beam | Chain, boundary: BoundaryLike | None = None)
         raise TypeError("boundary must be given for a beam, got None")
     pair = Boundary.of(boundary)
     if structure.is_uniform:
-        from beammodes.exact.euler_buckling import critical_compression
+        from beammodes.exact.supported_beam import critical_compression
 
         return critical_compression(structure, pair)
     from beammodes.exact.spectral_beam import spectral_buckling

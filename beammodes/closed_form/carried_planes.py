@@ -23,8 +23,9 @@ from fractions import Fraction
 from typing import NamedTuple
 
 from beammodes.chains.pieces import Pieces
+from beammodes.numerics.long_decimals import as_decimal
 
-__all__ = ["Block", "Plane", "Row", "as_decimal", "block_of", "carried", "closed", "row_of_rods"]
+__all__ = ["Block", "Plane", "Row", "block_of", "carried", "closed", "row_of_rods"]
 
 
 State = tuple[Decimal, Decimal, Decimal, Decimal]
@@ -73,19 +74,6 @@ def block_of(pieces: Pieces, count: int, middle: Fraction = Fraction(0)) -> Bloc
     inside = tuple(1 / as_decimal(k) for k in pieces.joint_stiffness[: count - 1])
     translation, rotation = map(as_decimal, pieces.supports[0])
     return Block(tuple(rows), (*inside, as_decimal(middle)), (translation, rotation))
-
-
-def as_decimal(value: float | Fraction) -> Decimal:
-    """Return a float exactly, and a fraction to the context's precision.
-
-    Examples
-    --------
-    >>> as_decimal(Fraction(1, 8))
-    Decimal('0.125')
-    """
-    if isinstance(value, Fraction):
-        return Decimal(value.numerator) / Decimal(value.denominator)
-    return Decimal(value)
 
 
 def carried(block: Block, square: Decimal, tension: Decimal) -> Plane:

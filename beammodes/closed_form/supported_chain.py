@@ -27,14 +27,14 @@ from beammodes.closed_form.carried_planes import (
     Block,
     Plane,
     Row,
-    as_decimal,
     block_of,
     carried,
     closed,
     row_of_rods,
 )
 from beammodes.numerics.arrays import Floats
-from beammodes.numerics.counted_brackets import Counted, roots_between
+from beammodes.numerics.counted_roots import Sample, inertia_and_determinant, ordered_roots
+from beammodes.numerics.long_decimals import as_decimal
 from beammodes.problem.beam import Beam
 from beammodes.problem.ends import Boundary, BoundaryLike, End
 from beammodes.problem.loading import Load, checked_load
@@ -130,26 +130,11 @@ def joined(planes: list[Plane], row: Row) -> tuple[int, Decimal]:
     (a, b, c), (d, e, f) = ([x + y for x, y in zip(plane.stiffness(), own, strict=True)] for plane in planes)
     (p, q, r) = other
     matrix = [[a, b, p, q], [b, c, q, r], [p, q, d, e], [q, r, e, f]]
-    count, value = _eliminated(matrix)
+    count, value = inertia_and_determinant(matrix)
     for plane in planes:
         count += plane.below
         value *= plane.minor(0, 1)
     return count + row.clamped, value * row.determinant
-
-
-def _eliminated(matrix: list[list[Decimal]]) -> tuple[int, Decimal]:
-    """Return how many eigenvalues of a symmetric matrix are negative, and its determinant."""
-    count, determinant = 0, Decimal(1)
-    while matrix:
-        (pivot, *row), *rest = matrix
-        count += pivot < 0
-        determinant *= pivot
-        factors = [value / pivot for value in row]
-        matrix = [
-            [value - factor * above for value, above in zip(below[1:], row, strict=True)]
-            for factor, below in zip(factors, rest, strict=True)
-        ]
-    return count, determinant
 
 
 # As `dispersion` has it for plain ends.
@@ -278,16 +263,16 @@ class _Problem:
             low = self.sample(low.place / 1000)
         while high.below < rigid + count:
             high = self.sample(high.place * 10)
-        return roots_between(self.sample, low, high, count)
+        return ordered_roots(self.sample, low, high, count)
 
-    def sample(self, place: Decimal) -> Counted:
+    def sample(self, place: Decimal) -> Sample:
         """Count the squared frequencies below `place`, or just above it where a part is singular there."""
         digits = _DIGITS + self.spread + 2 * abs(place.adjusted()) + 6 * len(str(self.segments))
         # Steps of 32 digits: the numbers are worked out in few lengths.
         with localcontext(prec=32 * (digits // 32 + 1)) as context:
             for _ in range(_NUDGES):
                 try:
-                    return Counted(place, *self._counted(place / self.segments**4, context.prec))
+                    return Sample(place, *self._counted(place / self.segments**4, context.prec))
                 except (DivisionByZero, InvalidOperation):
                     place *= 1 + _NUDGE
         raise ArithmeticError(f"{self.short.chain.boundary.name}: singular at {place}")

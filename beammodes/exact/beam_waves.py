@@ -1,26 +1,29 @@
-"""Mode shapes of the uniform beam as four waves, told from both ends, and their modal mass."""
+"""Mode shapes of the uniform beam in double precision, as four waves told from both ends, and its high modes."""
 
 from __future__ import annotations
 
 import math
-from decimal import Decimal
-from typing import Any, NamedTuple
+from decimal import Decimal, localcontext
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from beammodes.exact.unit_beam import UnitBeam, UnitEnd
+from beammodes.exact.uniform_beam import BeamMode, UnitBeam, UnitEnd, mixed
 from beammodes.numerics.arrays import Floats
+from beammodes.numerics.long_decimals import cosine_and_sine
 
-__all__ = ["BeamWaves", "beam_mass", "first_separate_wave", "high_waves"]
+__all__ = ["BeamWaves", "first_separate_wave", "high_waves"]
 
 
 # Below these p and q waves come near to being dependent, and half the beam takes a short power series: its
 # terms grow to e^3.5 at most, and 40 of them reach a double's last place.
 _LONG = (4.0, 7.0)
-
-
 _TERMS = 40
+# e^(-40) is a fortieth of a double's resolution of one.
+_SEPARATE = 40.0
+# Beyond these decades the products of an end's numbers could leave the range of doubles.
+_DECADES = 60
 
 
 class BeamWaves(NamedTuple):
@@ -45,6 +48,11 @@ class BeamWaves(NamedTuple):
     right: Floats
     left_state: Floats
     right_state: Floats
+
+    @classmethod
+    def of(cls, modes: list[BeamMode]) -> BeamWaves:
+        """Return modes of a beam without shear in doubles."""
+        return cls(*(np.array(column) for column in zip(*map(_rounded, modes), strict=True)))
 
     @classmethod
     def joined(cls, parts: list[BeamWaves]) -> BeamWaves:
@@ -78,6 +86,23 @@ class BeamWaves(NamedTuple):
         return result
 
 
+def _rounded(mode: BeamMode) -> tuple[float | list[float], ...]:
+    """Return the numbers of `BeamWaves` of one mode."""
+    beam, square = mode.beam, mode.square
+    with localcontext() as context:
+        context.prec = beam.digits(square)
+        waves = beam.exponents(square)
+        p, q, tension = waves.high.sqrt(), (-waves.low).sqrt(), beam.tension - beam.gyration * square
+        # The sine's wave has the amplitude -q.
+        a, b, c, d = mode.share[2], -q * mode.share[3], *mode.share[:2]
+        cosine, sine = cosine_and_sine(q)
+        rows = [[a, b, c], [a * cosine + b * sine, a * sine - b * cosine, d]]
+        for end, side in ((0, 1), (1, -1)):
+            y, slope, moment, force = mixed(mode.share, beam.waves(square, Decimal(end), mode.decaying))
+            rows.append([y, side * slope, moment, side * (tension * slope - force)])
+    return float(p), float(q), *([float(number) for number in row] for row in rows)
+
+
 def _waves(p: Floats, q: Floats, near: Floats, across: Floats, z: Floats, order: int) -> Floats:
     a, b, c = near.T[:, :, None]
     for _ in range(order):
@@ -98,50 +123,11 @@ def _series(p: Floats, q: Floats, state: Floats, z: Floats, order: int) -> Float
     return total
 
 
-def beam_mass(p: Any, q: Any, gyration: Any, near: Any, far: Any, across: Any) -> Any:
-    """Return ∫ y² + r² y'² dx of four waves, for decimals or arrays.
-
-    With u = a cos + b sin and v the exponentials: ∫ u² = (a² + b²)/2 - [u u']/(2q²), ∫ v² = [v v']/(2p²)
-    + 2 c d e^(-p), ∫ u v = [u v' - u' v]/(p² + q²), by parts from u'' = -q² u and v'' = p² v.
-
-    Parameters
-    ----------
-    p, q, gyration : Decimal or array
-        The wavenumbers and r².
-    near, far : sequence of three
-        a, b, c from the left end, and from the right.
-    across : Decimal or array
-        e^(-p), or zero where it does not matter.
-
-    Examples
-    --------
-    >>> round(beam_mass(np.pi, np.pi, 0.0, (0.0, 1.0, 0.0), (0.0, 1.0, 0.0), 0.0), 12)
-    0.5
-    """
-    (a, b, c), (a1, b1, d) = near, far
-    v, v1 = c + d * across, d + c * across
-    dv, dv1 = p * (d * across - c), p * (d - c * across)
-    of_u, of_v = -q * (a1 * b1 + a * b), v1 * dv1 - v * dv
-    u_dv, du_v = a1 * dv1 - a * dv, -q * (b1 * v1 + b * v)
-    circle, standing = (a * a + b * b) / 2, 2 * c * d * across
-    product = (u_dv - du_v) / (p * p + q * q)
-    deflection = circle - of_u / (2 * q * q) + of_v / (2 * p * p) + standing + 2 * product
-    slopes = q * q * circle + of_u / 2 + of_v / 2 - p * p * standing + 2 * (u_dv - p * p * product)
-    return deflection + gyration * slopes
-
-
 # High modes of the supported beam: waves that run to and fro and are turned by a phase at either end.
 #
 # Once e^(-p) is below a double's resolution no end feels the other's decaying field. Each end then fixes the
 # phase φ of u = cos(qz - φ) alone, and mode k is the one root of q - φ₀ - φ₁ = (k - 1) π, an equation that
 # cancels nothing and rises with ω: modes by the million cost array operations only.
-
-# e^(-40) is a fortieth of a double's resolution of one.
-_SEPARATE = 40.0
-
-
-# Beyond these decades the products of an end's numbers could leave the range of doubles.
-_DECADES = 60
 
 
 class Reflection(NamedTuple):
@@ -214,7 +200,7 @@ def _unit_waves(beam: UnitBeam, q: Floats, sign: Floats) -> BeamWaves:
     p = _decaying(beam, q)
     left, right = _reflection(beam.left, p, q), _reflection(beam.right, p, q)
     near, far = np.array(left.waves), sign * np.array(right.waves)
-    mass = beam_mass(p, q, float(beam.gyration), near, far, 0.0)
+    mass = _mass(p, q, float(beam.gyration), near, far)
     for end, turned in ((beam.left, left), (beam.right, right)):
         _, _, body, inertia, offset = map(float, end[1:])
         mass += body * (turned.deflection - offset * turned.rotation) ** 2 + inertia * turned.rotation**2
@@ -259,3 +245,18 @@ def _released(end: UnitEnd, p: Floats, q: Floats, scale: Floats) -> tuple[Floats
     both = np.where((yy < 0.0) | (tt < 0.0), 2.0, 0.0)
     negative = np.where(determinant < 0.0, 1.0, both)
     return determinant, -scale * (p * tt - yt), -scale * (yy - p * yt), negative
+
+
+def _mass(p: Floats, q: Floats, gyration: float, near: Floats, far: Floats) -> Floats:
+    """Return ∫ y² + r² y'² dx of waves whose exponentials do not reach the other end.
+
+    With u = a cos + b sin and v the exponentials: ∫ u² = (a² + b²)/2 - [u u']/(2q²), ∫ v² = [v v']/(2p²),
+    ∫ u v = [u v' - u' v]/(p² + q²), by parts from u'' = -q² u and v'' = p² v.
+    """
+    (a, b, c), (a1, b1, d) = near, far
+    of_u, of_v, circle = -q * (a1 * b1 + a * b), p * (c * c + d * d), 0.5 * (a * a + b * b)
+    u_dv = p * (a1 * d + a * c)
+    product = (u_dv + q * (b1 * d + b * c)) / (p * p + q * q)
+    deflection = circle - of_u / (2.0 * q * q) + of_v / (2.0 * p * p) + 2.0 * product
+    slopes = q * q * circle + 0.5 * (of_u + of_v) + 2.0 * (u_dv - p * p * product)
+    return np.asarray(deflection + gyration * slopes)

@@ -1,15 +1,19 @@
-"""Decimals of any length: exact conversion from floats and fractions, π, cosine and sine."""
+"""Decimals of any length: exact conversion, and mpmath's π, exponential, cosine and sine of them.
+
+Sums and products of 80 digits take a fifth of mpmath's time in Python's decimals; its functions take a third of
+theirs.
+"""
 
 from __future__ import annotations
 
-from decimal import MAX_EMAX, MIN_EMIN, ROUND_HALF_EVEN, Context, Decimal, getcontext, localcontext
+from decimal import MAX_EMAX, MIN_EMIN, ROUND_HALF_EVEN, Context, Decimal, getcontext
 from fractions import Fraction
 from functools import lru_cache
+from typing import Any
 
-__all__ = ["LONG", "as_decimal", "cosine_and_sine", "pi"]
+__all__ = ["LONG", "as_decimal", "cosine_and_sine", "decay", "pi"]
 
-
-#: Digits that lose nothing of a double, whatever context the caller has set, and exponents for e^p of any p.
+#: Digits that lose nothing of a double, whatever context the caller has set.
 LONG = Context(prec=80, rounding=ROUND_HALF_EVEN, Emin=MIN_EMIN, Emax=MAX_EMAX, capitals=1, clamp=0)
 
 
@@ -34,46 +38,62 @@ def pi() -> Decimal:
     >>> float(pi())
     3.141592653589793
     """
-    # Steps of 64 digits: lengths vary with the place, and few of them should be worked out.
-    return +_pi(64 * (getcontext().prec // 64 + 1))
+    return +_pi(getcontext().prec)
 
 
-@lru_cache(maxsize=64)
+@lru_cache(maxsize=256)
 def _pi(digits: int) -> Decimal:
-    """Machin's formula, π = 16 arctan 1/5 - 4 arctan 1/239."""
-    with localcontext() as context:
-        context.prec = digits + 10
-        return 16 * _inverse_arctangent(5) - 4 * _inverse_arctangent(239)
+    from mpmath.libmp import mpf_pi
+
+    return _decimal(mpf_pi(_bits(digits)), digits)
 
 
-def _inverse_arctangent(number: int) -> Decimal:
-    """Return arctan(1/number)."""
-    power = total = Decimal(1) / number
-    divisor, sign, square = 1, 1, number * number
-    while total + power / divisor != total:
-        power /= square
-        divisor, sign = divisor + 2, -sign
-        total += sign * power / divisor
-    return total
+def decay(exponent: Decimal) -> Decimal:
+    """Return e^(-exponent) of a number that is not negative, its error a unit of the context's last digit of one.
+
+    Examples
+    --------
+    >>> float(decay(Decimal(2)))
+    0.1353352832366127
+    """
+    from mpmath.libmp import mpf_exp
+
+    digits = getcontext().prec
+    if exponent > 3 * digits:
+        return Decimal(0)
+    return _decimal(mpf_exp(_mpf(-exponent, digits), _bits(digits)), digits)
 
 
 def cosine_and_sine(angle: Decimal) -> tuple[Decimal, Decimal]:
-    """Return cos and sin of an angle in radians, their errors some units of the context's last digit.
+    """Return cos and sin of an angle in radians, their errors a unit of the context's last digit of one.
 
     Examples
     --------
     >>> [float(value) for value in cosine_and_sine(Decimal(2))]
     [-0.4161468365471424, 0.9092974268256817]
     """
-    quarters = int((2 * angle / pi()).to_integral_value(ROUND_HALF_EVEN))
-    rest = angle - quarters * pi() / 2
-    cosine, sine = Decimal(1), rest
-    smallest = Decimal(10) ** -(getcontext().prec + 2)
-    term, order = rest, 1
-    while abs(term) > smallest:
-        term *= -rest / (order + 1)
-        cosine += term
-        term *= rest / (order + 2)
-        sine += term
-        order += 2
-    return ((cosine, sine), (-sine, cosine), (-cosine, -sine), (sine, -cosine))[quarters % 4]
+    from mpmath.libmp import mpf_cos_sin
+
+    digits = getcontext().prec
+    cosine, sine = mpf_cos_sin(_mpf(angle, digits), _bits(digits))
+    return _decimal(cosine, digits), _decimal(sine, digits)
+
+
+def _bits(digits: int) -> int:
+    return 10 * digits // 3 + 20
+
+
+def _mpf(value: Decimal, digits: int) -> Any:
+    """Return a number rounded to a few decimal places more than `digits`, as mpmath's functions take it."""
+    from mpmath.libmp import from_man_exp
+
+    places, bits = digits + 4, _bits(digits)
+    return from_man_exp((int(value.scaleb(places)) << bits) // 10**places, -bits)
+
+
+def _decimal(value: Any, digits: int) -> Decimal:
+    """Return mpmath's number rounded to a few decimal places more than `digits`."""
+    from mpmath.libmp import to_fixed
+
+    places, bits = digits + 4, _bits(digits)
+    return Decimal((to_fixed(value, bits) * 10**places) >> bits).scaleb(-places)

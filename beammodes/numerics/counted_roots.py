@@ -1,23 +1,20 @@
-"""Roots of an equation whose roots below any point can be counted: all of them in order, to 24 digits."""
+"""Roots of an equation that comes with a count of its roots, and the count of a matrix's negative eigenvalues."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from decimal import Decimal, localcontext
 from typing import NamedTuple
 
-__all__ = ["ROOT_DIGITS", "Sample", "ordered_roots"]
-
+__all__ = ["ROOT_DIGITS", "Sample", "inertia_and_determinant", "ordered_roots"]
 
 #: Roots closer than this, relatively, are one double root: far below what a double can tell.
 ROOT_DIGITS = 24
-
-
 _CLOSE = Decimal(10) ** -ROOT_DIGITS
 
 
 class Sample(NamedTuple):
-    """A place, how many roots lie below it, and an analytic function that vanishes at the roots only."""
+    """A place above zero, how many roots lie below it, and a smooth function that vanishes at the roots only."""
 
     place: Decimal
     below: int
@@ -27,7 +24,7 @@ class Sample(NamedTuple):
 def ordered_roots(
     evaluate: Callable[[Decimal], Sample], low: Sample, high: Sample, most: int
 ) -> list[Decimal]:
-    """Return the first roots between two places above zero, ascending, a double root twice.
+    """Return the first roots between two places, ascending, a double root twice.
 
     Geometric bisection by the counts isolates each root within a factor of two, so that roots many decades
     apart cost no more than neighbours; the function's sign change then refines it.
@@ -35,7 +32,7 @@ def ordered_roots(
     Parameters
     ----------
     evaluate : callable
-        Samples the equation at a place.
+        Samples the equation at a place, or, where it is singular, right beside it.
     low, high : Sample
         The ends of the range.
     most : int
@@ -91,3 +88,29 @@ def _interpolated(new: Sample, opposite: Sample, old: Sample) -> Decimal:
     if rise**2 < along and (1 - rise) ** 2 < 1 - along:
         return fa / (fb - fa) * fc / (fb - fc) + (c - a) / (b - a) * fa / (fc - fa) * fb / (fc - fb)
     return Decimal("0.5")
+
+
+def inertia_and_determinant(matrix: Sequence[Sequence[Decimal]]) -> tuple[int, Decimal]:
+    """Return how many eigenvalues of a symmetric matrix are negative, and its determinant.
+
+    By elimination without exchanges (Sylvester's law of inertia). A pivot of zero is taken for a tiny positive
+    one, whose successor then counts right.
+
+    Examples
+    --------
+    >>> inertia_and_determinant([[Decimal(0), Decimal(2)], [Decimal(2), Decimal(3)]])[0]
+    1
+    """
+    negative, determinant = 0, Decimal(1)
+    rows: Sequence[Sequence[Decimal]] = matrix
+    while rows:
+        (first, *right), *below = rows
+        pivot = first or Decimal("1e-1000")
+        negative += pivot < 0
+        determinant *= pivot
+        factors = [value / pivot for value in right]
+        rows = [
+            [value - factor * top for value, top in zip(row[1:], right, strict=True)]
+            for factor, row in zip(factors, below, strict=True)
+        ]
+    return negative, determinant
