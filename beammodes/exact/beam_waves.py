@@ -1,4 +1,4 @@
-"""Mode shapes of the uniform beam in double precision, as four waves told from both ends, and its high modes."""
+"""Mode shapes of the uniform beam in doubles, as four waves told from both ends, and its high modes."""
 
 from __future__ import annotations
 
@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 
 from beammodes.exact.uniform_beam import BeamMode, UnitBeam, UnitEnd, mixed
 from beammodes.numerics.arrays import Floats
-from beammodes.numerics.long_decimals import cosine_and_sine
 
 __all__ = ["BeamWaves", "first_separate_wave", "high_waves"]
 
@@ -91,14 +90,14 @@ def _rounded(mode: BeamMode) -> tuple[float | list[float], ...]:
     beam, square = mode.beam, mode.square
     with localcontext() as context:
         context.prec = beam.digits(square)
-        waves = beam.exponents(square)
-        p, q, tension = waves.high.sqrt(), (-waves.low).sqrt(), beam.tension - beam.gyration * square
-        # The sine's wave has the amplitude -q.
+        _, _, p, q, *_ = beam.exponents(square)
+        tension = beam.tension - beam.gyration * square
+        # The low waves are cos qx and -q sin qx, and these are in terms of the distance from the right end:
         a, b, c, d = mode.share[2], -q * mode.share[3], *mode.share[:2]
-        cosine, sine = cosine_and_sine(q)
+        cosine, sine = mode.ends[1][2].deflection, -mode.ends[1][3].deflection / q
         rows = [[a, b, c], [a * cosine + b * sine, a * sine - b * cosine, d]]
-        for end, side in ((0, 1), (1, -1)):
-            y, slope, moment, force = mixed(mode.share, beam.waves(square, Decimal(end), mode.decaying))
+        for waves, side in zip(mode.ends, (1, -1), strict=True):
+            y, slope, moment, force = mixed(mode.share, waves)
             rows.append([y, side * slope, moment, side * (tension * slope - force)])
     return float(p), float(q), *([float(number) for number in row] for row in rows)
 

@@ -1,17 +1,16 @@
 """The uniform beam with bending, shear, rotary inertia, axial force and any ends: counted roots and shapes.
 
-In the beam's own units, with t = T L²/EI - ρI/(ρA L²) w, s = EI/(κGA L²), w = ω², deflection y, rotation θ of the
-section, moment M and force V across the undeformed axis,
+In the beam's own units, with w = ω², t = T L²/EI - ρI/(ρA L²) w and s = EI/(κGA L²), deflection y, rotation θ
+of the section, moment M and force V across the undeformed axis obey
 
     y' = θ + s V,    θ' = M,    M' = t θ - V,    V' = -w y.
 
-Its waves e^(±√μ x) have  μ² + (s w - t) μ - w (1 + s t) = 0.  One μ, the low one, is negative at all frequencies; the
-high one is positive up to the cut-off, 1 + s t = 0, and negative beyond it, where shear has a second branch of modes.
-Both are told by  g = -(low + s w) > 0,  as  (μ - t)(μ + s w) = w: high = t + g, and high + s w = w/g.
+Waves e^(±√μ x) have  μ² + (s w - t) μ - w (1 + s t) = 0.  The low μ is negative at all frequencies; the high one
+is positive up to the cut-off, 1 + s t = 0, and negative beyond it, where shear has a second branch of modes. With
+g = -(low + s w) > 0,  high = t + g  and  high + s w = w/g.
 
-Soft springs, heavy bodies and near-double roots cost a determinant in doubles up to all its digits. In decimals long
-enough for the numbers at hand the plain formulas are safe everywhere, so that no corner of the parameters needs
-formulas of its own.
+Soft springs, heavy bodies and near-double roots cost a determinant in doubles up to all its digits. In decimals
+long enough for the numbers at hand the plain formulas are right everywhere, with no corner of its own formulas.
 """
 
 from __future__ import annotations
@@ -34,8 +33,8 @@ _HALF, _ONE, _NONE = Decimal("0.5"), Decimal(1), Decimal(0)
 _GUARDED = 3 * ROOT_DIGITS + 4
 # Stands for a pole met exactly: less than any digit that is kept.
 _TINY = Decimal("1e-1000")
-# Of w, in the difference that stands for a derivative: its square and reciprocal both leave 30 digits.
-_STEP = Decimal("1e-20")
+# Of w, in the difference that stands for a derivative: it leaves 30 digits, and its reciprocal more.
+_STEP = Decimal("1e-30")
 # Squared frequencies closer than this, relatively, are one double root.
 _SAME = Decimal("1e-20")
 # Compressions beyond the clamped beam's critical load, 4 π² = 39.478..., which no supports exceed.
@@ -81,10 +80,12 @@ class Section(NamedTuple):
 
 
 class _Waves(NamedTuple):
-    """Both exponents μ, g, and high/w, which stays finite where w is zero."""
+    """Both exponents μ, √|high|, √-low, g, and high/w, which stays finite where w is zero."""
 
     high: Decimal
     low: Decimal
+    p: Decimal
+    q: Decimal
     g: Decimal
     ratio: Decimal
 
@@ -152,7 +153,7 @@ class UnitBeam:
         return not any(end.holds[0] or end.translational for end in (self.left, self.right))
 
     def digits(self, place: Decimal) -> int:
-        """Return how many digits keep the determinant at w or a compression of `place` safe from cancellation."""
+        """Return how many digits keep the determinant at w or a compression safe from cancellation."""
         return _GUARDED + self.spread + 2 * abs(place.adjusted())
 
     def square_at(self, wave: Decimal) -> Decimal:
@@ -167,7 +168,8 @@ class UnitBeam:
         g = square / (middle + half) if half > 0 else middle - half
         low = -(g + s * square)
         ratio = -(1 + s * t) / low
-        return _Waves(square * ratio, low, g, ratio)
+        high = square * ratio
+        return _Waves(high, low, abs(high).sqrt(), (-low).sqrt(), g, ratio)
 
     def sample(self, square: Decimal) -> Sample:
         """Count the squared frequencies below w = `square` > 0 and evaluate their determinant there.
@@ -209,8 +211,8 @@ class UnitBeam:
         Mathematics 24, 1971).
         """
         even, odd, poles = self._halves(square, waves)
-        second = 1 + _pinned_count((-waves.high).sqrt()) if waves.high < 0 else 0
-        clamped = _pinned_count((-waves.low).sqrt()) + second - (even[2] < 0) - (odd[2] < 0)
+        second = 1 + _pinned_count(waves.p) if waves.high < 0 else 0
+        clamped = _pinned_count(waves.q) + second - (even[2] < 0) - (odd[2] < 0)
         # Mirrored, y stays and θ changes its sign.
         (a, b, c), (d, e, f) = (
             [(x + sign * y) / 2 for x, y in zip(even, odd, strict=True)] for sign in (1, -1)
@@ -227,9 +229,10 @@ class UnitBeam:
         return clamped + released, determinant * poles
 
     def _halves(self, square: Decimal, waves: _Waves) -> tuple[list[Decimal], list[Decimal], Decimal]:
-        """Return K_yy, K_yθ, K_θθ of symmetric and antisymmetric motions at x = 1, and the clamped determinant."""
-        high, low, g, ratio = waves
-        (c1, s1), (c2, s2) = (_even_and_odd(exponent, _HALF, scaled=True) for exponent in (high, low))
+        """Return K_yy, K_yθ, K_θθ at x = 1 of symmetric and antisymmetric motions, and the clamped determinant."""
+        high, low, p, q, g, ratio = waves
+        c1, s1 = _growing(p, _HALF, scaled=True) if high > 0 else _turning(p, _HALF)
+        c2, s2 = _turning(q, _HALF)
         apart = high - low
         even = g * c1 * s2 + square / g * c2 * s1 or _TINY
         odd = ratio * g * s1 * c2 + low / g * s2 * c1 or _TINY
@@ -275,7 +278,7 @@ class UnitBeam:
         found: list[BeamMode] = []
         for i, square in enumerate(squares):
             with localcontext() as context:
-                context.prec = self.digits(square) + 60
+                context.prec = self.digits(square) + 20
                 twin = i > 0 and square - squares[i - 1] < _SAME * square
                 double = twin or (i + 1 < len(squares) and squares[i + 1] - square < _SAME * square)
                 decaying = not self.shear or self.exponents(square).high > 1
@@ -288,24 +291,23 @@ class UnitBeam:
                 first = int(self.left.holds[0]) * (1 + int(self.left.holds[1]))
                 start = mixed(share, ends[0])[first]
                 unit = product(share, share).sqrt().copy_sign(start)
-                found.append(BeamMode(self, square, decaying, [v / unit for v in share]))
+                found.append(BeamMode(self, square, decaying, [v / unit for v in share], ends))
         return found
 
     def waves(self, square: Decimal, x: Decimal, decaying: bool) -> list[Section]:
         """Return the states at x of four waves: two of the high exponent, two of the low one.
 
-        The high ones decay from either end, or, which would make them alike for small exponents, are cosh and sinh.
+        The high ones decay from either end or, where that would make them alike, are cosh and sinh.
         """
-        high, low, g, ratio = self.exponents(square)
+        high, low, p, q, g, ratio = self.exponents(square)
         turn = square / g
         if decaying:
-            p = high.sqrt()
             sizes = ((-1, decay(p * x)), (1, decay(p * (1 - x))))
             waves = [Section(y, side * turn / p * y, turn * y, -side * square / p * y) for side, y in sizes]
         else:
-            c, s = _even_and_odd(high, x)
+            c, s = _growing(p, x) if high > 0 else _turning(p, x)
             waves = [Section(c, turn * s, turn * c, -square * s), Section(ratio * s, c / g, high * s / g, -c)]
-        c, s = _even_and_odd(low, x)
+        c, s = _turning(q, x)
         return [
             *waves,
             Section(c, -g * s, -g * c, -square * s),
@@ -326,19 +328,18 @@ class UnitBeam:
         return rows
 
     def _modal_product(self, square: Decimal, ends: list[list[Section]], decaying: bool) -> _Product:
-        """Return the product ∫ y₁y₂ + r² θ₁θ₂ dx and the bodies' share of two motions, given as shares of waves.
+        """Return the modal mass of two motions, given as shares of waves: ∫ y₁y₂ + r² θ₁θ₂ dx and the bodies'.
 
         The integrand is the derivative of  ẏ₁ V₂ - y₂ V̇₁ + θ̇₁ M₂ - θ₂ Ṁ₁,  a dot standing for d/dw.
         """
         step = square * _STEP
-        rates = []
-        for place in (_NONE, _ONE):
-            pairs = zip(
-                *(self.waves(square + change, place, decaying) for change in (step, -step)), strict=True
-            )
-            rates.append(
-                [Section(*((a - b) / (2 * step) for a, b in zip(*pair, strict=True))) for pair in pairs]
-            )
+        rates = [
+            [
+                Section(*((b - a) / step for a, b in zip(*pair, strict=True)))
+                for pair in zip(waves, self.waves(square + step, place, decaying), strict=True)
+            ]
+            for place, waves in zip((_NONE, _ONE), ends, strict=True)
+        ]
 
         def product(first: list[Decimal], second: list[Decimal]) -> Decimal:
             total = _NONE
@@ -361,12 +362,13 @@ _Product = Callable[[list[Decimal], list[Decimal]], Decimal]
 
 @dataclass(frozen=True)
 class BeamMode:
-    """A beam, its w, and how much of each of the four waves makes its shape of unit modal mass."""
+    """A mode of unit modal mass: its beam, w, share of each of the four waves, and these waves at both ends."""
 
     beam: UnitBeam
     square: Decimal
     decaying: bool
     share: list[Decimal]
+    ends: list[list[Section]]
 
     @property
     def digits(self) -> int:
@@ -389,14 +391,16 @@ def _pinned_count(wave: Decimal) -> int:
     return max(0, int((wave / pi()).to_integral_value("ROUND_CEILING")) - 1)
 
 
-def _even_and_odd(exponent: Decimal, x: Decimal, scaled: bool = False) -> tuple[Decimal, Decimal]:
-    """Return cosh √μ x and sinh √μ x / √μ, cos and sin for negative μ; if scaled, times e^(-√μ x) where it decays."""
-    if not exponent:
+def _turning(wave: Decimal, x: Decimal) -> tuple[Decimal, Decimal]:
+    """Return cos qx and sin qx / q."""
+    if not wave or not x:
         return _ONE, x
-    wave = abs(exponent).sqrt()
-    if exponent < 0:
-        cosine, sine = cosine_and_sine(wave * x)
-        return cosine, sine / wave
+    cosine, sine = cosine_and_sine(wave * x)
+    return cosine, sine / wave
+
+
+def _growing(wave: Decimal, x: Decimal, *, scaled: bool = False) -> tuple[Decimal, Decimal]:
+    """Return cosh px and sinh px / p; if scaled, times e^(-px)."""
     faded = decay(2 * wave * x)
     even, odd = (1 + faded) / 2, (1 - faded) / (2 * wave)
     return (even, odd) if scaled else (even / faded.sqrt(), odd / faded.sqrt())
