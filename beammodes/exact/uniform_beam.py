@@ -5,12 +5,12 @@ of the section, moment M and force V across the undeformed axis obey
 
     y' = θ + s V,    θ' = M,    M' = t θ - V,    V' = -w y.
 
-Waves e^(±√μ x) have  μ² + (s w - t) μ - w (1 + s t) = 0.  The low μ is negative at all frequencies; the high one
-is positive up to the cut-off, 1 + s t = 0, and negative beyond it, where shear has a second branch of modes. With
-g = -(low + s w) > 0,  high = t + g  and  high + s w = w/g.
+Waves e^(±√μ x) have  μ² + (s w - t) μ - w (1 + s t) = 0.  The low μ is negative at all frequencies; the
+high one is positive up to the cut-off, 1 + s t = 0, and negative beyond it, where shear has a second branch
+of modes. With  g = -(low + s w) > 0,  high = t + g  and  high + s w = w/g.
 
-Soft springs, heavy bodies and near-double roots cost a determinant in doubles up to all its digits. In decimals
-long enough for the numbers at hand the plain formulas are right everywhere, with no corner of its own formulas.
+Soft springs, heavy bodies and near-double roots cost a determinant in doubles up to all its digits. In
+decimals long enough for the numbers at hand the plain formulas are right everywhere.
 """
 
 from __future__ import annotations
@@ -229,7 +229,7 @@ class UnitBeam:
         return clamped + released, determinant * poles
 
     def _halves(self, square: Decimal, waves: _Waves) -> tuple[list[Decimal], list[Decimal], Decimal]:
-        """Return K_yy, K_yθ, K_θθ at x = 1 of symmetric and antisymmetric motions, and the clamped determinant."""
+        """Return K_yy, K_yθ, K_θθ of symmetric and of antisymmetric motions, and the clamped determinant."""
         high, low, p, q, g, ratio = waves
         c1, s1 = _growing(p, _HALF, scaled=True) if high > 0 else _turning(p, _HALF)
         c2, s2 = _turning(q, _HALF)
@@ -242,7 +242,7 @@ class UnitBeam:
         return symmetric, [-other * c1 * c2, turned, ratio * low * other * s1 * s2], even * odd
 
     def lowest(self, rigid: int, count: int, wave: Decimal = Decimal("Infinity")) -> list[Decimal] | None:
-        """Return the first `count` positive w, every one of them, a double one twice; None if the beam buckles.
+        """Return the first `count` positive w, a double one twice; None if the beam buckles.
 
         Fewer if the wavenumber √-low reaches `wave` first.
 
@@ -274,7 +274,7 @@ class UnitBeam:
         return ordered_roots(self.static_sample, low, high, 1)[0]
 
     def modes(self, squares: list[Decimal]) -> list[BeamMode]:
-        """Return the shapes of unit modal mass at squared frequencies that are roots, double ones orthogonal."""
+        """Return the modes of unit modal mass at squared frequencies that are roots."""
         found: list[BeamMode] = []
         for i, square in enumerate(squares):
             with localcontext() as context:
@@ -328,9 +328,10 @@ class UnitBeam:
         return rows
 
     def _modal_product(self, square: Decimal, ends: list[list[Section]], decaying: bool) -> _Product:
-        """Return the modal mass of two motions, given as shares of waves: ∫ y₁y₂ + r² θ₁θ₂ dx and the bodies'.
+        """Return the modal mass of two motions, each given by its share of the waves.
 
-        The integrand is the derivative of  ẏ₁ V₂ - y₂ V̇₁ + θ̇₁ M₂ - θ₂ Ṁ₁,  a dot standing for d/dw.
+        Of the beam it is ∫ y₁y₂ + r² θ₁θ₂ dx, whose integrand is the derivative of
+        ẏ₁ V₂ - y₂ V̇₁ + θ̇₁ M₂ - θ₂ Ṁ₁, a dot standing for d/dw.
         """
         step = square * _STEP
         rates = [
@@ -362,7 +363,7 @@ _Product = Callable[[list[Decimal], list[Decimal]], Decimal]
 
 @dataclass(frozen=True)
 class BeamMode:
-    """A mode of unit modal mass: its beam, w, share of each of the four waves, and these waves at both ends."""
+    """A mode of unit modal mass: its share of each of the four waves, and their states at both `ends`."""
 
     beam: UnitBeam
     square: Decimal

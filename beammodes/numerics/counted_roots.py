@@ -14,7 +14,7 @@ _CLOSE = Decimal(10) ** -ROOT_DIGITS
 
 
 class Sample(NamedTuple):
-    """A place above zero, how many roots lie below it, and a smooth function that is zero at the roots only."""
+    """A place above zero, how many roots lie below it, and a smooth function, zero at the roots only."""
 
     place: Decimal
     below: int
@@ -93,8 +93,8 @@ def _interpolated(new: Sample, opposite: Sample, old: Sample) -> Decimal:
 def inertia_and_determinant(matrix: Sequence[Sequence[Decimal]]) -> tuple[int, Decimal]:
     """Return how many eigenvalues of a symmetric matrix are negative, and its determinant.
 
-    By elimination without exchanges (Sylvester's law of inertia). A zero pivot is taken for a tiny positive one,
-    whose successor then counts right.
+    By elimination without exchanges (Sylvester's law of inertia). A zero pivot is taken for a tiny positive
+    one, whose successor then counts right.
 
     Examples
     --------
