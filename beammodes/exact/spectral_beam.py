@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -13,6 +14,7 @@ from beammodes.checks import shown, whole_number
 from beammodes.exact.exact_beam import EulerBernoulliModes, Theory
 from beammodes.exact.spectral_energy import (
     Motions,
+    Strains,
     in_plane,
     kinetic_rows,
     slope_rows,
@@ -31,16 +33,14 @@ from beammodes.problem.loading import Load, checked_load
 __all__ = [
     "AGREEMENT",
     "SpectralBeamModes",
-    "disagreement",
-    "growing_grids",
-    "modes_of",
+    "SpectralShapes",
     "spectral_buckling",
     "spectral_modes",
-    "values_of_motions",
+    "spectral_solution",
 ]
 
-
-# Frequencies and mode shapes of a beam that may vary along it, from its curvature at Gauss points.
+#: Largest relative change of a frequency between the last two degrees of the polynomials.
+AGREEMENT = 1e-11
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
@@ -64,10 +64,8 @@ class SpectralBeamModes(EulerBernoulliModes):
         How many modes of zero frequency come before them: 0, 1 or 2.
     agreement : float [-]
         Largest relative change of a frequency between the last two degrees of the polynomials.
-    grid : Grid
-        The points of the last degree.
-    motions : ndarray, shape (coordinates + 2, modes)
-        The grid's coordinates, y and y' at x = 0, of a beam with L = mean EI = mean ρA = 1.
+    shapes : SpectralShapes
+        Of a beam with L = mean EI = mean ρA = 1.
     theory : Theory, optional
         What tells the theory's own error; `euler_bernoulli` gives it.
 
@@ -87,8 +85,7 @@ class SpectralBeamModes(EulerBernoulliModes):
     angular_frequency: Floats
     rigid_body_modes: int
     agreement: float
-    grid: Grid
-    motions: Floats
+    shapes: SpectralShapes
     theory: Theory | None = None
 
     def shape(self, x: ArrayLike, derivative: int = 0) -> Floats:
@@ -120,36 +117,61 @@ class SpectralBeamModes(EulerBernoulliModes):
         position = positions_on(self.beam, x)
         unit = math.sqrt(self.beam.mean_mass_per_length) * math.sqrt(self.beam.length)
         place = position.ravel() / self.beam.length
-        shapes = values_of_motions(self.grid, self.motions, place, order) / unit / self.beam.length**order
+        shapes = self.shapes.values(place, order) / unit / self.beam.length**order
         return shapes.reshape(len(shapes), *position.shape)
 
 
-def values_of_motions(grid: Grid, motions: Floats, x: Floats, order: int) -> Floats:
-    """Return a derivative of the motions at positions 0 to 1, shape (motions, positions)."""
-    curvature = grid.curvature @ motions[:-2]
-    cell = np.clip(np.searchsorted(grid.edges, x, side="right") - 1, 0, len(grid.sizes) - 1)
-    ends = np.concatenate(([0], np.cumsum(grid.sizes)))
-    values = np.empty((motions.shape[1], len(x)))
-    width = np.diff(grid.edges)
-    weighted = grid.weight[:, None] * curvature
-    arm = (np.repeat(grid.edges[1:], grid.sizes) - grid.x)[:, None]
-    turn, rise = (np.add.reduceat(part, ends[:-1]) for part in (weighted, arm * weighted))
-    # Slope and deflection at every cell's beginning.
-    slope = motions[-1] + np.cumsum(turn, axis=0) - turn
-    rise = rise + width[:, None] * slope
-    deflection = motions[-2] + np.cumsum(rise, axis=0) - rise
-    for at in np.unique(cell).tolist():
-        here, size, half = cell == at, int(grid.sizes[at]), 0.5 * width[at]
-        series = legendre_of_values(size) @ curvature[ends[at] : ends[at + 1]]
-        for start in (slope[at], deflection[at])[: 2 - order]:
-            series = half * legendre_integral(series)
-            series[0] += start
-        values[:, here] = np.polynomial.legendre.legval((x[here] - grid.edges[at]) / half - 1.0, series)
-    return values
+@dataclass(frozen=True, slots=True, eq=False)
+class SpectralShapes:
+    """Mode shapes of a beam with L = mean EI = mean ρA = 1.
 
+    Parameters
+    ----------
+    grid : Grid
+    curvature, strain : ndarray, shape (points, modes)
+        κ and γ at the grid's points.
+    start : ndarray, shape (2, modes)
+        y(0) and θ(0).
+    """
 
-#: Largest relative change of a frequency between the last two degrees of the polynomials.
-AGREEMENT = 1e-11
+    grid: Grid
+    curvature: Floats
+    strain: Floats
+    start: Floats
+
+    @classmethod
+    def of(cls, strains: Strains, motions: Floats) -> SpectralShapes:
+        """Return the shapes of motions, a column each."""
+        grid, bent = strains.grid, strains.grid.curvature.shape[1]
+        return cls(grid, grid.curvature @ motions[:bent], strains.shear @ motions[bent:-2], motions[-2:])
+
+    def values(self, x: Floats, quantity: int) -> Floats:
+        """Return y, θ, κ or γ (0 to 3) at positions 0 to 1, shape (modes, positions)."""
+        grid, width = self.grid, np.diff(self.grid.edges)
+        cell = np.clip(np.searchsorted(grid.edges, x, side="right") - 1, 0, len(grid.sizes) - 1)
+        ends = np.concatenate(([0], np.cumsum(grid.sizes)))
+        arm = (np.repeat(grid.edges[1:], grid.sizes) - grid.x)[:, None]
+        bent, sheared = grid.weight[:, None] * self.curvature, grid.weight[:, None] * self.strain
+        turn, rise = (np.add.reduceat(part, ends[:-1]) for part in (bent, arm * bent + sheared))
+        # Rotation and deflection at every cell's beginning.
+        rotation = self.start[1] + np.cumsum(turn, axis=0) - turn
+        rise = rise + width[:, None] * rotation
+        deflection = self.start[0] + np.cumsum(rise, axis=0) - rise
+        found = np.empty((self.curvature.shape[1], len(x)))
+        for at in np.unique(cell).tolist():
+            part, here, half = slice(ends[at], ends[at + 1]), cell == at, 0.5 * width[at]
+            to_series = legendre_of_values(int(grid.sizes[at]))
+            series = to_series @ (self.strain if quantity == 3 else self.curvature)[part]
+            if quantity < 2:
+                series = half * legendre_integral(series)
+                series[0] += rotation[at]
+            if quantity == 0:
+                series[:-1] += to_series @ self.strain[part]
+                series = half * legendre_integral(series)
+                series[0] += deflection[at]
+            place = (x[here] - grid.edges[at]) / half - 1.0
+            found[:, here] = np.polynomial.legendre.legval(place, series)
+        return found
 
 
 def spectral_modes(
@@ -196,22 +218,47 @@ def spectral_modes(
     >>> spectral_modes(beam, "clamped-free", 3).frequency.round(3)
     array([ 4.109, 20.497, 52.686])
     """
-    pair, count, loaded = _checked(beam, boundary, modes, load)
-    previous, reached, square = np.full(count, np.inf), math.inf, square_spin(beam, loaded)
-    for grid in growing_grids(beam, 2 * count + 8):
-        tension = tension_of(beam, pair, grid, loaded)
-        free = with_tension(supported_motions(beam, pair, grid, tension), tension, loaded)
+    pair, count = _checked(beam, boundary, modes)
+    found = spectral_solution(beam, pair, count, checked_load(load))
+    omega = found.relative_frequency * beam.frequency_unit
+    omega.flags.writeable = False
+    return SpectralBeamModes(
+        beam, pair, found.load, omega, found.rigid_body_modes, found.agreement, found.shapes
+    )
+
+
+class Solution(NamedTuple):
+    """Modes of a beam with L = mean EI = mean ρA = 1, told as `SpectralBeamModes` tells them."""
+
+    load: Load
+    relative_frequency: Floats
+    rigid_body_modes: int
+    agreement: float
+    shapes: SpectralShapes
+
+
+def spectral_solution(
+    beam: Beam, pair: Boundary, count: int, load: Load, *, sheared: bool = False
+) -> Solution:
+    """Return the first elastic modes, as `spectral_modes` says; with shear, of Timoshenko's beam."""
+    loaded, square = straight_load(beam, pair, load), square_spin(beam, load)
+    previous, reached = np.full(count, np.inf), math.inf
+    for grid in _growing_grids(beam, 2 * count + 8):
+        strains = Strains.of(grid, sheared=sheared)
+        tension = tension_of(beam, pair, strains, loaded)
+        free = with_tension(supported_motions(beam, pair, strains, tension), tension, loaded)
         rigid = free.rigid.shape[1]
-        size, motions = modes_of(free, kinetic_rows(beam, pair, grid), count)
+        size, motions = _modes_of(free, kinetic_rows(beam, pair, strains), count)
         omega, share = in_plane(1.0 / size, rigid, pair, loaded, square)
         change = float(np.max(np.abs(omega / previous - 1.0)))
         if change <= max(AGREEMENT, 1e-14 / free.margin, 1e-13 / share):
-            omega *= beam.frequency_unit
-            omega.flags.writeable = False
-            signed = motions * _signs(pair, grid, motions)
-            return SpectralBeamModes(beam, pair, loaded, omega, rigid, change, grid, signed)
+            # The first of y, θ and κ that the left end does not hold is positive there.
+            first = int(pair.left.holds_deflection) * (1 + int(pair.left.holds_rotation))
+            start = SpectralShapes.of(strains, motions).values(np.zeros(1), first)[:, 0]
+            upright = motions * np.where(start < 0.0, -1.0, 1.0)
+            return Solution(loaded, omega, rigid, change, SpectralShapes.of(strains, upright))
         previous, reached = omega, min(reached, change)
-    raise disagreement(reached)
+    raise _disagreement(reached)
 
 
 def spectral_buckling(beam: Beam, boundary: BoundaryLike) -> float:
@@ -238,28 +285,28 @@ def spectral_buckling(beam: Beam, boundary: BoundaryLike) -> float:
     >>> round(spectral_buckling(Beam.unit(), "pinned-pinned") / math.pi**2, 12)
     1.0
     """
-    pair, _, _ = _checked(beam, boundary, 1, None)
+    pair, _ = _checked(beam, boundary, 1)
     previous, reached = math.inf, math.inf
-    for grid in growing_grids(beam, 10):
-        free = supported_motions(beam, pair, grid)
+    for grid in _growing_grids(beam, 10):
+        strains = Strains.of(grid, sheared=False)
+        free = supported_motions(beam, pair, strains)
         if free.turns_freely:
             raise ValueError(f"boundary must resist a rigid rotation to have a buckling load, got {pair}")
-        load = float(np.linalg.norm(slope_rows(grid) @ free.elastic, 2)) ** -2
+        load = float(np.linalg.norm(slope_rows(strains) @ free.elastic, 2)) ** -2
         reached = min(reached, abs(load / previous - 1.0))
         if reached <= AGREEMENT:
             return load * beam.mean_bending_stiffness / beam.length**2
         previous = load
-    raise disagreement(reached)
+    raise _disagreement(reached)
 
 
-def _checked(beam: Beam, boundary: BoundaryLike, modes: int, load: Load | None) -> tuple[Boundary, int, Load]:
+def _checked(beam: Beam, boundary: BoundaryLike, modes: int) -> tuple[Boundary, int]:
     if not isinstance(beam, Beam):
         raise TypeError(f"beam must be a Beam, got {shown(beam)}")
-    pair, count = Boundary.of(boundary), whole_number("modes", modes, most=100)
-    return pair, count, straight_load(beam, pair, checked_load(load))
+    return Boundary.of(boundary), whole_number("modes", modes, most=100)
 
 
-def growing_grids(beam: Beam, points: int) -> Iterator[Grid]:
+def _growing_grids(beam: Beam, points: int) -> Iterator[Grid]:
     """Yield grids of ever more points, in every section."""
     for step in range(12):
         grid = section_grid(beam, math.ceil(points * 1.35**step), least=4 + 2 * step)
@@ -268,7 +315,7 @@ def growing_grids(beam: Beam, points: int) -> Iterator[Grid]:
         yield grid
 
 
-def disagreement(reached: float) -> ArithmeticError:
+def _disagreement(reached: float) -> ArithmeticError:
     """Return the error for polynomials of growing degree that came no closer than this."""
     return ArithmeticError(
         f"results agree to {reached:.1g} between polynomials of growing degree, not to {AGREEMENT:.0g}: "
@@ -277,7 +324,7 @@ def disagreement(reached: float) -> ArithmeticError:
     )
 
 
-def modes_of(motions: Motions, kinetic: Floats, count: int) -> tuple[Floats, Floats]:
+def _modes_of(motions: Motions, kinetic: Floats, count: int) -> tuple[Floats, Floats]:
     """Return 1/ω, descending, and the motions of unit modal mass, of stored energy's largest kinetic ones."""
     momentum, elastic = kinetic @ motions.elastic, motions.elastic
     if motions.rigid.shape[1]:
@@ -304,9 +351,3 @@ def _singular(matrix: Floats) -> tuple[Floats, Floats]:
     if info:
         raise ArithmeticError(f"singular values of {matrix.shape} numbers did not converge")
     return size * (scale[0] / scale[1]), direction
-
-
-def _signs(pair: Boundary, grid: Grid, motions: Floats) -> Floats:
-    order = int(pair.left.holds_deflection) * (1 + int(pair.left.holds_rotation))
-    start = values_of_motions(grid, motions, np.zeros(1), order)[:, 0]
-    return np.where(start < 0.0, -1.0, 1.0)

@@ -1,4 +1,8 @@
-"""A beam's stored energy between any two ends, made ½ |w|² by the choice of coordinates w."""
+"""Energies of a beam's motions, from strains at Gauss points, tension, supports and bodies.
+
+Stored energy is made ½ |w|² by the choice of coordinates w, so that frequencies are the reciprocals of
+singular values and no digits are lost to differences.
+"""
 
 from __future__ import annotations
 
@@ -15,14 +19,10 @@ from beammodes.problem.loading import Load
 
 __all__ = [
     "Motions",
+    "Strains",
     "Tension",
-    "body_rows",
-    "buckled",
-    "compressed",
     "in_plane",
     "kinetic_rows",
-    "motions_between",
-    "of_unit_energy",
     "slope_rows",
     "square_spin",
     "straight_load",
@@ -31,8 +31,83 @@ __all__ = [
     "with_tension",
 ]
 
+# A straight line α + βx at each end quantity: y(0), θ(0), y(1), θ(1), and in its mean slope.
+_LINES = np.array([[1.0, 0.0], [0.0, 1.0], [1.0, 1.0], [0.0, 1.0], [0.0, 1.0]])
+# Nearer to the buckling load rounding decides on which side of it a compression is.
+_LEAST_MARGIN = 1e-13
 
-# Tension along a straight beam from what pulls on it, and what of it bending and turning meet.
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Strains:
+    """What a beam's strains, y' = θ + γ and θ' = κ, make of it; without shear γ has no coordinates.
+
+    A motion is the coordinates of κ, those of γ, y(0) and θ(0); rows are taken over motions.
+
+    Parameters
+    ----------
+    grid : Grid
+        The beam's points.
+    shear : ndarray, shape (points, coordinates of γ)
+        γ at the points by its coordinates.
+    """
+
+    grid: Grid
+    shear: Floats
+
+    @classmethod
+    def of(cls, grid: Grid, *, sheared: bool) -> Strains:
+        """Return bending alone, or with shear: as of curvature, with V/κGA for M/EI."""
+        if not sheared:
+            return cls(grid, np.zeros((len(grid.x), 0)))
+        assert grid.shear is not None
+        if grid.has_own_curvature:
+            return cls(grid, grid.curvature)
+        return cls(grid, grid.curvature * (grid.stiffness / grid.shear)[:, None])
+
+    @property
+    def rotation(self) -> Floats:
+        """θ at the points, as rows."""
+        ones = np.ones((len(self.grid.x), 1))
+        return np.hstack((self.grid.slope, np.zeros_like(self.shear), np.zeros_like(ones), ones))
+
+    @property
+    def deflection(self) -> Floats:
+        """The points' y, as rows."""
+        grid = self.grid
+        columns = [grid.deflection, grid.integrals(self.shear)] if self.shear.size else [grid.deflection]
+        return np.hstack((*columns, np.ones((len(grid.x), 1)), grid.x[:, None]))
+
+    @property
+    def slope(self) -> Floats:
+        """y' at the points, as rows."""
+        bent = self.grid.curvature.shape[1]
+        rows = self.rotation
+        rows[:, bent : bent + self.shear.shape[1]] += self.shear
+        return rows
+
+    @property
+    def ends(self) -> Floats:
+        """y(0), θ(0), y(1), θ(1) and y(1) - y(0), as rows."""
+        grid = self.grid
+        moment, turn = (grid.weight * (1.0 - grid.x)) @ grid.curvature, grid.weight @ grid.curvature
+        shift, none = grid.weight @ self.shear, np.zeros_like(turn)
+        bent = np.array([none, none, moment, turn, moment])
+        still = np.zeros_like(shift)
+        return np.hstack((bent, np.array([still, still, shift, still, shift]), _LINES))
+
+    @property
+    def of_unit_energy(self) -> Floats:
+        """Coordinates, a column each, of strains that store ½ each and nothing together."""
+        grid = self.grid
+        bending = _of_unit_energy(grid, grid.stiffness, grid.curvature)
+        if not self.shear.size:
+            return bending
+        assert grid.shear is not None
+        rigid = np.isinf(grid.shear).all()
+        shear = np.zeros_like(bending) if rigid else _of_unit_energy(grid, grid.shear, self.shear)
+        none = np.zeros((len(bending), shear.shape[1]))
+        both = np.block([[bending, none], [none.T, shear]])
+        return np.asarray(both[:, np.abs(both).max(axis=0) > 0.0])
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -92,7 +167,7 @@ def straight_load(beam: Beam, boundary: Boundary, load: Load) -> Load:
     return load
 
 
-def tension_of(beam: Beam, boundary: Boundary, grid: Grid, load: Load) -> Tension:
+def tension_of(beam: Beam, boundary: Boundary, strains: Strains, load: Load) -> Tension:
     """Return the tension of loads along a beam.
 
         T(x) = axial force + tip force + m p of the right end's body + ∫ ρA p ds from x to L,   p = g_x + Ω² X
@@ -100,14 +175,7 @@ def tension_of(beam: Beam, boundary: Boundary, grid: Grid, load: Load) -> Tensio
     with X the distance from the axis of rotation. An end's body whose centre of mass lies at a beyond it
     resists turning with  Ω² J + a m p  at the right end and  Ω² J - a m p  at the left.
 
-    Parameters
-    ----------
-    beam : Beam
-    boundary : Boundary
-    grid : Grid
-        The beam's points.
-    load : Load
-        One that `straight_load` allows.
+    On the beam it does its work on y', on the bodies at its ends on θ.
 
     Raises
     ------
@@ -115,6 +183,7 @@ def tension_of(beam: Beam, boundary: Boundary, grid: Grid, load: Load) -> Tensio
         If it leaves the range of floating-point numbers.
     """
     length, bending, square = beam.length, beam.mean_bending_stiffness, square_spin(beam, load)
+    grid = strains.grid
     gravity = float(load.weight[0]) / length / beam.frequency_unit / beam.frequency_unit
     tip = (float(load.axial_force) + float(load.tip[0])) / bending * length * length
     whole, hub, turning = beam.mean_mass_per_length * length, float(load.hub_radius) / length, []
@@ -130,14 +199,7 @@ def tension_of(beam: Beam, boundary: Boundary, grid: Grid, load: Load) -> Tensio
         pull = np.array([*(grid.weight * (tip + beyond)), *turning])
     if not np.isfinite(pull).all():
         raise ValueError(f"load must not leave the range of floating-point numbers for this beam, got {load}")
-    return Tension(pull, _slopes(grid))
-
-
-def _slopes(grid: Grid) -> Floats:
-    """Return the slopes at the grid's points and at both ends, as rows over a motion."""
-    turn = grid.weight @ grid.curvature
-    bent = np.vstack((grid.slope, np.zeros_like(turn), turn))
-    return np.hstack((bent, np.zeros((len(bent), 1)), np.ones((len(bent), 1))))
+    return Tension(pull, np.vstack((strains.slope, strains.ends[[1, 3]])))
 
 
 def square_spin(beam: Beam, load: Load) -> float:
@@ -170,7 +232,7 @@ def in_plane(
     return np.asarray(np.sqrt((omega - spin) * (omega + spin))), share
 
 
-def buckled(load: Load) -> ValueError:
+def _buckled(load: Load) -> ValueError:
     """Return the error for loads that push too hard."""
     if load.is_axial:
         return ValueError(
@@ -179,17 +241,9 @@ def buckled(load: Load) -> ValueError:
     return ValueError(f"load must not buckle the straight beam, got {load}")
 
 
-# A straight line α + βx at each end quantity: y(0), y'(0), y(1), y'(1), and in its mean slope.
-_LINES = np.array([[1.0, 0.0], [0.0, 1.0], [1.0, 1.0], [0.0, 1.0], [0.0, 1.0]])
-
-
-# Nearer to the buckling load rounding decides on which side of it a compression is.
-_LEAST_MARGIN = 1e-13
-
-
 @dataclass(frozen=True, slots=True, eq=False)
 class Motions:
-    """Motions of a beam with L = mean EI = mean ρA = 1, a column each: the grid's coordinates, y(0), y'(0).
+    """Motions of a beam with L = mean EI = mean ρA = 1, a column each.
 
     Parameters
     ----------
@@ -211,41 +265,17 @@ class Motions:
         return bool(self.rigid[-1].any())
 
 
-def supported_motions(beam: Beam, boundary: Boundary, grid: Grid, tension: Tension | None = None) -> Motions:
-    """Return the motions, stored energy being that of bending, supports and the tension on the mean slope.
+def supported_motions(
+    beam: Beam, boundary: Boundary, strains: Strains, tension: Tension | None = None
+) -> Motions:
+    """Return the motions, stored energy being that of strains, supports and the tension on the mean slope.
 
-    ½ ∫EI κ² + ½ Σ K e²  over the end quantities e; what pulls stores ½ ∫T (mean of y')², besides what
-    `with_tension` adds. Stiffnesses may span 24 decades and be infinite, so the two stiffest quantities
+    ½ ∫EI κ² + κGA γ² + ½ Σ K e²  over the end quantities e; what pulls stores ½ ∫T (mean of y')², besides
+    what `with_tension` adds. Stiffnesses may span 24 decades and be infinite, so the two stiffest quantities
     that fix a straight line are coordinates, of compliance 1/√K, and the others change the identity by rank
     one each, the stiffest first: no stiffness is ever added to a smaller one.
-
-    Parameters
-    ----------
-    beam : Beam
-    boundary : Boundary
-    grid : Grid
-        The beam's points.
-    tension : Tension, optional
-        Along the beam; what pushes is left to `with_tension`.
     """
-    bending = of_unit_energy(grid, grid.stiffness, grid.curvature)
-    return motions_between(beam, boundary, bending, _end_rows(grid), tension)
-
-
-def motions_between(
-    beam: Beam, boundary: Boundary, strain: Floats, rows: Floats, tension: Tension | None
-) -> Motions:
-    """Return the motions of a beam whose strains store ½ |w|² if they are strain · w.
-
-    Parameters
-    ----------
-    beam, boundary, tension
-        As of `supported_motions`.
-    strain : ndarray, shape (coordinates, columns)
-        A motion is the strains' coordinates, then deflection and rotation at x = 0.
-    rows : ndarray, shape (5, strains + 2)
-        The end quantities y(0), θ(0), y(1), θ(1) and the mean slope as rows over a motion.
-    """
+    strain, rows = strains.of_unit_energy, strains.ends
     stiffness = _end_stiffness(beam, boundary)
     if tension is not None:
         stiffness[4], rows[4] = tension.stiffness, tension.mean_row
@@ -282,38 +312,30 @@ def with_tension(motions: Motions, tension: Tension, load: Load) -> Motions:
     for rows, pulls in ((tension.pulling_rows, True), (tension.pushing_rows, False)):
         if not len(rows):
             continue
-        slope = compressed(rows) @ stored
+        slope = _compressed(rows) @ stored
         if pulls:
             factor = np.linalg.qr(np.vstack((np.eye(slope.shape[1]), slope)))[1]
         else:
             margin = 1.0 - float(np.linalg.norm(slope, 2)) ** 2
             if motions.turns_freely or margin <= _LEAST_MARGIN:
-                raise buckled(load)
+                raise _buckled(load)
             factor = np.linalg.cholesky(np.eye(slope.shape[1]) - slope.T @ slope).T
         stored = solve_triangular(factor, stored.T, trans="T").T
     return Motions(stored, motions.rigid, margin)
 
 
-def slope_rows(grid: Grid) -> Floats:
+def slope_rows(strains: Strains) -> Floats:
     """Return rows G with |G · motion|² = ∫ y'² dx."""
-    slope = np.hstack((grid.slope, np.zeros((len(grid.x), 1)), np.ones((len(grid.x), 1))))
-    return compressed(np.sqrt(grid.weight)[:, None] * slope)
+    return _compressed(np.sqrt(strains.grid.weight)[:, None] * strains.slope)
 
 
-def kinetic_rows(beam: Beam, boundary: Boundary, grid: Grid) -> Floats:
-    """Return rows P with |P · motion|² = ∫ρA y² + ∫ρI y'² + Σ m (y ± aθ)² + Jθ² over the end bodies."""
-    ones = np.ones((len(grid.x), 1))
-    deflection = np.hstack((grid.deflection, ones, grid.x[:, None]))
-    rows = [compressed(np.sqrt(grid.weight * grid.mass)[:, None] * deflection)]
-    if grid.rotary.any():
-        slope = np.hstack((grid.slope, np.zeros_like(ones), ones))
-        rows.append(compressed(np.sqrt(grid.weight * grid.rotary)[:, None] * slope))
-    return np.vstack((*rows, body_rows(beam, boundary, _end_rows(grid))))
-
-
-def body_rows(beam: Beam, boundary: Boundary, ends: Floats) -> Floats:
-    """Return rows P with |P · motion|² = Σ m (y ± aθ)² + Jθ² over the bodies, `ends` being the ends' rows."""
-    rows, length = [], beam.length
+def kinetic_rows(beam: Beam, boundary: Boundary, strains: Strains) -> Floats:
+    """Return rows P with |P · motion|² = ∫ρA y² + ∫ρI θ² + Σ m (y ± aθ)² + Jθ² over the end bodies."""
+    grid, ends, length = strains.grid, strains.ends, beam.length
+    rows = [_compressed(np.sqrt(grid.weight * grid.mass)[:, None] * strains.deflection)]
+    # With shear, rows of zeros too: the singular values need as many rows as columns.
+    if grid.rotary.any() or strains.shear.size:
+        rows.append(_compressed(np.sqrt(grid.weight * grid.rotary)[:, None] * strains.rotation))
     whole = beam.mean_mass_per_length * length
     for end, outward, first in ((boundary.left, -1.0, 0), (boundary.right, 1.0, 2)):
         mass, inertia, offset = (float(number) for number in end.moving_body)
@@ -332,24 +354,8 @@ def _end_stiffness(beam: Beam, boundary: Boundary) -> list[float]:
     return [*stiffness, 0.0]
 
 
-def _end_rows(grid: Grid) -> Floats:
-    """Return y(0), y'(0), y(1), y'(1) and y(1) - y(0) as rows over a motion, shape (5, points + 2)."""
-    moment, turn = (grid.weight * (1.0 - grid.x)) @ grid.curvature, grid.weight @ grid.curvature
-    none = np.zeros_like(turn)
-    return np.hstack((np.array([none, none, moment, turn, moment]), _LINES))
-
-
-def of_unit_energy(grid: Grid, stiffness: Floats, strain: Floats) -> Floats:
-    """Return strains, as columns of the grid's coordinates, that store ½ each and nothing together.
-
-    Parameters
-    ----------
-    grid : Grid
-    stiffness : ndarray, shape (points,)
-        Against the strain.
-    strain : ndarray, shape (points, coordinates)
-        At the points, by coordinates.
-    """
+def _of_unit_energy(grid: Grid, stiffness: Floats, strain: Floats) -> Floats:
+    """Return coordinates, a column each, of one kind of strain that store ½ each and nothing together."""
     if grid.has_own_curvature:
         return np.diag(1.0 / np.sqrt(grid.weight * stiffness))
     factor = np.linalg.qr(np.sqrt(grid.weight * stiffness)[:, None] * strain, mode="r")
@@ -357,7 +363,7 @@ def of_unit_energy(grid: Grid, stiffness: Floats, strain: Floats) -> Floats:
     return inverse
 
 
-def compressed(rows: Floats) -> Floats:
+def _compressed(rows: Floats) -> Floats:
     """Return no more rows than columns of the same sums of products."""
     return rows if rows.shape[0] <= 2 * rows.shape[1] else np.asarray(np.linalg.qr(rows, mode="r"))
 

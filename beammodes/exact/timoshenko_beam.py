@@ -11,20 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from beammodes.checks import positive_real, row_shown, shown, whole_number
-from beammodes.exact.spectral_beam import AGREEMENT, disagreement, growing_grids, modes_of
-from beammodes.exact.spectral_energy import (
-    Tension,
-    body_rows,
-    compressed,
-    in_plane,
-    motions_between,
-    of_unit_energy,
-    square_spin,
-    straight_load,
-    tension_of,
-    with_tension,
-)
-from beammodes.exact.spectral_grid import Grid, legendre_integral, legendre_of_values
+from beammodes.exact.spectral_beam import spectral_solution
 from beammodes.exact.uniform_beam import BeamMode, UnitBeam
 from beammodes.numerics.arrays import Floats
 from beammodes.numerics.long_decimals import LONG
@@ -35,9 +22,7 @@ from beammodes.problem.profiles import Profile, profile_parts, scaled, value_at
 
 __all__ = [
     "SHEAR_RATIO",
-    "SpectralShear",
     "TimoshenkoModes",
-    "spectral_shear",
     "theory_error_of",
     "theory_facts",
     "timoshenko",
@@ -52,7 +37,8 @@ MOST_MODES = 100
 
 
 class _Shapes(Protocol):
-    def values(self, x: Floats) -> tuple[Floats, Floats, Floats, Floats]: ...
+    def values(self, x: Floats, quantity: int) -> Floats:
+        """Return deflection, rotation, curvature or shear strain (0 to 3), shape (modes, positions)."""
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
@@ -124,8 +110,9 @@ class TimoshenkoModes:
             If `x` is not finite real numbers in [0, L], or `derivative` not 0 or 1.
         """
         order = whole_number("derivative", derivative, least=0, most=1)
-        deflection, rotation, _, strain = self._values(x)
-        return (rotation + strain) / self.beam.length if order else deflection
+        if order:
+            return (self._values(x, 1) + self._values(x, 3)) / self.beam.length
+        return self._values(x, 0)
 
     def slope(self, x: ArrayLike) -> Floats:
         """Return dφ/dx, shape (modes, *x.shape) [kg^(-1/2) m^(-1)]: `shape(x, derivative=1)`."""
@@ -151,14 +138,13 @@ class TimoshenkoModes:
             As `shape`.
         """
         order = whole_number("derivative", derivative, least=0, most=1)
-        _, rotation, curvature, _ = self._values(x)
-        return (curvature if order else rotation) / self.beam.length ** (1 + order)
+        return self._values(x, 1 + order) / self.beam.length ** (1 + order)
 
-    def _values(self, x: ArrayLike) -> tuple[Floats, ...]:
+    def _values(self, x: ArrayLike, quantity: int) -> Floats:
         position = positions_on(self.beam, x)
         unit = math.sqrt(self.beam.mean_mass_per_length) * math.sqrt(self.beam.length)
-        values = self._shapes.values(position.ravel() / self.beam.length)
-        return tuple((value / unit).reshape(len(value), *position.shape) for value in values)
+        values = self._shapes.values(position.ravel() / self.beam.length, quantity) / unit
+        return values.reshape(len(values), *position.shape)
 
     def __repr__(self) -> str:
         return f"TimoshenkoModes({self.boundary}: {row_shown(self.frequency, '{:.4g}', 'Hz')})"
@@ -168,15 +154,16 @@ class TimoshenkoModes:
 class _UniformShapes:
     modes: list[BeamMode]
 
-    def values(self, x: Floats) -> tuple[Floats, Floats, Floats, Floats]:
-        found = np.empty((4, len(self.modes), len(x)))
+    def values(self, x: Floats, quantity: int) -> Floats:
+        found = np.empty((len(self.modes), len(x)))
         with localcontext(LONG) as context:
             for number, mode in enumerate(self.modes):
                 context.prec = mode.digits
                 for i, at in enumerate(x.tolist()):
-                    *state, force = mode.at(Decimal(at))
-                    found[:, number, i] = [float(n) for n in (*state, mode.beam.shear * force)]
-        return found[0], found[1], found[2], found[3]
+                    value = mode.at(Decimal(at))[quantity]
+                    # The last is a force, and the strain is sought.
+                    found[number, i] = float(mode.beam.shear * value if quantity == 3 else value)
+        return found
 
 
 def timoshenko(
@@ -245,7 +232,7 @@ def timoshenko(
     if full.is_uniform and isinstance(full.shear_stiffness, float) and pull.is_axial and not pull.axial_force:
         omega, rigid, shapes = _uniform(full, pair, count)
     else:
-        omega, rigid, shapes = spectral_shear(full, pair, count, pull)
+        _, omega, rigid, _, shapes = spectral_solution(full, pair, count, pull, sheared=True)
     omega = omega * beam.frequency_unit
     omega.flags.writeable = False
     return TimoshenkoModes(full, pair, pull, omega, rigid, shapes)
@@ -369,155 +356,3 @@ def _cutoff(beam: Beam) -> float:
         ratio = np.divide(shear, rotary, out=np.full_like(x, np.inf), where=rotary > 0.0)
         least = min(least, math.sqrt(float(ratio.min())))
     return least
-
-
-# Modes with shear and rotary inertia of a beam that varies or is loaded, from strains at Gauss points.
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class SpectralShear:
-    """Mode shapes of a beam with L = mean EI = mean ρA = 1.
-
-    Parameters
-    ----------
-    grid : Grid
-    curvature, strain : ndarray, shape (points, modes)
-        κ and γ at the grid's points.
-    start : ndarray, shape (2, modes)
-        y(0) and θ(0).
-    """
-
-    grid: Grid
-    curvature: Floats
-    strain: Floats
-    start: Floats
-
-    @classmethod
-    def of(cls, grid: Grid, motions: Floats) -> SpectralShear:
-        """Return the shapes whose coordinates, of curvature and then of shear strain, and start are given."""
-        bent, points = grid.curvature.shape[1], len(motions) - 2
-        strain = _shear_strain(grid) @ motions[bent:points]
-        return cls(grid, grid.curvature @ motions[:bent], strain, motions[-2:])
-
-    def values(self, x: Floats) -> tuple[Floats, Floats, Floats, Floats]:
-        """Return y, θ, κ and γ at positions 0 to 1, each of shape (modes, positions)."""
-        grid, width = self.grid, np.diff(self.grid.edges)
-        found = np.empty((4, self.curvature.shape[1], len(x)))
-        cell = np.clip(np.searchsorted(grid.edges, x, side="right") - 1, 0, len(grid.sizes) - 1)
-        ends = np.concatenate(([0], np.cumsum(grid.sizes)))
-        arm = (np.repeat(grid.edges[1:], grid.sizes) - grid.x)[:, None]
-        bent, sheared = grid.weight[:, None] * self.curvature, grid.weight[:, None] * self.strain
-        turn, rise = (np.add.reduceat(part, ends[:-1]) for part in (bent, arm * bent + sheared))
-        # Rotation and deflection at every cell's beginning.
-        rotation = self.start[1] + np.cumsum(turn, axis=0) - turn
-        rise = rise + width[:, None] * rotation
-        deflection = self.start[0] + np.cumsum(rise, axis=0) - rise
-        for s in np.unique(cell).tolist():
-            part, here, half = slice(ends[s], ends[s + 1]), cell == s, 0.5 * width[s]
-            to_series = legendre_of_values(int(grid.sizes[s]))
-            curvature, strain = to_series @ self.curvature[part], to_series @ self.strain[part]
-            turning = half * legendre_integral(curvature)
-            turning[0] += rotation[s]
-            slope = np.vstack((strain, np.zeros((1, strain.shape[1])))) + turning
-            lifting = half * legendre_integral(slope)
-            lifting[0] += deflection[s]
-            at = (x[here] - grid.edges[s]) / half - 1.0
-            for kind, series in enumerate((lifting, turning, curvature, strain)):
-                found[kind][:, here] = np.polynomial.legendre.legval(at, series)
-        return found[0], found[1], found[2], found[3]
-
-
-def spectral_shear(
-    beam: Beam, boundary: Boundary, count: int, load: Load
-) -> tuple[Floats, int, SpectralShear]:
-    """Return ω/frequency_unit, the number of rigid-body modes and the shapes of Timoshenko's beam.
-
-    As `spectral_beam.spectral_modes`, with shear strains beside curvatures: y' = θ + γ and θ' = κ store
-    ½ ∫EI κ² + κGA γ² + T y'², and ½ ∫ρA y² + ρI θ² times ω² is what moves.
-
-    Parameters
-    ----------
-    beam : Beam
-        With the shear stiffness and the rotary inertia that count.
-    boundary : Boundary
-    count : int
-        How many elastic modes.
-    load : Load
-        One that leaves the beam straight.
-
-    Raises
-    ------
-    ValueError, ArithmeticError
-        As `spectral_modes`.
-    """
-    loaded = straight_load(beam, boundary, load)
-    previous, reached, square = np.full(count, np.inf), math.inf, square_spin(beam, loaded)
-    for grid in growing_grids(beam, 2 * count + 8):
-        tension = _tension(tension_of(beam, boundary, grid, loaded), grid)
-        motions = motions_between(beam, boundary, _strains(grid), _end_rows_spectral_shear(grid), tension)
-        free = with_tension(motions, tension, loaded)
-        rigid = free.rigid.shape[1]
-        size, found = modes_of(free, _kinetic_rows(beam, boundary, grid), count)
-        omega, share = in_plane(1.0 / size, rigid, boundary, loaded, square)
-        change = float(np.max(np.abs(omega / previous - 1.0)))
-        if change <= max(AGREEMENT, 1e-14 / free.margin, 1e-13 / share):
-            return omega, rigid, SpectralShear.of(grid, found * _signs(found, grid, boundary))
-        previous, reached = omega, min(reached, change)
-    raise disagreement(reached)
-
-
-def _shear_strain(grid: Grid) -> Floats:
-    """Return the shear strain at the points by coordinates: as of curvature, with V/κGA for M/EI."""
-    assert grid.shear is not None
-    if grid.has_own_curvature:
-        return grid.curvature
-    return grid.curvature * (grid.stiffness / grid.shear)[:, None]
-
-
-def _strains(grid: Grid) -> Floats:
-    """Return the curvatures and shear strains that store ½ |w|²; without shear there are no such strains."""
-    assert grid.shear is not None
-    bending = of_unit_energy(grid, grid.stiffness, grid.curvature)
-    if np.isinf(grid.shear).all():
-        return np.vstack((bending, np.zeros_like(bending)))
-    shear = of_unit_energy(grid, grid.shear, _shear_strain(grid))
-    strains = np.block(
-        [[bending, np.zeros((len(bending), len(shear)))], [np.zeros((len(shear), len(bending))), shear]]
-    )
-    return np.asarray(strains[:, np.abs(strains).max(axis=0) > 0.0])
-
-
-def _end_rows_spectral_shear(grid: Grid) -> Floats:
-    """Return y(0), θ(0), y(1), θ(1) and y(1) - y(0) as rows over a motion, shape (5, 2 coordinates + 2)."""
-    moment, turn = (grid.weight * (1.0 - grid.x)) @ grid.curvature, grid.weight @ grid.curvature
-    shift, none = grid.weight @ _shear_strain(grid), np.zeros_like(turn)
-    bent = np.array([none, none, moment, turn, moment])
-    sheared = np.array([none, none, shift, none, shift])
-    straight = np.array([[1.0, 0.0], [0.0, 1.0], [1.0, 1.0], [0.0, 1.0], [0.0, 1.0]])
-    return np.hstack((bent, sheared, straight))
-
-
-def _kinetic_rows(beam: Beam, boundary: Boundary, grid: Grid) -> Floats:
-    ones = np.ones((len(grid.x), 1))
-    shifted = grid.integrals(_shear_strain(grid))
-    deflection = np.hstack((grid.deflection, shifted, ones, grid.x[:, None]))
-    rotation = np.hstack((grid.slope, np.zeros_like(grid.slope), np.zeros_like(ones), ones))
-    moved = np.sqrt(grid.weight * grid.mass)[:, None] * deflection
-    # Rows of zeros too, where nothing resists a turn: the singular values need as many rows as columns.
-    turned = np.sqrt(grid.weight * grid.rotary)[:, None] * rotation
-    return np.vstack(
-        (compressed(moved), compressed(turned), body_rows(beam, boundary, _end_rows_spectral_shear(grid)))
-    )
-
-
-def _tension(tension: Tension, grid: Grid) -> Tension:
-    """Return a tension that does its work on y' = θ + γ along the beam, on the bodies' θ at its ends."""
-    strain = _shear_strain(grid)
-    sheared = np.vstack((strain, np.zeros((2, strain.shape[1]))))
-    return Tension(tension.pull, np.hstack((tension.row[:, :-2], sheared, tension.row[:, -2:])))
-
-
-def _signs(motions: Floats, grid: Grid, boundary: Boundary) -> Floats:
-    values = SpectralShear.of(grid, motions).values(np.zeros(1))
-    first = int(boundary.left.holds_deflection) * (1 + int(boundary.left.holds_rotation))
-    return np.where(values[first][:, 0] < 0.0, -1.0, 1.0)
