@@ -270,8 +270,7 @@ def _lagrangian_terms(
     size = q.rows()
     at, speed = casadi.SX.sym("at", size), casadi.SX.sym("speed", size)
     state = ChainState.of(chain, casadi.vertsplit(at), casadi.vertsplit(speed), casadi.vertsplit(base))
-    units = chain.units
-    algebra = Algebra(float, casadi.sin, casadi.cos, units.length, units.mass, units.stiffness)
+    algebra = Algebra.physical(chain, casadi.sin, casadi.cos)
     kinetic, potential, _ = piece_energies(
         chain, state.place, state.speed, state.angle, state.spin, algebra, load, (base[3], base[6])
     )

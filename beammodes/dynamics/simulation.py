@@ -224,8 +224,7 @@ def _energies(
     load: Load,
     course: Floats,
 ) -> dict[str, Floats]:
-    units = chain.units
-    algebra = Algebra(float, np.sin, np.cos, units.length, units.mass, units.stiffness)
+    algebra = Algebra.physical(chain, np.sin, np.cos)
     kinetic, potential, _ = piece_energies(
         chain, tip, tip_speed, list(angle.T), list(spin.T), algebra, load, (course[1, 0], course[2, 0])
     )

@@ -9,22 +9,18 @@ Its equations of motion are
 with the mass matrix M, the velocity (centrifugal) terms h, the static forces s = ∂V/∂q, the closures c of a
 chain whose right end is held too, and their multipliers λ.
 
-`energies` states kinetic and potential energy from the positions of the pieces. `motion_terms` states what
-follows from them by Lagrange's equations, built directly from the chain's inertia coefficients
+`energies` gives kinetic and potential energy from the positions of the pieces; `motion_terms` what follows
+from them by Lagrange's equations, built from the chain's inertia coefficients a_ij,
 
     M_ij = a_ij cos(θ_i - θ_j),        h_i = Σ_j a_ij sin(θ_i - θ_j) θ_j'²,
 
-which is many times faster than differentiating a large expression. The tests differentiate the energies
-and find the same.
+which is many times faster than differentiating a large expression. The tests differentiate the energies.
 
-Both ends held. With the walls exactly one chain length apart a chain of rigid pieces could not move at all.
-Its right end therefore slides along the beam, as a body at either end of it would: only the transverse
-closure  y₀ + Σ l_i sin θ_i = 0  is kept. The axial one,  Σ l_i cos θ_i = span,  has no gradient on the
-straight chain, so without an axial force it would change nothing in the linear problem. With one it does:
-the axial force T is this closure's multiplier, a dead load that does the work T on the span. Its potential
--T Σ l_i cos θ_i is all that is said of it here; the geometric stiffness follows by differentiation. Where no
-spring and no wall ties the left end to the ground and the right one is tied, the right end is the one that
-holds the chain axially.
+Both ends held. Between walls exactly one chain length apart rigid pieces could not move at all. The right end
+therefore slides along the beam: only the transverse closure  y₀ + Σ l_i sin θ_i = 0  is kept. The axial one,
+Σ l_i cos θ_i = span,  has no gradient on the straight chain; its multiplier is the axial force T, a dead load
+with the potential -T Σ l_i cos θ_i, from which the geometric stiffness follows. Where no spring and no wall
+ties the left end to the ground and the right one is tied, the right end holds the chain axially.
 """
 
 from __future__ import annotations
@@ -42,26 +38,21 @@ from beammodes.problem.loading import Load, checked_load
 __all__ = [
     "Algebra",
     "Energies",
-    "LoadField",
-    "MotionTerms",
     "axial_pull",
-    "axially_free_left",
     "coordinate_names",
     "energies",
-    "inertia_coefficients",
+    "held_chain_load",
     "motion_terms",
     "moving_pieces",
     "null_space",
     "piece_energies",
     "static_forces",
     "straight_chain_load",
-    "support_units",
     "tip_names",
     "unpack",
 ]
 
-
-# How hard loads along a straight chain pull on its pieces.
+Pair = tuple[Any, Any]
 
 
 def straight_chain_load(chain: Chain, load: Load) -> Load:
@@ -124,12 +115,6 @@ def _radii(chain: Chain, hub: Number) -> list[Number]:
     return radii
 
 
-# A planar chain's generalized coordinates: which there are, and what the ends hold of them.
-#
-# q = (x₀, y₀, θ₁, θ₂, ...): the position of the left tip, where the left end leaves it free, and the absolute
-# angle of every piece that no end holds.
-
-
 def coordinate_names(chain: Chain) -> list[str]:
     """Return the names of the generalized coordinates, in order: x_0, y_0 (if free), theta_1, theta_2, ...
 
@@ -159,7 +144,7 @@ def null_space(rows: Sequence[Sequence[Any]], size: int, number: Callable[[Numbe
     return basis
 
 
-def axially_free_left(chain: Chain) -> bool:
+def _axially_free_left(chain: Chain) -> bool:
     """Say whether nothing ties the left end to the ground, so that its axial position is a coordinate."""
     return not chain.boundary.left.is_grounded
 
@@ -167,7 +152,7 @@ def axially_free_left(chain: Chain) -> bool:
 def tip_names(chain: Chain) -> list[str]:
     """Return the names of the left tip's coordinates, those that its end leaves free."""
     tip_free = not chain.boundary.left.holds_deflection
-    return [*(["x_0"] if axially_free_left(chain) else []), *(["y_0"] if tip_free else [])]
+    return [*(["x_0"] if _axially_free_left(chain) else []), *(["y_0"] if tip_free else [])]
 
 
 def moving_pieces(chain: Chain) -> list[int]:
@@ -187,12 +172,9 @@ def unpack(chain: Chain, q: Sequence[Any]) -> tuple[tuple[Any, Any], list[Any]]:
     return (tip.get("x_0", 0), tip.get("y_0", 0)), _with_held(chain, q[len(names) :])
 
 
-# What springs, supports and loads do to a chain's pieces, for any algebra: their work and their forces.
-
-
 @dataclass(frozen=True)
 class Algebra:
-    """What the physics needs of a number system: constants, sine and cosine, and the chain's three units."""
+    """A number system for the physics: constants, sine and cosine, and the chain's three units."""
 
     number: Callable[[Number], Any]
     sin: Callable[[Any], Any]
@@ -201,35 +183,28 @@ class Algebra:
     mass: Any
     stiffness: Any
 
+    @classmethod
+    def physical(cls, chain: Chain, sin: Callable[[Any], Any], cos: Callable[[Any], Any]) -> Algebra:
+        """Return an algebra of floats in which a chain's terms are in physical units."""
+        units = chain.units
+        return cls(float, sin, cos, units.length, units.mass, units.stiffness)
+
 
 @dataclass(frozen=True)
-class LoadField:
-    """A load in the units of an algebra.
-
-    Attributes
-    ----------
-    axial, moment : value
-        The axial force and the moment on the right tip.
-    tip, weight : pair of values
-        Force on the right tip, acceleration of gravity.
-    square_rate, hub, lag
-        Ω², the hub's radius, and whether the chain moves in the plane of rotation.
-    idle : bool
-        Whether there is no load at all.
-    """
+class _LoadField:
+    """A load in the units of an algebra: `square_rate` Ω², `lag` in the plane of rotation, `idle` no load."""
 
     axial: Any
     moment: Any
-    tip: tuple[Any, Any]
-    weight: tuple[Any, Any]
+    tip: Pair
+    weight: Pair
     square_rate: Any
     hub: Any
     lag: bool
     idle: bool
 
     @classmethod
-    def of(cls, chain: Chain, load: Load | None, algebra: Algebra) -> LoadField:
-        """Return the load of a chain; raises ValueError if nothing holds the chain's left end against it."""
+    def of(cls, chain: Chain, load: Load | None, algebra: Algebra) -> _LoadField:
         given = checked_load(load)
         units, number = chain.exact_units, algebra.number
         force = algebra.stiffness / algebra.length
@@ -256,7 +231,7 @@ class LoadField:
         turning = self.square_rate / 2 * (mass * (self.hub + x) ** 2 + spread)
         return mass * (self.weight[0] * x + self.weight[1] * y) + turning
 
-    def forces(self, mass: Any, x: Any, y: Any) -> tuple[Any, Any]:
+    def forces(self, mass: Any, x: Any, y: Any) -> Pair:
         """Return the force of gravity and spin on a piece with its centre of mass at (x, y)."""
         outward = y if self.lag else 0
         return (
@@ -275,7 +250,7 @@ def static_forces(
     """
     held_chain_load(chain, checked_load(load))
     number, tips, angles = algebra.number, *unpack(chain, q)
-    zero, field, units = number(0), LoadField.of(chain, load, algebra), support_units(chain, algebra)
+    zero, field, units = number(0), _LoadField.of(chain, load, algebra), _support_units(chain, algebra)
     moments = _spring_moments(chain, angles, algebra)
     (left, left_turning), (right, right_turning) = units
     moments[0] += left_turning * angles[0]
@@ -310,7 +285,7 @@ def _spring_moments(chain: Chain, angles: Sequence[Any], algebra: Algebra) -> li
     return moments
 
 
-def support_units(chain: Chain, algebra: Algebra) -> list[tuple[Any, Any]]:
+def _support_units(chain: Chain, algebra: Algebra) -> list[tuple[Any, Any]]:
     """Return K_t and K_r of both ends, zero where an end holds and no motion feels its stiffness."""
     translation = algebra.stiffness / algebra.length**2
     return [
@@ -320,9 +295,6 @@ def support_units(chain: Chain, algebra: Algebra) -> list[tuple[Any, Any]]:
         )
         for end in chain.scaled.supports
     ]
-
-
-Pair = tuple[Any, Any]
 
 
 @dataclass(frozen=True)
@@ -335,7 +307,7 @@ class Energies:
 
 
 @dataclass(frozen=True)
-class MotionTerms:
+class _MotionTerms:
     """The terms of  M(q) q'' + h(q, q') + s(q) = (∂c/∂q)ᵀ λ,  as nested lists of the algebra's values."""
 
     mass_matrix: list[list[Any]]
@@ -344,7 +316,7 @@ class MotionTerms:
     closures: list[Any]
 
 
-def inertia_coefficients(chain: Chain) -> tuple[list[list[Number]], list[Number], Number]:
+def _inertia_coefficients(chain: Chain) -> tuple[list[list[Number]], list[Number], Number]:
     """Return a_ij and the first moments s_j of the moving pieces, and the chain's mass, in its own units.
 
     With μ_j the mass to the right of piece j and c_j its centre of mass from its left tip,
@@ -415,7 +387,7 @@ def piece_energies(
     number, length_unit = algebra.number, algebra.length
     (x, y), (x_speed, y_speed) = tip, tip_speed
     twice_kinetic: Any = number(0)
-    field = LoadField.of(chain, load, algebra)
+    field = _LoadField.of(chain, load, algebra)
     work: Any = number(0)
     for i in range(chain.pieces):
         mass = number(chain.scaled.mass[i]) * algebra.mass
@@ -431,7 +403,7 @@ def piece_energies(
     for j, stiffness in enumerate(chain.scaled.joint_stiffness):
         twice_potential += number(stiffness) * algebra.stiffness * (angle[j + 1] - angle[j]) ** 2
     for (translation, turning), deflection, rotation in zip(
-        support_units(chain, algebra), (tip[1], y), (angle[0], angle[-1]), strict=True
+        _support_units(chain, algebra), (tip[1], y), (angle[0], angle[-1]), strict=True
     ):
         twice_potential += translation * (deflection - base[0]) ** 2 + turning * (rotation - base[1]) ** 2
     work += field.axial * (x - tip[0]) + field.tip[0] * x + field.tip[1] * y + field.moment * angle[-1]
@@ -440,7 +412,7 @@ def piece_energies(
 
 def motion_terms(
     chain: Chain, q: Sequence[Any], u: Sequence[Any], algebra: Algebra, load: Load | None = None
-) -> MotionTerms:
+) -> _MotionTerms:
     """Return the terms of the equations of motion in coordinates `q` and speeds `u`."""
     moving = moving_pieces(chain)
     tips = len(q) - len(moving)
@@ -448,7 +420,7 @@ def motion_terms(
     sine = [algebra.sin(value) for value in angle]
     cosine = [algebra.cos(value) for value in angle]
     mass_matrix, velocity = _angle_terms(chain, angle, spin, algebra)
-    _, moments, total = inertia_coefficients(chain)
+    _, moments, total = _inertia_coefficients(chain)
     moment_unit = algebra.mass * algebra.length
     moment = [algebra.number(value) * moment_unit for value in moments]
     borders = {
@@ -463,14 +435,14 @@ def motion_terms(
         drag = [s * value * w**2 for s, value, w in zip(moment, pull, spin, strict=True)]
         velocity = [-sum(drag, algebra.number(0)), *velocity]
     x, y, static = static_forces(chain, q, algebra, load)
-    return MotionTerms(mass_matrix, velocity, static, _closures(chain, x, y, algebra))
+    return _MotionTerms(mass_matrix, velocity, static, _closures(chain, x, y, algebra))
 
 
 def _angle_terms(
     chain: Chain, angle: Sequence[Any], spin: Sequence[Any], algebra: Algebra
 ) -> tuple[list[list[Any]], list[Any]]:
     """Return  a_ij cos(θ_i - θ_j)  and  Σ_j a_ij sin(θ_i - θ_j) θ_j'²."""
-    coefficients, _, _ = inertia_coefficients(chain)
+    coefficients, _, _ = _inertia_coefficients(chain)
     unit, size = algebra.mass * algebra.length**2, len(angle)
     matrix: list[list[Any]] = [[None] * size for _ in range(size)]
     velocity: list[list[Any]] = [[] for _ in range(size)]
@@ -491,6 +463,6 @@ def _closures(chain: Chain, x: Any, y: Any, algebra: Algebra) -> list[Any]:
     """Return what the right end holds of its tip (x, y): see the module's note on both ends held."""
     right = chain.boundary.right
     whole = sum(chain.scaled.length, start=chain.scaled.length[0] * 0)
-    held = right.is_grounded and axially_free_left(chain)
+    held = right.is_grounded and _axially_free_left(chain)
     axial = [x - algebra.number(whole) * algebra.length] if held else []
     return [*axial, *([y] if right.holds_deflection else [])]

@@ -14,7 +14,7 @@ from beammodes.equations.mechanics import Algebra, coordinate_names, motion_term
 from beammodes.numerics.arrays import Floats
 from beammodes.problem.loading import Load, checked_load
 
-__all__ = ["CompiledEquations", "NumericLinearModel", "compile_equations"]
+__all__ = ["CompiledEquations", "NumericLinearModel", "column", "compile_equations"]
 
 
 @dataclass(frozen=True)
@@ -122,19 +122,19 @@ def compile_equations(chain: Chain, *, load: Load | None = None) -> CompiledEqua
     if not isinstance(chain, Chain):
         raise TypeError(f"chain must be a Chain, got {shown(chain)}")
     names = coordinate_names(chain)
-    size, units = len(names), chain.units
+    size = len(names)
     q, speed = casadi.SX.sym("q", size), casadi.SX.sym("u", size)
-    algebra = Algebra(float, casadi.sin, casadi.cos, units.length, units.mass, units.stiffness)
+    algebra = Algebra.physical(chain, casadi.sin, casadi.cos)
     terms = motion_terms(chain, casadi.vertsplit(q), casadi.vertsplit(speed), algebra, checked_load(load))
     rows = [casadi.horzcat(*row) for row in terms.mass_matrix]
-    mass, static, closures = casadi.vertcat(*rows), _column(terms.static_forces), _column(terms.closures)
+    mass, static, closures = casadi.vertcat(*rows), column(terms.static_forces), column(terms.closures)
     multipliers = casadi.SX.sym("multipliers", closures.rows())
     jacobian = casadi.jacobian(closures, q)
     balance = static - jacobian.T @ multipliers if closures.rows() else static
     return CompiledEquations(
         tuple(names),
         casadi.Function("mass_matrix", [q], [mass]),
-        casadi.Function("velocity_terms", [q, speed], [_column(terms.velocity_terms)]),
+        casadi.Function("velocity_terms", [q, speed], [column(terms.velocity_terms)]),
         casadi.Function("static_forces", [q], [static]),
         casadi.Function("constraints", [q], [closures]),
         casadi.Function("constraint_jacobian", [q], [jacobian]),
@@ -142,7 +142,8 @@ def compile_equations(chain: Chain, *, load: Load | None = None) -> CompiledEqua
     )
 
 
-def _column(entries: list[casadi.SX]) -> casadi.SX:
+def column(entries: list[casadi.SX]) -> casadi.SX:
+    """Return expressions as a column, which may be empty."""
     return casadi.vertcat(*entries) if entries else casadi.SX(0, 1)
 
 
