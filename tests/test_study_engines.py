@@ -20,8 +20,7 @@ import xarray
 
 import beammodes as bm
 from beammodes.batch.cases import Cases
-from beammodes.batch.executors import ENGINES
-from beammodes.batch.store import evaluate_elsewhere
+from beammodes.batch.executors import ENGINES, evaluate_elsewhere
 
 
 def pieces(case: bm.Case) -> float:

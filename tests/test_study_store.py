@@ -18,7 +18,8 @@ import pytest
 
 import beammodes as bm
 import beammodes.files
-from beammodes.batch.store import Evaluated, difference, evaluate, locked
+from beammodes.batch.executors import evaluate
+from beammodes.batch.store import Evaluated, difference, locked
 
 GRID: dict[str, Any] = {
     "boundary": ["clamped-free", "clamped-clamped"],

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import secrets
 import sys
 from collections.abc import Callable, Generator, Iterable, Iterator
 from concurrent.futures import FIRST_COMPLETED, Executor, Future, wait
@@ -10,30 +11,32 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+
 from beammodes.batch.cases import Cases
 from beammodes.batch.quantities import Quantity
-from beammodes.batch.store import THIS_PROCESS, Evaluated, evaluate, evaluate_elsewhere
+from beammodes.batch.store import Evaluated
 from beammodes.checks import choice, shown, whole_number
+from beammodes.numerics.blas import one_thread
 from beammodes.version import __version__
 
-__all__ = ["ENGINES", "computed", "executor_of"]
-
+__all__ = ["ENGINES", "computed", "evaluate", "evaluate_elsewhere", "executor_of"]
 
 #: The engines known by name; a Dask client or an executor is one itself.
 ENGINES = ("serial", "processes")
 
-
 # More workers are surely a mistake.
 _MOST_WORKERS = 1024
-
 
 # How often a worker looks whether its parent is alive [s].
 _LOOK = 0.5
 
-
 # Chunks handed out at a time: enough for hundreds of workers, few enough to hold in memory.
 _WINDOW = 512
 
+
+#: Tells this process, and forks of it, from others, also on other machines.
+_THIS_PROCESS = secrets.token_hex(16)
 
 Task = tuple[int, Cases]
 
@@ -153,7 +156,7 @@ def computed(
     pending: dict[Future[Evaluated], int] = {}
     try:
         for number, cases in tasks:
-            future = executor.submit(evaluate_elsewhere, cases, quantities, __version__, THIS_PROCESS)
+            future = executor.submit(evaluate_elsewhere, cases, quantities, __version__, _THIS_PROCESS)
             pending[future] = number
             if len(pending) >= _WINDOW:
                 yield from _finished(pending)
@@ -184,3 +187,44 @@ def _finished(pending: dict[Future[Evaluated], int]) -> Iterator[tuple[int, Eval
     # Those that failed come last: what was finished beside them is not lost.
     for future in sorted(done, key=lambda one: one.cancelled() or one.exception() is not None):
         yield pending.pop(future), future.result()
+
+
+def evaluate(cases: Cases, quantities: Iterable[Quantity]) -> Evaluated:
+    """Return the quantities of a chunk, on one BLAS thread: several would share sums out differently."""
+    with one_thread():
+        return _evaluated(cases, quantities)
+
+
+def evaluate_elsewhere(
+    cases: Cases, quantities: Iterable[Quantity], version: str, process: str = ""
+) -> Evaluated:
+    """Return the quantities of a chunk in a worker's process, whose BLAS keeps to one thread from now on.
+
+    Parameters
+    ----------
+    cases, quantities
+    version, process : str
+        Of this package where the study was made; what tells the sending process from others.
+
+    Raises
+    ------
+    ValueError
+        If the worker has another version of this package, or would run other code than the study's own
+        functions had where it was made, such as a file that was edited since.
+    """
+    if version != __version__:
+        raise ValueError(f"workers must have beammodes {version}, got {__version__}")
+    if process != _THIS_PROCESS:
+        for quantity in quantities:
+            quantity.check_code()
+    # Kept: a worker may run several chunks in threads, and one must not release the others.
+    one_thread()
+    return _evaluated(cases, quantities)
+
+
+def _evaluated(cases: Cases, quantities: Iterable[Quantity]) -> Evaluated:
+    values = {
+        quantity.name: np.ascontiguousarray(quantity.compute(cases), dtype=np.float64)
+        for quantity in quantities
+    }
+    return Evaluated(values, dict(sorted(cases.reasons.items())))

@@ -1,4 +1,4 @@
-"""What a study may compute: a small function of a block of points for each name, or the user's own."""
+"""The quantities that a study may compute: one record each in `QUANTITIES`, or a user's own function."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ import math
 import types
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
+from functools import partial
 from types import MappingProxyType
 from typing import Any
 
@@ -25,7 +26,7 @@ __all__ = ["DIMENSIONS", "QUANTITIES", "REASON", "Quantity", "quantities_of"]
 
 
 #: More quantities of one study are a mistake.
-MAX_QUANTITIES = 1000
+_MAX_QUANTITIES = 1000
 
 # Sources of the users' functions that were found to be the same in this process.
 _CHECKED: set[tuple[tuple[str, str], ...]] = set()
@@ -44,10 +45,10 @@ class Quantity:
     Attributes
     ----------
     name, long_name : str
-    units, own_units : str
-        With a beam of given dimensions, in any consistent units, here named as SI; for L = EI = ρA = 1.
     compute : callable
         From `Cases` to an array of shape (cases, modes), or (cases,).
+    units : tuple of str
+        With a beam of given dimensions, in any consistent units, here named as SI; for L = EI = ρA = 1.
     per_mode : bool
         Whether every mode has its own.
     closed_form : bool
@@ -61,9 +62,8 @@ class Quantity:
 
     name: str
     long_name: str
-    units: str
-    own_units: str
     compute: Callable[[Cases], Floats]
+    units: tuple[str, str]
     per_mode: bool = False
     closed_form: bool = False
     source: Mapping[str, str] = field(default_factory=dict, hash=False)
@@ -75,16 +75,15 @@ class Quantity:
         What a worker loads from a module may be another text by now, or lack a value set since. Looked at
         once in a process: while it works, a function may change what it remembers.
         """
-        if not self.source or not isinstance(self.compute, _Own):
+        if not self.source or not isinstance(self.compute, _OfEach):
             return
         known = tuple(self.source.items())
         if known in _CHECKED:
             return
         here = running_code(self.compute.function)
         for name in {**self.source, **here}:
-            if _is_sent_along(name):
-                continue
-            if self.source.get(name) != here.get(name):
+            # What stands in no module's file is sent along with the function.
+            if not name.startswith("__main__.") and self.source.get(name) != here.get(name):
                 raise ValueError(
                     f"workers must have {name} as it was when the study was made, got another: "
                     f"{self.source.get(name)} there, {here.get(name)} here"
@@ -97,8 +96,8 @@ class Quantity:
 
 
 @dataclass(frozen=True)
-class _Own:
-    """A user's function of one point, as a function of many."""
+class _OfEach:
+    """A function of one case as a function of many."""
 
     function: Any
 
@@ -106,27 +105,11 @@ class _Own:
         return cases.each(self.function)
 
 
-@dataclass(frozen=True)
-class _StaticError:
-    place: int
-
-    def __call__(self, cases: Cases) -> Floats:
-        return cases.each(self._one)
-
-    def _one(self, case: Case) -> float:
-        return chain_static_errors(case.chain, str(case.values.get("static_load", "tip_force")))[self.place]
-
-
-def _is_sent_along(name: str) -> bool:
-    """Whether a part of a function's code reaches workers with it: what stands in no module's file."""
-    return name.startswith("__main__.")
-
-
-def _angular_frequency(cases: Cases) -> Floats:
+def _frequency(cases: Cases) -> Floats:
     return cases.exact * (1 + cases.relative_error) * cases.frequency_unit
 
 
-def _exact_angular_frequency(cases: Cases) -> Floats:
+def _exact_frequency(cases: Cases) -> Floats:
     return np.where(np.isnan(cases.relative_error), np.nan, cases.exact * cases.frequency_unit)
 
 
@@ -155,68 +138,51 @@ def _buckling_error(case: Case) -> float:
     return _chain_buckling(case) / _beam_buckling(case) - 1
 
 
-_SPIN, _LOADS = ("spin_rate",), ("axial_force", "spin_rate")
-_RATE, _FORCE = ("rad / s", "sqrt(EI / (rhoA L^4))"), ("N", "EI / L^2")
+def _static_error(case: Case, *, place: int) -> float:
+    return chain_static_errors(case.chain, str(case.values.get("static_load", "tip_force")))[place]
+
+
+_FREQUENCY, _FORCE = ("rad / s", "sqrt(EI / (rhoA L^4))"), ("N", "EI / L^2")
+_RELATIVE, _STEP = ("1", "1"), ("s", "sqrt(rhoA L^4 / EI)")
+_TABLE = (
+    Quantity(
+        "relative_error", "relative frequency error of the chain", _relative_error, _RELATIVE, True, True
+    ),
+    Quantity("angular_frequency", "angular frequency of the chain", _frequency, _FREQUENCY, True, True),
+    Quantity(
+        "exact_angular_frequency",
+        "angular frequency of the Euler-Bernoulli beam",
+        _exact_frequency,
+        _FREQUENCY,
+        per_mode=True,
+        closed_form=True,
+    ),
+    Quantity(
+        "highest_angular_frequency", "highest angular frequency of the chain", _OfEach(_highest), _FREQUENCY
+    ),
+    Quantity("stable_time_step", "largest stable fixed step of the chain", _OfEach(_time_step), _STEP),
+    *(
+        Quantity(name, long_name, _OfEach(function), units, uncounted=("spin_rate",))
+        for name, long_name, function, units in (
+            ("buckling_load", "buckling load of the chain", _chain_buckling, _FORCE),
+            ("exact_buckling_load", "buckling load of the beam", _beam_buckling, _FORCE),
+            ("buckling_error", "relative error of the buckling load", _buckling_error, _RELATIVE),
+        )
+    ),
+    *(
+        Quantity(
+            f"{name}_error",
+            f"relative error of the chain's static {name.replace('_', ' ')}",
+            _OfEach(partial(_static_error, place=place)),
+            _RELATIVE,
+            uncounted=("axial_force", "spin_rate"),
+        )
+        for place, name in enumerate(STATIC_QUANTITIES)
+    ),
+)
 
 #: The quantities of this package, by name.
-QUANTITIES: Mapping[str, Quantity] = MappingProxyType(
-    {
-        quantity.name: quantity
-        for quantity in (
-            Quantity(
-                "relative_error",
-                "relative frequency error of the chain",
-                *("1", "1"),
-                _relative_error,
-                per_mode=True,
-                closed_form=True,
-            ),
-            Quantity(
-                "angular_frequency",
-                "angular frequency of the chain",
-                *_RATE,
-                _angular_frequency,
-                per_mode=True,
-                closed_form=True,
-            ),
-            Quantity(
-                "exact_angular_frequency",
-                "angular frequency of the Euler-Bernoulli beam",
-                *_RATE,
-                _exact_angular_frequency,
-                per_mode=True,
-                closed_form=True,
-            ),
-            Quantity(
-                "highest_angular_frequency", "highest angular frequency of the chain", *_RATE, _Own(_highest)
-            ),
-            Quantity(
-                "stable_time_step",
-                "largest stable fixed step of the chain",
-                *("s", "sqrt(rhoA L^4 / EI)"),
-                _Own(_time_step),
-            ),
-            *(
-                Quantity(name, long_name, *units, _Own(function), uncounted=_SPIN)
-                for name, long_name, units, function in (
-                    ("buckling_load", "buckling load of the chain", _FORCE, _chain_buckling),
-                    ("exact_buckling_load", "buckling load of the beam", _FORCE, _beam_buckling),
-                    ("buckling_error", "relative error of the buckling load", ("1", "1"), _buckling_error),
-                )
-            ),
-            *(
-                Quantity(
-                    f"{name}_error",
-                    f"relative error of the chain's static {name.replace('_', ' ')}",
-                    *("1", "1"),
-                    _StaticError(place),
-                    uncounted=_LOADS,
-                )
-                for place, name in enumerate(STATIC_QUANTITIES)
-            ),
-        )
-    }
-)
+QUANTITIES: Mapping[str, Quantity] = MappingProxyType({quantity.name: quantity for quantity in _TABLE})
 
 
 def quantities_of(compute: object) -> tuple[Quantity, ...]:
@@ -234,7 +200,7 @@ def quantities_of(compute: object) -> tuple[Quantity, ...]:
     """
     if isinstance(compute, str) or not isinstance(compute, Iterable):
         return quantities_of([compute])
-    found = [_quantity(item) for item in bounded("compute", compute, most=MAX_QUANTITIES)]
+    found = [_quantity(item) for item in bounded("compute", compute, most=_MAX_QUANTITIES)]
     if not found:
         raise ValueError("compute must name at least one quantity, got none")
     names = [quantity.name for quantity in found]
@@ -263,4 +229,4 @@ def _quantity(item: object) -> Quantity:
             f"compute must be functions under names of their own, got {name}, which is {taken[name]}'s name"
         )
     label = (inspect.getdoc(item) or name.replace("_", " ")).splitlines()[0]
-    return Quantity(name, label, "", "", _Own(item), source=running_code(item))
+    return Quantity(name, label, _OfEach(item), ("", ""), source=running_code(item))

@@ -15,9 +15,8 @@ import hashlib
 import io
 import json
 import re
-import secrets
 import warnings
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -25,33 +24,25 @@ from typing import Any
 
 import numpy as np
 
-from beammodes.batch.cases import Cases
-from beammodes.batch.quantities import REASON, Quantity
+from beammodes.batch.quantities import REASON
 from beammodes.checks import shown
 from beammodes.files import write_atomically
 from beammodes.numerics.arrays import Floats
-from beammodes.numerics.blas import one_thread
-from beammodes.version import __version__
 
 __all__ = [
-    "THIS_PROCESS",
     "BadChunk",
     "Evaluated",
     "Store",
     "definition_digest",
     "difference",
-    "evaluate",
-    "evaluate_elsewhere",
     "locked",
     "made_ready",
 ]
 
 
-# Computed chunks: the numbers, and the same numbers as the bytes of a netCDF file.
-
-
-#: Tells this process, and forks of it, from others, also on other machines.
-THIS_PROCESS = secrets.token_hex(16)
+_DEFINITION, _LOCK = "study.json", "study.lock"
+_CHUNK = re.compile(r"chunk-(\d{9,})-([0-9a-f]{16})\.nc")
+_TEMPORARY = re.compile(r"\.(chunk-.*\.nc|study\.json)\..*")
 
 
 @dataclass(frozen=True, eq=False)
@@ -122,58 +113,6 @@ class Evaluated:
         which = values.pop(REASON)
         reasons = {int(place): texts[which[place] - 1] for place in np.flatnonzero(which)}
         return cls(values, reasons), study, number
-
-
-def evaluate(cases: Cases, quantities: Iterable[Quantity]) -> Evaluated:
-    """Return the quantities of a chunk, on one BLAS thread: several would share sums out differently."""
-    with one_thread():
-        return _evaluated(cases, quantities)
-
-
-def evaluate_elsewhere(
-    cases: Cases, quantities: Iterable[Quantity], version: str, process: str = ""
-) -> Evaluated:
-    """Return the quantities of a chunk in a worker's process, whose BLAS keeps to one thread from now on.
-
-    Parameters
-    ----------
-    cases, quantities
-    version : str
-        Of this package, where the study was made.
-    process : str
-        `THIS_PROCESS` of the one that sends.
-
-    Raises
-    ------
-    ValueError
-        If the worker has another version of this package, or would run other code than the study's own
-        functions had where it was made, such as a file that was edited since.
-    """
-    if version != __version__:
-        raise ValueError(f"workers must have beammodes {version}, got {__version__}")
-    if process != THIS_PROCESS:
-        for quantity in quantities:
-            quantity.check_code()
-    # Kept: a worker may run several chunks in threads, and one must not release the others.
-    one_thread()
-    return _evaluated(cases, quantities)
-
-
-def _evaluated(cases: Cases, quantities: Iterable[Quantity]) -> Evaluated:
-    values = {
-        quantity.name: np.ascontiguousarray(quantity.compute(cases), dtype=np.float64)
-        for quantity in quantities
-    }
-    return Evaluated(values, dict(sorted(cases.reasons.items())))
-
-
-_DEFINITION, _LOCK = "study.json", "study.lock"
-
-
-_CHUNK = re.compile(r"chunk-(\d{9,})-([0-9a-f]{16})\.nc")
-
-
-_TEMPORARY = re.compile(r"\.(chunk-.*\.nc|study\.json)\..*")
 
 
 class BadChunk(Exception):

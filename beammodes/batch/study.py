@@ -1,4 +1,7 @@
-"""Studies: which chains, what of them, and the chunks, which do not depend on who computes them."""
+"""Studies: many chains declared at once, computed in chunks, kept in a store and put together again.
+
+The chunks do not depend on who computes them.
+"""
 
 from __future__ import annotations
 
@@ -27,110 +30,19 @@ from beammodes.version import __version__
 if TYPE_CHECKING:
     import xarray
 
-__all__ = [
-    "Study",
-    "all_plain",
-    "canonical",
-    "check_complete",
-    "grid_axes",
-    "open_study",
-    "random_axis",
-    "run_study",
-    "study_dataset",
-]
-
-
-# What a study is given, checked as a whole.
-
-
-def grid_axes(axes: Mapping[str, Any]) -> tuple[Axis, ...]:
-    """Return axes of one value each, or of several along a dimension of the axis's own name.
-
-    Examples
-    --------
-    >>> [axis.dimension for axis in grid_axes({"segments": [1, 2], "mode": 1})]
-    ['segments', None]
-    """
-    found = []
-    for name, value in axes.items():
-        values, several = axis_values(name, value)
-        found.append(Axis(name, name if several else None, values))
-    return tuple(found)
-
-
-def random_axis(name: str, distribution: Normal | Uniform, seed: int, count: int) -> Axis:
-    """Return an axis of samples; raises as its values would, at the ends of the distribution."""
-    if not AXES[choice("axis", name, AXES)].is_number:
-        raise TypeError(f"{name} must be values, not a distribution, got {shown(distribution)}")
-    for bound in distribution.bounds:
-        AXES[name].read(bound)
-    return Axis(name, "sample", (), distribution, seed, count)
-
-
-def canonical(axes: tuple[Axis, ...]) -> tuple[Axis, ...]:
-    """Return the axes with the firmer end first, where nothing else tells the left end from the right."""
-    if any(axis.name in (*NUMBERS, "plane") for axis in axes):
-        return axes
-    return tuple(
-        replace(axis, values=tuple(pair.canonical for pair in axis.values))
-        if axis.name == "boundary"
-        else axis
-        for axis in axes
-    )
-
-
-def all_plain(named: Mapping[str, Axis]) -> bool:
-    """Return whether no point has springs, bodies or loads."""
-    return not set(named) & {*NUMBERS, "plane"} and all(pair.is_plain for pair in named["boundary"].values)
-
-
-def check_complete(named: Mapping[str, Axis], quantities: tuple[Quantity, ...]) -> None:
-    """Raise ValueError if an axis that another or a quantity needs is missing, or one is not counted."""
-    for quantity in quantities:
-        for name in quantity.uncounted:
-            if name in named:
-                raise ValueError(
-                    f"axes must leave out {name} with {quantity.name}, which does not count it, "
-                    f"got {', '.join(named)}"
-                )
-    needed = {"boundary", "segments"} | ({"mode"} if any(q.per_mode for q in quantities) else set())
-    beam = {*UNIFORM_BEAM, *MATERIAL, *_all_dimensions()} & set(named)
-    used, always = set(UNIFORM_BEAM), set(UNIFORM_BEAM) if beam else set()
-    if "section" in named:
-        sections = named["section"].values
-        used = {*MATERIAL, *(size for kind in sections for size in dimensions_of(kind))}
-        always = {*MATERIAL, *(size for kind in sections for size in dimensions_of(kind, optional=False))}
-        for kind in sections:
-            _check_one_of_two(kind, set(named))
-    if beam - used:
-        raise ValueError(
-            f"axes must leave out {min(beam - used)} without a section that has it, got {', '.join(named)}"
-        )
-    missing = [name for name in AXES if name in (needed | always) - set(named)]
-    if missing:
-        raise ValueError(f"axes must include {missing[0]} here, got {', '.join(named)}")
-
-
-def _check_one_of_two(section: str, given: set[str]) -> None:
-    """Raise ValueError unless just one of a section's dimensions that stand for each other is given."""
-    needed = dimensions_of(section, optional=False)
-    either = [size for size in dimensions_of(section) if size not in needed]
-    if either and len(given.intersection(either)) != 1:
-        got = ", ".join(sorted(given.intersection(either))) or "none"
-        raise ValueError(f"axes must include one of {' and '.join(either)} for a {section}, got {got}")
-
-
-def _all_dimensions() -> set[str]:
-    return {size for name in SECTIONS for size in dimensions_of(name)}
+__all__ = ["Study", "open_study"]
 
 
 #: Points of one chunk, and numbers: enough for the closed form to run at its speed, or few where each takes
 #: milliseconds.
-CLOSED_FORM_CHUNK, SOLVED_CHUNK = (5000, 25_000), (100, 500)
+_CLOSED_FORM_CHUNK, _SOLVED_CHUNK = (5000, 25_000), (100, 500)
 
 
 #: More points are surely a mistake: at a microsecond each they would take a month.
-MAX_CASES = 10**12
+_MAX_CASES = 10**12
+
+#: Different messages that the attribute has; the variable has that of every case.
+_MAX_REASONS = 3
 
 
 @dataclass(frozen=True)
@@ -156,7 +68,8 @@ class Study:
 
     Examples
     --------
-    >>> study = Study.grid(
+    >>> import beammodes as bm
+    >>> study = bm.Study.grid(
     ...     boundary=["clamped-free", "pinned-pinned"], segments=range(1, 4), mode=[1, 2],
     ...     compute=["relative_error", "stable_time_step"],
     ... )
@@ -204,13 +117,14 @@ class Study:
 
         Examples
         --------
-        >>> Study.grid(boundary="clamped-free", segment=[1, 2], compute="stable_time_step")
+        >>> import beammodes as bm
+        >>> bm.Study.grid(boundary="clamped-free", segment=[1, 2], compute="stable_time_step")
         ... # doctest: +ELLIPSIS
         Traceback (most recent call last):
         ...
         ValueError: axis must be one of boundary, rule, ..., got 'segment' (did you mean "segments"?)
         """
-        return _made(grid_axes(axes), compute, chunk)
+        return _made(_grid_axes(axes), compute, chunk)
 
     @classmethod
     def points(
@@ -231,8 +145,9 @@ class Study:
 
         Examples
         --------
+        >>> import beammodes as bm
         >>> pairs = {"boundary": ["clamped-free", "free-free"], "segments": [10, 20]}
-        >>> Study.points(pairs, mode=1, compute="relative_error").run().relative_error.values.round(6)
+        >>> bm.Study.points(pairs, mode=1, compute="relative_error").run().relative_error.values.round(6)
         array([-1.259e-03, -2.000e-06])
         """
         if not isinstance(points, Mapping) or not points:
@@ -241,7 +156,7 @@ class Study:
         lengths = {axis.name: axis.size for axis in along}
         if len(set(lengths.values())) > 1:
             raise ValueError(f"points must have axes of one length, got {shown(lengths)}")
-        return _made(along + grid_axes(axes), compute, chunk)
+        return _made(along + _grid_axes(axes), compute, chunk)
 
     @classmethod
     def sampled(cls, count: int, *, seed: int, compute: Any, chunk: int | None = None, **axes: Any) -> Study:
@@ -265,25 +180,24 @@ class Study:
 
         Examples
         --------
-        >>> study = Study.sampled(
+        >>> import beammodes as bm
+        >>> study = bm.Study.sampled(
         ...     1000, seed=1, boundary="clamped-free", segments=10, mode=1, section="rectangle",
-        ...     width=0.02, height=Normal(0.002, 2e-5), length=1.0, elastic_modulus=200e9, density=7800.0,
+        ...     width=0.02, height=bm.Normal(0.002, 2e-5), length=1.0, elastic_modulus=200e9, density=7800.0,
         ...     compute=["angular_frequency", "relative_error"],
         ... )
         >>> omega = study.run().angular_frequency
         >>> round(float(omega.std() / omega.mean()), 3), omega.units            # ω is proportional to height
         (0.01, 'rad / s')
         """
-        size, key = (
-            whole_number("count", count, most=MAX_CASES),
-            whole_number("seed", seed, least=0, most=MAX_SEED),
-        )
+        size = whole_number("count", count, most=_MAX_CASES)
+        key = whole_number("seed", seed, least=0, most=MAX_SEED)
         random = {name: value for name, value in axes.items() if isinstance(value, Normal | Uniform)}
         if not random:
             raise ValueError("sampled must have an axis with a distribution, Normal or Uniform, got none")
-        along = tuple(random_axis(name, value, key, size) for name, value in random.items())
+        along = tuple(_random_axis(name, value, key, size) for name, value in random.items())
         rest = {name: value for name, value in axes.items() if name not in random}
-        return _made(along + grid_axes(rest), compute, chunk)
+        return _made(along + _grid_axes(rest), compute, chunk)
 
     @property
     def shape(self) -> dict[str, int]:
@@ -379,173 +293,14 @@ class Study:
         Examples
         --------
         >>> import tempfile
-        >>> study = Study.grid(boundary="free-free", segments=[5, 6], mode=1, compute="relative_error")
+        >>> import beammodes as bm
+        >>> study = bm.Study.grid(boundary="free-free", segments=[5, 6], mode=1, compute="relative_error")
         >>> with tempfile.TemporaryDirectory() as folder:
         ...     first = study.run(store=folder)
         ...     study.run(store=folder).identical(first)                   # reads what is there
         True
         """
-
-        return run_study(self, store, engine=engine, workers=workers, progress=progress)
-
-
-def _made(axes: tuple[Axis, ...], compute: Any, chunk: int | None) -> Study:
-    quantities = quantities_of(compute)
-    names = [axis.name for axis in axes]
-    for name in names:
-        if names.count(name) > 1:
-            raise ValueError(f"each axis must be given once, got {name} twice")
-    if "rule" not in names:
-        axes += (Axis("rule", None, axis_values("rule", "mitiguy")[0]),)
-    axes = canonical(axes)
-    named = {axis.name: axis for axis in axes}
-    check_complete(named, quantities)
-    size = (
-        _default_chunk(named, quantities) if chunk is None else whole_number("chunk", chunk, most=MAX_CASES)
-    )
-    study = Study(axes, quantities, size)
-    if study.size > MAX_CASES:
-        raise ValueError(f"axes must make at most {MAX_CASES:.0e} cases, got {study.size:.3g}")
-    return study
-
-
-def _default_chunk(named: Mapping[str, Axis], quantities: tuple[Quantity, ...]) -> int:
-    cheap = all_plain(named) and all(quantity.closed_form for quantity in quantities)
-    points, numbers = CLOSED_FORM_CHUNK if cheap else SOLVED_CHUNK
-    mode = named.get("mode")
-    modes = mode.size if mode is not None and mode.dimension == "mode" else 1
-    return max(1, min(points, numbers // modes))
-
-
-# Chunks put together again: one labelled table, with NaN for what is not there.
-
-#: Different messages that the attribute has; the variable has that of every case.
-MAX_REASONS = 3
-
-
-def study_dataset(definition: Mapping[str, Any], chunks: Iterable[tuple[int, Evaluated]]) -> xarray.Dataset:
-    """Return the finished chunks of a study as one table.
-
-    Parameters
-    ----------
-    definition : mapping
-        As `Study.definition`.
-    chunks : iterable of (int, Evaluated)
-        In the order of their numbers.
-
-    Returns
-    -------
-    xarray.Dataset
-        The study's dimensions, modes last; a variable for each quantity; if some cases have no answer,
-        variable `reason` with what was said of each. Attributes: `cases`, `finished_cases` and
-        `failed_cases`, not counting modes; `complete`, 1 or 0; `reasons`, the first few.
-    """
-    import xarray
-
-    axes = [Axis.from_definition(name, written) for name, written in definition["axes"].items()]
-    sizes = {axis.dimension: axis.size for axis in axes if axis.dimension}
-    modes = sizes.pop("mode", 0)
-    arrays, done, reasons = _filled(definition, math.prod(sizes.values()), modes or 1, chunks)
-    own = not any(axis.name == "length" for axis in axes)
-    variables = {}
-    for name, array in arrays.items():
-        spread = sizes | ({"mode": modes} if modes and array.ndim == 2 else {})
-        variables[name] = (tuple(spread), array.reshape(tuple(spread.values())), _attributes(name, own))
-    if reasons:
-        said = np.full(math.prod(sizes.values()), "", dtype=object)
-        said[list(reasons)] = list(reasons.values())
-        long_name = {"long_name": "why numbers are NaN"}
-        variables[REASON] = (tuple(sizes), said.reshape(tuple(sizes.values())), long_name)
-    total = math.prod(sizes.values())
-    return xarray.Dataset(
-        variables,
-        coords={axis.name: _coordinate(axis, own) for axis in axes},
-        attrs={
-            "source": f"beammodes {definition['beammodes']}",
-            "route": "study in chunks",
-            "cases": total,
-            "finished_cases": done,
-            "complete": int(done == total),
-            "failed_cases": len(reasons),
-            "reasons": "; ".join(list(dict.fromkeys(reasons.values()))[:MAX_REASONS]),
-        },
-    )
-
-
-def _filled(
-    definition: Mapping[str, Any], total: int, modes: int, chunks: Iterable[tuple[int, Evaluated]]
-) -> tuple[dict[str, Floats], int, dict[int, str]]:
-    """Return an array of every quantity, shape (cases, modes) or (cases,), how many cases are there, and by
-    the places of cases why they are NaN.
-    """
-    step, compute = definition["chunk"], definition["compute"]
-    arrays = {
-        name: np.full((total, modes) if kind["per_mode"] else (total,), np.nan)
-        for name, kind in compute.items()
-    }
-    done, reasons = 0, {}
-    for number, chunk in chunks:
-        for name, array in arrays.items():
-            array[number * step : (number + 1) * step] = chunk.values[name]
-        done += min(step, total - number * step)
-        reasons.update({number * step + place: reason for place, reason in chunk.reasons.items()})
-    return arrays, done, reasons
-
-
-def _attributes(name: str, own: bool) -> dict[str, str]:
-    if name not in QUANTITIES:
-        return {"long_name": name.replace("_", " ")}
-    quantity = QUANTITIES[name]
-    return {"long_name": quantity.long_name, "units": quantity.own_units if own else quantity.units}
-
-
-def _coordinate(axis: Axis, own: bool) -> tuple[Any, ...]:
-    kind, labels = AXES[axis.name], axis.labels()
-    attributes = {"long_name": kind.long_name}
-    if kind.is_number:
-        attributes["units"] = kind.own_units if own else kind.units
-    elif not isinstance(labels[0], str):
-        attributes["units"] = "1"
-    return (axis.dimension, labels, attributes) if axis.dimension else ((), labels[0], attributes)
-
-
-# Running a study: what is missing in its store is computed, saved as it comes, and read back.
-
-
-def run_study(
-    study: Study, store: str | Path | None, *, engine: Any, workers: int | None, progress: Any
-) -> xarray.Dataset:
-    """Compute what is not in the store, and return everything; see `Study.run`."""
-    report = progress_of(progress, "study", "chunks")
-    if store is None:
-        found: dict[int, Evaluated] = {}
-        _compute(study, found, engine, workers, report, found.__setitem__)
-        return _closed(study_dataset(study.definition, sorted(found.items())), report)
-    folder = _folder("store", store)
-    made_ready(folder)
-    with locked(folder) as alone:
-        kept = Store.of(folder, study.definition)
-        if alone:
-            kept.clean()
-        whole = kept.sound()
-        try:
-            _compute(study, whole, engine, workers, report, kept.save)
-        except BaseException as error:
-            count = f"{len({number for number, _ in kept.finished()})} of {study.chunks} chunks"
-            error.add_note(f"{count} are stored in {folder}; the same call goes on from there")
-            if study.chunk > 1:
-                error.add_note(
-                    f"a chunk is {study.chunk} points: give a study of slow points a smaller chunk="
-                )
-            raise
-        return _closed(study_dataset(kept.definition, _sound(kept)), report)
-
-
-def _closed(found: xarray.Dataset, report: Progress) -> xarray.Dataset:
-    """Say on the line of progress, if there is one, how many cases have no answer, and return the dataset."""
-    if isinstance(report, ProgressLine) and found.failed_cases:
-        report.say(f"{found.failed_cases} of {found.cases} cases have no answer: {found.reasons}")
-    return found
+        return _run_study(self, store, engine=engine, workers=workers, progress=progress)
 
 
 def open_study(path: str | Path) -> xarray.Dataset:
@@ -578,16 +333,152 @@ def open_study(path: str | Path) -> xarray.Dataset:
     Examples
     --------
     >>> import tempfile
-    >>> from beammodes import Study
-    >>> study = Study.grid(boundary="clamped-free", segments=[5, 10], mode=1, compute="relative_error")
+    >>> import beammodes as bm
+    >>> study = bm.Study.grid(boundary="clamped-free", segments=[5, 10], mode=1, compute="relative_error")
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     _ = study.run(store=folder)
-    ...     found = open_study(folder)
+    ...     found = bm.open_study(folder)
     >>> found.relative_error.values.round(6), found.finished_cases, found.cases
     (array([-0.005085, -0.001259]), 2, 2)
     """
     store = Store.read(_folder("path", path))
-    return study_dataset(store.definition, _sound(store))
+    return _study_dataset(store.definition, _sound(store))
+
+
+def _made(axes: tuple[Axis, ...], compute: Any, chunk: int | None) -> Study:
+    quantities = quantities_of(compute)
+    names = [axis.name for axis in axes]
+    for name in names:
+        if names.count(name) > 1:
+            raise ValueError(f"each axis must be given once, got {name} twice")
+    if "rule" not in names:
+        axes += (Axis("rule", None, axis_values("rule", "mitiguy")[0]),)
+    axes = _canonical(axes)
+    named = {axis.name: axis for axis in axes}
+    _check_complete(named, quantities)
+    size = (
+        _default_chunk(named, quantities) if chunk is None else whole_number("chunk", chunk, most=_MAX_CASES)
+    )
+    study = Study(axes, quantities, size)
+    if study.size > _MAX_CASES:
+        raise ValueError(f"axes must make at most {_MAX_CASES:.0e} cases, got {study.size:.3g}")
+    return study
+
+
+def _default_chunk(named: Mapping[str, Axis], quantities: tuple[Quantity, ...]) -> int:
+    cheap = _all_plain(named) and all(quantity.closed_form for quantity in quantities)
+    points, numbers = _CLOSED_FORM_CHUNK if cheap else _SOLVED_CHUNK
+    mode = named.get("mode")
+    modes = mode.size if mode is not None and mode.dimension == "mode" else 1
+    return max(1, min(points, numbers // modes))
+
+
+def _grid_axes(axes: Mapping[str, Any]) -> tuple[Axis, ...]:
+    """Return axes of one value each, or of several along a dimension of the axis's own name."""
+    read = {name: axis_values(name, value) for name, value in axes.items()}
+    return tuple(Axis(name, name if several else None, values) for name, (values, several) in read.items())
+
+
+def _random_axis(name: str, distribution: Normal | Uniform, seed: int, count: int) -> Axis:
+    """Return an axis of samples; raises as its values would, at the ends of the distribution."""
+    if not AXES[choice("axis", name, AXES)].is_number:
+        raise TypeError(f"{name} must be values, not a distribution, got {shown(distribution)}")
+    for bound in distribution.bounds:
+        AXES[name].read(bound)
+    return Axis(name, "sample", (), distribution, seed, count)
+
+
+def _canonical(axes: tuple[Axis, ...]) -> tuple[Axis, ...]:
+    """Return the axes with the firmer end first, where nothing else tells the left end from the right."""
+    if any(axis.name in (*NUMBERS, "plane") for axis in axes):
+        return axes
+    return tuple(
+        replace(axis, values=tuple(pair.canonical for pair in axis.values))
+        if axis.name == "boundary"
+        else axis
+        for axis in axes
+    )
+
+
+def _all_plain(named: Mapping[str, Axis]) -> bool:
+    """Return whether no point has springs, bodies or loads."""
+    return not set(named) & {*NUMBERS, "plane"} and all(pair.is_plain for pair in named["boundary"].values)
+
+
+def _check_complete(named: Mapping[str, Axis], quantities: tuple[Quantity, ...]) -> None:
+    """Raise ValueError if an axis that another or a quantity needs is missing, or one is not counted."""
+    for quantity in quantities:
+        for name in quantity.uncounted:
+            if name in named:
+                raise ValueError(
+                    f"axes must leave out {name} with {quantity.name}, which does not count it, "
+                    f"got {', '.join(named)}"
+                )
+    needed = {"boundary", "segments"} | ({"mode"} if any(q.per_mode for q in quantities) else set())
+    beam = {*UNIFORM_BEAM, *MATERIAL, *_all_dimensions()} & set(named)
+    used, always = set(UNIFORM_BEAM), set(UNIFORM_BEAM) if beam else set()
+    if "section" in named:
+        sections = named["section"].values
+        used = {*MATERIAL, *(size for kind in sections for size in dimensions_of(kind))}
+        always = {*MATERIAL, *(size for kind in sections for size in dimensions_of(kind, optional=False))}
+        for kind in sections:
+            _check_one_of_two(kind, set(named))
+    if beam - used:
+        raise ValueError(
+            f"axes must leave out {min(beam - used)} without a section that has it, got {', '.join(named)}"
+        )
+    missing = [name for name in AXES if name in (needed | always) - set(named)]
+    if missing:
+        raise ValueError(f"axes must include {missing[0]} here, got {', '.join(named)}")
+
+
+def _check_one_of_two(section: str, given: set[str]) -> None:
+    """Raise ValueError unless just one of a section's dimensions that stand for each other is given."""
+    needed = dimensions_of(section, optional=False)
+    either = [size for size in dimensions_of(section) if size not in needed]
+    if either and len(given.intersection(either)) != 1:
+        got = ", ".join(sorted(given.intersection(either))) or "none"
+        raise ValueError(f"axes must include one of {' and '.join(either)} for a {section}, got {got}")
+
+
+def _all_dimensions() -> set[str]:
+    return {size for name in SECTIONS for size in dimensions_of(name)}
+
+
+def _run_study(
+    study: Study, store: str | Path | None, *, engine: Any, workers: int | None, progress: Any
+) -> xarray.Dataset:
+    """Compute what is not in the store, and return everything; see `Study.run`."""
+    report = progress_of(progress, "study", "chunks")
+    if store is None:
+        found: dict[int, Evaluated] = {}
+        _compute(study, found, engine, workers, report, found.__setitem__)
+        return _closed(_study_dataset(study.definition, sorted(found.items())), report)
+    folder = _folder("store", store)
+    made_ready(folder)
+    with locked(folder) as alone:
+        kept = Store.of(folder, study.definition)
+        if alone:
+            kept.clean()
+        whole = kept.sound()
+        try:
+            _compute(study, whole, engine, workers, report, kept.save)
+        except BaseException as error:
+            count = f"{len({number for number, _ in kept.finished()})} of {study.chunks} chunks"
+            error.add_note(f"{count} are stored in {folder}; the same call goes on from there")
+            if study.chunk > 1:
+                error.add_note(
+                    f"a chunk is {study.chunk} points: give a study of slow points a smaller chunk="
+                )
+            raise
+        return _closed(_study_dataset(kept.definition, _sound(kept)), report)
+
+
+def _closed(found: xarray.Dataset, report: Progress) -> xarray.Dataset:
+    """Say on the line of progress, if there is one, how many cases have no answer, and return the dataset."""
+    if isinstance(report, ProgressLine) and found.failed_cases:
+        report.say(f"{found.failed_cases} of {found.cases} cases have no answer: {found.reasons}")
+    return found
 
 
 def _folder(name: str, path: object) -> Path:
@@ -637,3 +528,89 @@ def _sound(store: Store) -> Iterator[tuple[int, Evaluated]]:
         if number not in seen:
             seen.add(number)
             yield number, chunk
+
+
+def _study_dataset(definition: Mapping[str, Any], chunks: Iterable[tuple[int, Evaluated]]) -> xarray.Dataset:
+    """Return the finished chunks of a study as one table.
+
+    Parameters
+    ----------
+    definition : mapping
+        As `Study.definition`.
+    chunks : iterable of (int, Evaluated)
+        In the order of their numbers.
+
+    Returns
+    -------
+    xarray.Dataset
+        The study's dimensions, modes last; a variable for each quantity; if some cases have no answer,
+        variable `reason` with what was said of each. Attributes: `cases`, `finished_cases` and
+        `failed_cases`, not counting modes; `complete`, 1 or 0; `reasons`, the first few.
+    """
+    import xarray
+
+    axes = [Axis.from_definition(name, written) for name, written in definition["axes"].items()]
+    sizes = {axis.dimension: axis.size for axis in axes if axis.dimension}
+    modes = sizes.pop("mode", 0)
+    arrays, done, reasons = _filled(definition, math.prod(sizes.values()), modes or 1, chunks)
+    own = not any(axis.name == "length" for axis in axes)
+    variables = {}
+    for name, array in arrays.items():
+        spread = sizes | ({"mode": modes} if modes and array.ndim == 2 else {})
+        variables[name] = (tuple(spread), array.reshape(tuple(spread.values())), _attributes(name, own))
+    if reasons:
+        said = np.full(math.prod(sizes.values()), "", dtype=object)
+        said[list(reasons)] = list(reasons.values())
+        long_name = {"long_name": "why numbers are NaN"}
+        variables[REASON] = (tuple(sizes), said.reshape(tuple(sizes.values())), long_name)
+    total = math.prod(sizes.values())
+    return xarray.Dataset(
+        variables,
+        coords={axis.name: _coordinate(axis, own) for axis in axes},
+        attrs={
+            "source": f"beammodes {definition['beammodes']}",
+            "route": "study in chunks",
+            "cases": total,
+            "finished_cases": done,
+            "complete": int(done == total),
+            "failed_cases": len(reasons),
+            "reasons": "; ".join(list(dict.fromkeys(reasons.values()))[:_MAX_REASONS]),
+        },
+    )
+
+
+def _filled(
+    definition: Mapping[str, Any], total: int, modes: int, chunks: Iterable[tuple[int, Evaluated]]
+) -> tuple[dict[str, Floats], int, dict[int, str]]:
+    """Return an array of every quantity, shape (cases, modes) or (cases,), how many cases are there, and by
+    the places of cases why they are NaN.
+    """
+    step, compute = definition["chunk"], definition["compute"]
+    arrays = {
+        name: np.full((total, modes) if kind["per_mode"] else (total,), np.nan)
+        for name, kind in compute.items()
+    }
+    done, reasons = 0, {}
+    for number, chunk in chunks:
+        for name, array in arrays.items():
+            array[number * step : (number + 1) * step] = chunk.values[name]
+        done += min(step, total - number * step)
+        reasons.update({number * step + place: reason for place, reason in chunk.reasons.items()})
+    return arrays, done, reasons
+
+
+def _attributes(name: str, own: bool) -> dict[str, str]:
+    if name not in QUANTITIES:
+        return {"long_name": name.replace("_", " ")}
+    quantity = QUANTITIES[name]
+    return {"long_name": quantity.long_name, "units": quantity.units[own]}
+
+
+def _coordinate(axis: Axis, own: bool) -> tuple[Any, ...]:
+    kind, labels = AXES[axis.name], axis.labels()
+    attributes = {"long_name": kind.long_name}
+    if kind.is_number:
+        attributes["units"] = kind.own_units if own else kind.units
+    elif not isinstance(labels[0], str):
+        attributes["units"] = "1"
+    return (axis.dimension, labels, attributes) if axis.dimension else ((), labels[0], attributes)
