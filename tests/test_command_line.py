@@ -21,6 +21,7 @@ from beammodes.command_line.commands import COMMANDS
 from beammodes.command_line.options import BEAM as BEAM_OPTIONS
 from beammodes.command_line.options import Command
 from beammodes.exporters.export import export_chain
+from beammodes.exporters.formats import FORMATS
 from beammodes.problem.beam import Beam
 from beammodes.problem.loading import Load
 from beammodes.vibration.damping import joint_dampers
@@ -790,7 +791,7 @@ def test_heads_are_in_the_units_that_are_declared(units: str, capsys: pytest.Cap
 
 
 @pytest.mark.parametrize("units", IN_UNITS)
-@pytest.mark.parametrize("suffix", [".xml", ".sdf", ".urdf", ".csv"])
+@pytest.mark.parametrize("suffix", [kind.suffix for kind in FORMATS.values()])
 def test_files_say_the_units_that_are_declared(
     units: str, suffix: str, capsys: pytest.CaptureFixture[str], tmp_path: Path
 ) -> None:

@@ -22,7 +22,7 @@ from beammodes.accuracy.chain_against_beam import chain_errors
 from beammodes.auditing.audit_model import audit_file
 from beammodes.chains.chain import Chain
 from beammodes.exporters.export import export_chain
-from beammodes.exporters.mjcf import MAX_BODIES
+from beammodes.exporters.formats import MAX_NESTED
 from beammodes.problem.beam import Beam
 from beammodes.problem.ends import BoundaryLike, End
 from beammodes.problem.loading import Load
@@ -276,9 +276,9 @@ def test_a_fragment_is_included_in_another_model(case: str, tmp_path: Path) -> N
 
 
 def test_the_longest_chain_still_loads(tmp_path: Path) -> None:
-    _, model, _ = mujoco_model(Chain(BEAM, "pinned-free", segments=MAX_BODIES), tmp_path)
-    assert model.nv == MAX_BODIES
-    for segments in (MAX_BODIES + 1, 2000):
+    _, model, _ = mujoco_model(Chain(BEAM, "pinned-free", segments=MAX_NESTED), tmp_path)
+    assert model.nv == MAX_NESTED
+    for segments in (MAX_NESTED + 1, 2000):
         with pytest.raises(ValueError, match="at most 490 pieces for mjcf files"):
             export_chain(Chain(BEAM, "clamped-free", segments), tmp_path / "long.xml")
 

@@ -404,6 +404,13 @@ def _buckling(options: argparse.Namespace) -> Answer:
     return answer | said, "\n".join([text, *_units_note(options)])
 
 
+def _formats() -> dict[str, str]:
+    """Return the names of the formats by their suffixes."""
+    from beammodes.exporters.formats import FORMATS
+
+    return {kind.suffix: name for name, kind in FORMATS.items()}
+
+
 @_command(
     _DURING,
     "export",
@@ -413,8 +420,13 @@ def _buckling(options: argparse.Namespace) -> Answer:
     SEGMENTS,
     *BEAM,
     UNITS,
-    option("--output", ".xml (MJCF), .sdf, .urdf or .csv", required=True, metavar="FILE"),
-    option("--format", "mjcf, sdf, urdf or csv (default: by the file's ending)"),
+    option(
+        "--output",
+        lambda: ", ".join(f"{suffix} ({name})" for suffix, name in _formats().items()),
+        required=True,
+        metavar="FILE",
+    ),
+    option("--format", lambda: f"{', '.join(_formats().values())} (default: by the file's ending)"),
     option("--name", "prefix of all names in the file (default: chain)", default="chain"),
     option("--fragment", "bodies only, to include in a model (MJCF, SDF)", action="store_true"),
     option(

@@ -77,7 +77,8 @@ class Command:
             formatter_class=argparse.RawDescriptionHelpFormatter,
         )
         for flag, settings in self.options:
-            parser.add_argument(flag, **settings)
+            text = settings["help"]
+            parser.add_argument(flag, **{**settings, "help": text() if callable(text) else text})
         parser.add_argument("--json", action="store_true", help="print one JSON object")
         return parser
 
@@ -190,8 +191,8 @@ def _vector(text: str) -> float | str | tuple[float | str, ...]:
     return as_number(text) if len(parts) == 1 else tuple(map(as_number, parts))
 
 
-def option(flag: str, text: str, **settings: Any) -> Option:
-    """Return an option of its help, and what else `add_argument` takes."""
+def option(flag: str, text: str | Callable[[], str], **settings: Any) -> Option:
+    """Return an option of its help, or a function that returns it, and what else `add_argument` takes."""
     return flag, {"help": text, **settings}
 
 

@@ -16,14 +16,15 @@ from beammodes.problem.ends import Boundary, End
 
 __all__ = ["csv_lines", "read_chain_csv"]
 
-_COLUMNS = (
-    "piece",
-    "length_m",
-    "mass_kg",
-    "centre_m",
-    "rotary_inertia_kg_m2",
-    "hinge_to_next_n_m_per_rad",
-)
+#: Columns of the file after `piece`, by the arguments of `Chain.from_pieces`.
+_NAMES = {
+    "length": "length_m",
+    "mass": "mass_kg",
+    "centre": "centre_m",
+    "rotary_inertia": "rotary_inertia_kg_m2",
+    "joint_stiffness": "hinge_to_next_n_m_per_rad",
+}
+_COLUMNS = ("piece", *_NAMES.values())
 _ENDS = "# supports:"
 #: What is larger is no chain; within these a file is read and judged in seconds.
 _MOST_BYTES, _MOST_ROWS, _LONGEST_LINE = 16 * 2**20, 100_100, 10_000
@@ -137,9 +138,8 @@ def _numbers(place: Path, rows: list[tuple[int, str]]) -> dict[str, list[float]]
             )
         if (not row[_COLUMNS[-1]].strip()) != (i == last):
             raise ValueError(
-                f"{place}, line {number}: {_COLUMNS[-1]} must be empty in the last row and in no other: "
-                "the file "
-                "is cut short or rows are missing"
+                f"{place}, line {number}: {_COLUMNS[-1]} must be empty in the last row and in no other: the "
+                "file is cut short or rows are missing"
             )
         for name, column in _NAMES.items():
             if name != "joint_stiffness" or i < last:
@@ -157,8 +157,3 @@ def _number(name: str, text: str) -> float:
     if value and not _SMALLEST <= abs(value) <= _LARGEST:
         raise ValueError(f"{name} must be 0 or from {_SMALLEST:g} to {_LARGEST:g} in size, got {shown(text)}")
     return value
-
-
-_NAMES = dict(
-    zip(("length", "mass", "centre", "rotary_inertia", "joint_stiffness"), _COLUMNS[1:], strict=True)
-)

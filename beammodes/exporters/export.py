@@ -7,30 +7,29 @@ import re
 from collections.abc import Iterable
 from functools import partial
 from pathlib import Path
-from types import MappingProxyType
 from typing import BinaryIO
 
 from beammodes.chains.chain import Chain
 from beammodes.checks import choice, flag, shown
-from beammodes.exporters.chain_csv import csv_lines
-from beammodes.exporters.export_facts import SYSTEMS, engine_step, facts_about, one_line
-from beammodes.exporters.mjcf import MAX_BODIES, mjcf_text
-from beammodes.exporters.planar_tree import Tree, planar_tree
-from beammodes.exporters.sdformat import sdformat_text
-from beammodes.exporters.urdf import springs_text, urdf_text
+from beammodes.exporters.engine_step import engine_step
+from beammodes.exporters.export_facts import facts_about
+from beammodes.exporters.formats import FORMATS, Format, Model
+from beammodes.exporters.planar_tree import Tree, Vector, planar_tree
+from beammodes.exporters.unit_systems import UNIT_SYSTEMS
 from beammodes.files import file_target, write_atomically
 from beammodes.problem.loading import Load
 from beammodes.vibration.damping import Damping
 from beammodes.vibration.integrators import INTEGRATORS
 
-__all__ = ["FORMATS", "MAX_LINKS", "export_chain"]
+__all__ = ["export_chain"]
 
-#: Formats by the suffix of their files.
-FORMATS = MappingProxyType({".xml": "mjcf", ".sdf": "sdf", ".urdf": "urdf", ".csv": "csv"})
-#: A longer row of bodies is refused as a mistake; CSV files have no such limit.
-MAX_LINKS = 5000
-
-_MOST = {"mjcf": MAX_BODIES, "sdf": MAX_LINKS, "urdf": MAX_LINKS}
+#: Integrators that a file may ask MuJoCo for: not the one that takes springs implicitly, which adds damping.
+_MUJOCO = tuple(
+    alias.removeprefix("MuJoCo ")
+    for record in INTEGRATORS.values()
+    for alias in record.engines
+    if alias.startswith("MuJoCo ") and alias.count(" ") == 1 and record.springs == "explicit"
+)
 
 
 def export_chain(
@@ -121,92 +120,75 @@ def export_chain(
     if not isinstance(integrator, str):
         raise TypeError(f"integrator must be one of {', '.join(_MUJOCO)}, got {shown(integrator)}")
     if units is not None:
-        choice("units", units, SYSTEMS)
-    only: dict[str, object] = {"fragment": fragment or None, "second": second, "damping": damping}
-    only |= {"timestep": timestep, "load": load}
-    _check_given(kind, only | {"integrator": None if integrator == "RK4" else integrator})
+        choice("units", units, UNIT_SYSTEMS)
+    given: dict[str, object] = {"fragment": fragment or None, "second": second, "damping": damping}
+    given |= {"timestep": timestep, "load": load, "integrator": None if integrator == "RK4" else integrator}
+    for what, value in given.items():
+        if value is not None and what not in kind.takes:
+            takers = ", ".join(each.name for each in FORMATS.values() if what in each.takes)
+            raise ValueError(f"{what} must be left out for {kind.name} files: it is for {takers}")
+    for what, known in (("second", Chain), ("damping", Damping), ("load", Load)):
+        if not isinstance(given[what], known | None):
+            raise TypeError(f"{what} must be a {known.__name__} or None, got {shown(given[what])}")
     if not isinstance(name, str) or not re.fullmatch(r"[A-Za-z_][A-Za-z0-9_]{0,59}", name):
         raise ValueError(f'name must be a word of letters, digits and _ such as "beam", got {shown(name)}')
-    springs = place.with_name(f"{place.name.removesuffix('.urdf')}.springs.yaml") if kind == "urdf" else None
-    places = (place,) if springs is None else (place, springs)
-    for each in places:
+    paths = kind.paths(place)
+    for each in paths:
         file_target(each, new=not force)
-    if kind == "csv":
-        return _write(places, force, csv_lines(chain, facts_about(chain, units=units).lines()))
     tree = _tree(kind, chain, name, second, damping)
-    facts = [facts_about(chain, damping, load, units)]
+    facts = facts_about(chain, damping, load, units, turned=tree.turned)
     if second is not None:
         # Not about a shape bent in the other plane, which is not a motion in one plane.
         straight = load if load is not None and not load.bends else None
-        facts.append(facts_about(second, damping, straight, units))
-    lines = facts[0].lines(tree.turned)
-    lines += [f"along y: {line}" for each in facts[1:] for line in each.lines()[1:-1]]
-    if springs is not None:
-        text = urdf_text(tree, lines, name, springs=one_line(springs.name))
-        return _write(places, force, [text], [springs_text(tree, lines, name)])
-    chains = [each for each in (chain, second) if each is not None]
-    engine = "Drake discrete" if kind == "sdf" else f"MuJoCo {choice('integrator', integrator, _MUJOCO)}"
-    step = engine_step(chains, engine, damping, timestep, load, tree, units)
-    gravity = gravity_of(load, tree.turned)
-    lines += step.lines
-    if kind == "sdf":
-        text = sdformat_text(tree, lines, name, timestep=step.size, gravity=gravity, fragment=fragment)
-        return _write(places, force, [text])
-    text = mjcf_text(
-        tree,
-        lines,
-        name,
-        timestep=step.size,
-        integrator=integrator,
-        gravity=gravity,
-        fragment=fragment,
-    )
-    return _write(places, force, [text])
+        facts += [f"along y: {line}" for line in facts_about(second, damping, straight, units)[1:-1]]
+    step = 0.0
+    if kind.engine:
+        words = (
+            [kind.engine, choice("integrator", integrator, _MUJOCO)]
+            if "integrator" in kind.takes
+            else [kind.engine]
+        )
+        chains = [chain] if second is None else [chain, second]
+        step, lines = engine_step(chains, " ".join(words), tree, damping, timestep, load, units)
+        facts += lines
+    gravity = _gravity(load, tree.turned)
+    model = Model(chain, tree, tuple(facts), name, paths, fragment, step, integrator, gravity)
+    return _write(paths, force, *kind.write(model))
 
 
-def gravity_of(load: Load | None, turned: bool) -> tuple[float, float, float]:
-    """Return gravity along a file's x, y and z; its x runs from the right end if the tree is `turned`.
-
-    Examples
-    --------
-    >>> gravity_of(Load(gravity=(1.0, -9.81)), turned=True)
-    (-1.0, 0.0, -9.81)
-    """
+def _gravity(load: Load | None, turned: bool) -> Vector:
+    """Return gravity along a file's x, y and z; its x runs from the right end if the tree is `turned`."""
     along, across = map(float, load.weight if load is not None else (0.0, 0.0))
     return (-along if turned else along) + 0.0, 0.0, across
 
 
-def _place_and_format(path: object, format: str | None) -> tuple[Path, str]:
+def _place_and_format(path: object, format: str | None) -> tuple[Path, Format]:
     if not isinstance(path, str | os.PathLike):
         raise TypeError(f"path must be a string or a Path, got {shown(path)}")
     place = Path(path)
     if format is not None:
-        return place, choice("format", format, FORMATS.values())
-    return place, FORMATS[choice("suffix of path, without format,", place.suffix.lower(), FORMATS)]
+        return place, FORMATS[choice("format", format, FORMATS)]
+    kinds = {kind.suffix: kind for kind in FORMATS.values()}
+    return place, kinds[choice("suffix of path, without format,", place.suffix.lower(), kinds)]
 
 
-def _check_given(kind: str, only: dict[str, object]) -> None:
-    for what, value in only.items():
-        if value is not None and kind not in _TAKEN_BY[what]:
-            raise ValueError(
-                f"{what} must be left out for {kind} files: it is for {', '.join(_TAKEN_BY[what])}"
-            )
-    for what, kept in (("second", Chain), ("damping", Damping), ("load", Load)):
-        if not isinstance(only[what], kept | None):
-            raise TypeError(f"{what} must be a {kept.__name__} or None, got {shown(only[what])}")
-
-
-def _tree(kind: str, chain: Chain, name: str, second: Chain | None, damping: Damping | None) -> Tree:
+def _tree(kind: Format, chain: Chain, name: str, second: Chain | None, damping: Damping | None) -> Tree:
+    """Return the bodies and joints of a chain, as far as a format has them and can hold them."""
+    most = kind.most_bodies
+    if most is None:
+        return Tree((), (), False)
     # An outer piece without mass becomes no body.
-    too_long = chain.pieces - 2 > (most := _MOST[kind])
+    too_long = chain.pieces - 2 > most
     tree = Tree((), (), False) if too_long else planar_tree(chain, name, second=second, damping=damping)
     if too_long or len(tree.bodies) > most:
-        why = ": MuJoCo's XML reader refuses elements nested 500 deep" if kind == "mjcf" else ""
-        raise ValueError(f"chain must have at most {most} pieces for {kind} files, got {chain.pieces}{why}")
-    if tree.ties and kind != "mjcf":
         raise ValueError(
-            f"chain must be supported at one end only for {kind} files, which are trees, got "
-            f"{chain.boundary.name}; mjcf files can support both"
+            f"chain must have at most {most} pieces for {kind.name} files, got {chain.pieces}{kind.because}"
+        )
+    if tree.ties and not kind.ties:
+        able = ", ".join(each.name for each in FORMATS.values() if each.ties)
+        raise ValueError(
+            f"chain must be supported at one end only for {kind.name} files, which are trees, got "
+            f"{chain.boundary.name}; {able} files can support both"
         )
     return tree
 
@@ -229,20 +211,3 @@ def _write(places: tuple[Path, ...], force: bool, *texts: Iterable[str]) -> tupl
 def _fill(parts: Iterable[str], file: BinaryIO) -> None:
     for part in parts:
         file.write(part.encode())
-
-
-_TAKEN_BY = {
-    "fragment": ("mjcf", "sdf"),
-    "second": ("mjcf", "sdf", "urdf"),
-    "damping": ("mjcf", "sdf", "urdf"),
-    "timestep": ("mjcf", "sdf"),
-    "integrator": ("mjcf",),
-    "load": ("mjcf", "sdf"),
-}
-#: Integrators that a file may ask MuJoCo for: not the one that takes springs implicitly, which adds damping.
-_MUJOCO = tuple(
-    alias.removeprefix("MuJoCo ")
-    for record in INTEGRATORS.values()
-    for alias in record.engines
-    if alias.startswith("MuJoCo ") and alias.count(" ") == 1 and record.springs == "explicit"
-)

@@ -20,31 +20,22 @@ from beammodes.chains.chain import Chain
 from beammodes.vibration.damping import Damping
 from beammodes.vibration.spectrum import is_turned
 
-__all__ = [
-    "Body",
-    "Joint",
-    "Link",
-    "Plane",
-    "Spring",
-    "Tie",
-    "Tree",
-    "Vector",
-    "bending_plane",
-    "bending_planes",
-    "links",
-    "planar_tree",
-]
-
-
-# A chain's numbers in one plane of bending, seen from its firmer end, as a tree of joints needs them.
+__all__ = ["AXES", "Body", "Joint", "Link", "Tie", "Tree", "Vector", "bending_planes", "links", "planar_tree"]
 
 #: Stiffness and damping.
 Spring = tuple[float, float]
+Vector = tuple[float, float, float]
+
+#: For each direction of deflection, the axes of a slide along it and of a hinge that lifts the far tip.
+AXES = {"z": ((0, 0, 1), (0, -1, 0)), "y": ((0, 1, 0), (0, 0, 1))}
+#: What a body that cannot do without mass or inertia gets, over what it moves with. Heavy bodies at both ends
+#: of a short chain make ten times that of it in a frequency: still below 1e-8.
+_TRACE = 1e-10
 
 
 @dataclass(frozen=True)
-class Plane:
-    """Pieces from the end near the root to the far one; an end has springs across and in turning.
+class _Plane:
+    """A chain in one plane of bending, from the end near the ground to the far one.
 
     Attributes
     ----------
@@ -73,7 +64,7 @@ class Plane:
         """From the near tip of every piece to the far tip of the last."""
         return tuple(math.fsum(self.length[i:]) for i in range(len(self.length)))
 
-    def without_held_far_piece(self) -> Plane:
+    def without_held_far_piece(self) -> _Plane:
         """Return the same motion without a last piece whose angle is held: its hinge's spring turns support.
 
         Mass that such a piece carries across, without turning, is a point at that hinge.
@@ -83,7 +74,7 @@ class Plane:
             return self
         if len(self.length) == 1:
             return replace(self, near=(self.near[0], turning), far=(across, (0.0, 0.0)))
-        fewer = Plane(
+        fewer = _Plane(
             self.length[:-1],
             self.mass[:-1],
             self.centre[:-1],
@@ -94,7 +85,7 @@ class Plane:
         )
         return fewer if across[0] == math.inf else fewer._with_point(self.mass[-1])
 
-    def _with_point(self, point: float) -> Plane:
+    def _with_point(self, point: float) -> _Plane:
         total = self.mass[-1] + point
         if not point:
             return self
@@ -107,16 +98,8 @@ class Plane:
         )
 
 
-def bending_plane(chain: Chain, damping: Damping, turned: bool) -> Plane:
-    """Return a chain's numbers from its left end, or from its right one if `turned`.
-
-    Examples
-    --------
-    >>> from beammodes.problem.beam import Beam
-    >>> chain = Chain(Beam.unit(), "guided-free", 2, "naive")
-    >>> bending_plane(chain, Damping(), turned=True).without_held_far_piece().far
-    ((0.0, 0.0), (2.0, 0.0))
-    """
+def _bending_plane(chain: Chain, damping: Damping, turned: bool) -> _Plane:
+    """Return a chain's numbers from its left end, or from its right one if `turned`."""
     rate = damping.stiffness
     hinges = zip(chain.joint_stiffness.tolist(), damping.joint_damping(chain).tolist(), strict=True)
     springs: list[Spring] = list(hinges)
@@ -129,19 +112,9 @@ def bending_plane(chain: Chain, damping: Damping, turned: bool) -> Plane:
     way = slice(None, None, -1 if turned else 1)
     near, far = ends[way]
     pieces, masses, centres, inertias = (tuple(column[way]) for column in (length, mass, centre, inertia))
-    return Plane(pieces, masses, centres, inertias, tuple(springs[way]), (near[0], near[1]), (far[0], far[1]))
-
-
-Vector = tuple[float, float, float]
-
-
-#: What a body that cannot do without mass or inertia gets, over what it moves with. Heavy bodies at both ends
-#: of a short chain make ten times that of it in a frequency: still below 1e-8.
-_TRACE = 1e-10
-
-
-#: For each direction of deflection, the axes of a slide along it and of a hinge that lifts the far tip.
-_AXES = {"z": ((0, 0, 1), (0, -1, 0)), "y": ((0, 1, 0), (0, 0, 1))}
+    return _Plane(
+        pieces, masses, centres, inertias, tuple(springs[way]), (near[0], near[1]), (far[0], far[1])
+    )
 
 
 @dataclass(frozen=True)
@@ -222,7 +195,7 @@ def planar_tree(
     if damper.mass:
         raise ValueError(f"damping must have mass=0: joints damp relative motion only, got {damper}")
     chains = [chain] if second is None else [chain, second]
-    planes = [bending_plane(each, damper, turned) for each in chains]
+    planes = [_bending_plane(each, damper, turned) for each in chains]
     _check_alike(planes)
     planes = [plane.without_held_far_piece() for plane in planes]
     grounded = any(end.is_grounded for each in chains for end in (each.boundary.left, each.boundary.right))
@@ -250,7 +223,7 @@ def links(tree: Tree) -> Iterator[Link]:
         parent = body.name
 
 
-def _check_alike(planes: Sequence[Plane]) -> None:
+def _check_alike(planes: Sequence[_Plane]) -> None:
     first, last = planes[0], planes[-1]
     for what in ("length", "mass", "centre", "held"):
         if getattr(first, what) != getattr(last, what):
@@ -258,28 +231,26 @@ def _check_alike(planes: Sequence[Plane]) -> None:
             raise ValueError(f"second must {'be held as chain is' if held else f'have the {what} of chain'}")
 
 
-def _joints(planes: Sequence[Plane], i: int, name: str, grounded: bool) -> tuple[Joint, ...]:
+def _joints(planes: Sequence[_Plane], i: int, name: str, grounded: bool) -> tuple[Joint, ...]:
     """Return the joints between piece i and the one before; its number is that of its hinges."""
     found = [] if i or grounded else [Joint(f"{name}_slide_x", "slide", (1, 0, 0))]
     hinges = []
-    for plane, (letter, (along, about)) in zip(planes, _AXES.items(), strict=False):
+    for plane, (letter, (along, about)) in zip(planes, AXES.items(), strict=False):
         across, turning = plane.near if i == 0 else ((math.inf, 0.0), plane.springs[i - 1])
         if across[0] != math.inf:
             found.append(Joint(f"{name}_slide_{letter}", "slide", along, *across))
         if turning[0] != math.inf:
             hinges.append(Joint(_hinge_name(planes, plane, i, name), "hinge", about, *turning))
-    # Two hinges in one fixed order at every node twist a chain that bends out of both planes, to first order
-    # in 1/N; in the other order at every other node they do so to second order.
     return (*found, *(reversed(hinges) if i % 2 else hinges))
 
 
-def _hinge_name(planes: Sequence[Plane], plane: Plane, i: int, name: str) -> str:
+def _hinge_name(planes: Sequence[_Plane], plane: _Plane, i: int, name: str) -> str:
     # Piece 1 is the first that turns, so hinge 1 is the one nearest the ground.
     number = i if planes[0].held[1] else i + 1
     return f"{name}_hinge_{number}" if plane is planes[0] else f"{name}_hinge_{number}_y"
 
 
-def _bodies(planes: Sequence[Plane], joints: Sequence[tuple[Joint, ...]], name: str) -> Iterator[Body]:
+def _bodies(planes: Sequence[_Plane], joints: Sequence[tuple[Joint, ...]], name: str) -> Iterator[Body]:
     plane = planes[0]
     fixed = plane.held[1]
     root, before = joints[0], 0.0
@@ -297,7 +268,7 @@ def _bodies(planes: Sequence[Plane], joints: Sequence[tuple[Joint, ...]], name: 
         before = length
 
 
-def _inertia(about: Sequence[float], plane: Plane, i: int) -> tuple[float, float, float]:
+def _inertia(about: Sequence[float], plane: _Plane, i: int) -> tuple[float, float, float]:
     """Return the inertia about x, y, z; that about the beam's axis moves nothing and is small."""
     mass, centre = plane.mass[i], plane.centre[i]
     # A piece that turns has inertia or a mass off its hinge; one that does not may have any inertia.
@@ -308,20 +279,15 @@ def _inertia(about: Sequence[float], plane: Plane, i: int) -> tuple[float, float
     return abs(y - z) + max(0.01 * min(y, z), floor), y, z
 
 
-def _ties(planes: Sequence[Plane], name: str) -> Iterator[Tie]:
-    for plane, letter in zip(planes, _AXES, strict=False):
+def _ties(planes: Sequence[_Plane], name: str) -> Iterator[Tie]:
+    for plane, letter in zip(planes, AXES, strict=False):
+        numbered = enumerate(plane.reach)
         turning = [
-            (_hinge_name(planes, plane, i, name), arm)
-            for i, arm in enumerate(plane.reach)
-            if i or not plane.held[1]
+            (_hinge_name(planes, plane, i, name), arm) for i, arm in numbered if i or not plane.held[1]
         ]
         across = [] if plane.held[0] else [(f"{name}_slide_{letter}", 1.0)]
         across += [(joint, arm) for joint, arm in turning if arm]
         plain = [(joint, 1.0) for joint, _ in turning]
         for what, terms, spring in (("deflection", across, plane.far[0]), ("rotation", plain, plane.far[1])):
             if terms and spring[0]:
-                yield _tie(f"{name}_far_{what}_{letter}", terms, spring)
-
-
-def _tie(name: str, terms: list[tuple[str, float]], spring: Spring) -> Tie:
-    return Tie(name, tuple(terms), *spring)
+                yield Tie(f"{name}_far_{what}_{letter}", tuple(terms), *spring)

@@ -1,0 +1,249 @@
+"""The time step that an engine needs for an exported chain: stable, and accurate for its first mode.
+
+Where a constraint holds the far end, MuJoCo finds its force with the plain inertia M, and then divides all
+forces by M + h D: hard dampers weaken the constraint. With the row J of the held deflection,
+
+    M a = -K q - D_all v + Jᵀ λ,   J a = -J v/h - J q/(4 h²),   v' = v + h (M + h D)⁻¹ M a,   q' = q + h v'.
+
+The chain's own matrices hold that end by construction, so `stable_time_step` does not see this.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from beammodes.chains.chain import Chain
+from beammodes.checks import positive_real, shown
+from beammodes.equations.mechanics import axial_pull
+from beammodes.exporters.export_facts import damped_modes, one_line
+from beammodes.exporters.planar_tree import AXES, Tree
+from beammodes.exporters.unit_systems import UNIT_SYSTEMS
+from beammodes.numerics.arrays import Floats
+from beammodes.problem.loading import Load
+from beammodes.vibration.damping import Damping
+from beammodes.vibration.integrators import accuracy_limit, find_integrator
+from beammodes.vibration.linear import linearize
+from beammodes.vibration.stability import GRAVITY, stable_time_step, taut_load
+
+__all__ = ["engine_step"]
+
+#: Relative error that the default step may add to the first frequency, or this share of its damping ratio if
+#: that is more: what a tenth of the half width of a resonance is.
+_STEP_ERROR, _DAMPED_ERROR = 1e-3, 0.1
+_EXPLICIT, _IMPLICIT = "MuJoCo RK4", "MuJoCo implicitfast"
+_STEP_WITHOUT_MODES = 0.002
+#: Held trees of more joints are not solved: each of some forty trial steps takes the eigenvalues of 2 N rows.
+_MAX_HELD = 40
+# Of the step that is stable as a chain, the least that is tried; and how many.
+_SHORTEST, _TRIALS = 1e-3, 24
+
+
+def engine_step(
+    chains: Sequence[Chain],
+    engine: str,
+    tree: Tree,
+    damping: Damping | None = None,
+    timestep: float | None = None,
+    load: Load | None = None,
+    units: str | None = None,
+) -> tuple[float, list[str]]:
+    """Return the time step of a file [s], and lines that say which cases it holds for.
+
+    It is `timestep`, or half the stable step, less where that would shift the first frequency by over 0.1 %
+    or its amplitude by over 1 % in 100 periods, or by a tenth of the damping ratio where that is more.
+
+    Parameters
+    ----------
+    chains : sequence of Chain
+        The one that bends along z, and the one along y.
+    engine : str
+        Name of an integrator in an engine, such as "MuJoCo RK4".
+    tree : Tree
+        The bodies and ties that the file has.
+    damping, timestep, units
+        As `export_chain` takes them.
+    load : Load, optional
+        By default the step holds without gravity and with 9.81 m/s² in any direction, along a chain that
+        hangs too.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If the integrator is unknown, or `timestep` is no number or beyond the limit of stability.
+
+    Examples
+    --------
+    >>> from beammodes.problem.beam import Beam
+    >>> from beammodes.exporters.planar_tree import planar_tree
+    >>> chain = Chain(Beam.unit(), "clamped-free", 10)
+    >>> engine_step([chain], "MuJoCo RK4", planar_tree(chain))[0]
+    0.0021
+    """
+    record = find_integrator(engine)
+    given = None if timestep is None else positive_real("timestep", timestep)
+    system = UNIT_SYSTEMS[units or "SI"]
+    gravity = GRAVITY / system.metres
+    # Across the beam, so that no direction is preferred: see `taut_load`.
+    cases = {
+        "with gravity off": Load(),
+        f"with gravity {gravity:.4g} {system.length}/s2 in any direction": Load(gravity=gravity),
+    }
+    if load is not None:
+        cases = {"without load" if load == Load() else f"under {load}": load}
+    if tree.turned:
+        # The file holds the right end along the beam, not the left one: let loads pull either way.
+        cases = {case: _across(each) for case, each in cases.items()}
+
+    def least_of(integrator: str, loads: Iterable[Load]) -> float:
+        return min(
+            _stable_step(chain, letter, integrator, damping, each, tree)
+            for each in loads
+            for chain, letter in zip(chains, AXES, strict=False)
+        )
+
+    limits = {case: least_of(engine, [each]) for case, each in cases.items()}
+    name = engine.partition(" ")[2]
+    least, first = min(limits.values()), next(iter(limits.values()))
+    if given is not None and given >= first:
+        raise ValueError(
+            f"timestep must be less than {first:.3g}, where {name} becomes unstable, got {shown(timestep)}"
+        )
+    best = least / 2
+    for chain in chains:
+        for each in cases.values():
+            model = linearize(chain, load=taut_load(chain, each))
+            for omega, ratio in damped_modes(chain, damping, model, 1):
+                best = min(best, _accurate_step(engine, omega, ratio))
+    size = given or (_rounded_down(best) if math.isfinite(best) else _STEP_WITHOUT_MODES)
+    if not math.isfinite(first):
+        return size, []
+    said = ", ".join(f"{limit:.4g} s {case}" for case, limit in limits.items())
+    lines = [f"largest stable timestep in {engine}: {said}"]
+    if size >= least:
+        lines.append(f"WARNING: the timestep given, {size!r}, is stable with gravity off only")
+    if damping not in (None, Damping()) and record.damping == "implicit":
+        explicit = min(
+            stable_time_step(chain, "semi_implicit_euler", load=each, damping=damping)
+            for chain in chains
+            for each in cases.values()
+        )
+        flag = ", with the flag eulerdamp that is on by default" if name == "Euler" else ""
+        lines.append(f"dampers of joints are taken implicitly{flag}; taken explicitly: {explicit:.4g} s")
+    if damping not in (None, Damping()) and engine == _EXPLICIT:
+        limit = least_of(_IMPLICIT, cases.values())
+        if limit > 2 * least:
+            lines.append(
+                f"dampers shorten it: {_IMPLICIT}, which takes them implicitly, is stable to {limit:.4g} s"
+            )
+    if load is not None and (any(load.tip) or load.tip_moment or load.axial_force or load.spin_rate):
+        lines.append("this file holds gravity only: the other loads are yours to apply")
+    return size, [*map(one_line, lines)]
+
+
+def _across(load: Load) -> Load:
+    weight, force = (math.hypot(*map(float, pair)) for pair in (load.weight, load.tip))
+    return replace(load, gravity=weight, tip_force=force)
+
+
+def _accurate_step(engine: str, omega: float, ratio: float) -> float:
+    if ratio >= 1.0:
+        return math.inf
+    share = _DAMPED_ERROR * ratio
+    frequency, amplitude = max(_STEP_ERROR, share), max(10 * _STEP_ERROR, share)
+    return accuracy_limit(engine, ratio, frequency=frequency, amplitude=amplitude) / omega
+
+
+def _rounded_down(step: float) -> float:
+    unit = math.floor(math.log10(step)) - 2
+    return float(f"{math.floor(step / 10.0**unit)}e{unit}")
+
+
+def _stable_step(
+    chain: Chain, letter: str, engine: str, damping: Damping | None, load: Load, tree: Tree
+) -> float:
+    """Return the stable step of a chain that deflects along z or y, with its far end as the file holds it."""
+    record, step = find_integrator(engine), stable_time_step(chain, engine, load=load, damping=damping)
+    held = any(tie.stiffness == math.inf for tie in tree.ties)
+    if not held or damping in (None, Damping()) or record.damping == "explicit":
+        return step
+    if len(tree.bodies) > _MAX_HELD:
+        return min(step, stable_time_step(chain, "semi_implicit_euler", load=load, damping=damping))
+    pull = np.array(axial_pull(chain, taut_load(chain, load)), dtype=np.float64) * chain.units.stiffness
+    pull = pull[::-1] if tree.turned else pull
+    if chain.held_angles[0 if tree.turned else -1]:
+        pull = pull[:-1]
+    own = pull[len(pull) - len(tree.bodies) :]
+    return _held_step(tree, letter, step, own, tendons=not record.tendon_damping)
+
+
+def _held_step(tree: Tree, letter: str, longest: float, pull: Floats, *, tendons: bool) -> float:
+    """Return the largest step up to `longest` [s] below which a tree's motion in one plane does not grow.
+
+    `pull` [N m] is what a load adds to ∂²V/∂θ² of each body's angle. `tendons` tells that dampers of ties are
+    taken implicitly, as those of joints are.
+    """
+    inertia, stiffness, joints, ties, held = _matrices(tree, letter, pull)
+    if held is None or not math.isfinite(longest):
+        return longest
+    implicit = joints + ties if tendons else joints
+    lift, size = np.linalg.solve(inertia, held), len(inertia)
+    # Accelerations of (q, v) without the constraint.
+    free = -np.linalg.solve(inertia, np.hstack([stiffness, joints + ties]))
+
+    def grows(step: float) -> bool:
+        wanted = -np.concatenate([held / (4 * step**2), held / step])
+        bound = free + np.outer(lift, (wanted - held @ free)) / (held @ lift)
+        kick = step * np.linalg.solve(inertia + step * implicit, inertia @ bound)
+        speed = kick + np.hstack([np.zeros((size, size)), np.eye(size)])
+        place = step * speed + np.hstack([np.eye(size), np.zeros((size, size))])
+        return bool(np.abs(np.linalg.eigvals(np.vstack([place, speed]))).max() > 1 + 1e-7)
+
+    steps = (longest * np.geomspace(_SHORTEST, 1 - 1e-9, _TRIALS)).tolist()
+    first = next((k for k, step in enumerate(steps) if grows(step)), None)
+    if first is None:
+        return longest
+    below, above = (steps[first - 1] if first else 0.0), steps[first]
+    for _ in range(6):
+        middle = (below + above) / 2
+        below, above = (below, middle) if grows(middle) else (middle, above)
+    return below
+
+
+def _matrices(tree: Tree, letter: str, pull: Floats) -> tuple[Floats, Floats, Floats, Floats, Floats | None]:
+    """Return M, K, D of the joints, D of the ties, and the row of what is held, in one plane's joints."""
+    slide, hinge = AXES[letter]
+    starts = np.cumsum([body.position for body in tree.bodies])
+    own = [
+        (i, joint)
+        for i, body in enumerate(tree.bodies)
+        for joint in body.joints
+        if joint.axis in (slide, hinge)
+    ]
+    carrier = np.array([i for i, _ in own], dtype=int)
+    turns = np.array([joint.axis == hinge for _, joint in own], dtype=bool)
+    # Bodies by joints: what a joint moves are its own body and those beyond.
+    moves = carrier <= np.arange(len(starts))[:, None]
+    turn = (moves & turns).astype(float)
+    centre = starts + np.array([body.centre for body in tree.bodies])
+    arm = moves * np.where(turns, centre[:, None] - starts[carrier], 1.0)
+    mass = np.array([body.mass for body in tree.bodies])
+    moment = np.array([body.inertia[1 if letter == "z" else 2] for body in tree.bodies])
+    inertia = arm.T @ (mass[:, None] * arm) + turn.T @ (moment[:, None] * turn)
+    stiffness = np.diag([joint.stiffness for _, joint in own]) + turn.T @ (pull[:, None] * turn)
+    joints, ties, held = np.diag([joint.damping for _, joint in own]), np.zeros_like(inertia), None
+    names = [joint.name for _, joint in own]
+    for tie in tree.ties:
+        arms = dict(tie.terms)
+        if not set(arms) <= set(names):
+            continue
+        row = np.array([arms.get(name, 0.0) for name in names])
+        if tie.stiffness == math.inf:
+            held = row
+        else:
+            stiffness += tie.stiffness * np.outer(row, row)
+            ties += tie.damping * np.outer(row, row)
+    return inertia, stiffness, joints, ties, held

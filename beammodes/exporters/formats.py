@@ -1,0 +1,385 @@
+"""The formats that a chain is written in: for each one record, beside the function that makes its text.
+
+A new format is one function under `@_format`: `export_chain`, the command line and the tests of every format
+follow from it.
+
+- MJCF, for MuJoCo 3 and 4. Drake reads it without springs.
+- SDFormat, for Gazebo and Drake. Drake takes links, joints, dampers and springs, and ignores the world's
+  gravity and step. Gazebo's engines take the springs too, by their sources, `bullet-featherstone` since the
+  end of 2025; the tests do not run Gazebo.
+- URDF, which has no place for springs: they stand in a YAML file beside it.
+- CSV, a row for every piece, which `read_chain_csv` reads back without loss.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from beammodes.chains.chain import Chain
+from beammodes.exporters.chain_csv import csv_lines
+from beammodes.exporters.export_facts import one_line
+from beammodes.exporters.planar_tree import Body, Joint, Tie, Tree, Vector, bending_planes, links
+
+__all__ = ["FORMATS", "MAX_NESTED", "Format", "Model"]
+
+
+@dataclass(frozen=True)
+class Model:
+    """All that a file says.
+
+    Attributes
+    ----------
+    chain : Chain
+    tree : Tree
+        Of no bodies for formats that take the chain itself.
+    facts : tuple of str
+        Lines for the head.
+    name : str
+    paths : tuple of Path
+        The file, and the one beside it.
+    fragment : bool
+        A part for other models to include.
+    timestep : float [s]
+    integrator : str
+        As MuJoCo calls it.
+    gravity : triple [m/s²]
+    """
+
+    chain: Chain
+    tree: Tree
+    facts: tuple[str, ...]
+    name: str
+    paths: tuple[Path, ...]
+    fragment: bool
+    timestep: float
+    integrator: str
+    gravity: Vector
+
+
+#: Return the text of each file, in parts.
+Writer = Callable[[Model], Sequence[Iterable[str]]]
+
+
+@dataclass(frozen=True)
+class Format:
+    """A format of files.
+
+    Attributes
+    ----------
+    name, suffix : str
+        Such as "mjcf" and ".xml".
+    takes : tuple of str
+        The optional arguments of `export_chain` that it can hold.
+    write : function of a Model
+    engine : str
+        The start of its integrators' names, such as "MuJoCo", or the one that a step is for.
+    beside : str
+        Suffix of a second file, if it has one.
+    most_bodies : int or None
+        A longer chain is refused; None for a format that takes the chain itself, not bodies and joints.
+    because : str
+        The reason for that limit.
+    ties : bool
+        Whether it can support both ends.
+    """
+
+    name: str
+    suffix: str
+    takes: tuple[str, ...]
+    write: Writer
+    engine: str = ""
+    beside: str = ""
+    most_bodies: int | None = None
+    because: str = ""
+    ties: bool = False
+
+    def paths(self, path: Path) -> tuple[Path, ...]:
+        """Return the path of each file."""
+        if not self.beside:
+            return (path,)
+        return path, path.with_name(path.name.removesuffix(self.suffix) + self.beside)
+
+
+#: By their names.
+FORMATS: dict[str, Format] = {}
+
+#: MuJoCo's XML reader gives up at elements nested 500 deep, and bodies are nested.
+MAX_NESTED = 490
+#: A longer row of bodies is taken for a mistake.
+_MAX_LINKS = 5000
+#: MuJoCo refuses moving bodies with less mass or inertia.
+_LEAST = 1e-15
+
+
+def _format(name: str, suffix: str, takes: tuple[str, ...] = (), **facts: Any) -> Callable[[Writer], Writer]:
+    """Register a function as the writer of a format."""
+
+    def register(write: Writer) -> Writer:
+        FORMATS[name] = Format(name, suffix, takes, write, **facts)
+        return write
+
+    return register
+
+
+def _n(*values: float) -> str:
+    return " ".join(repr(float(value)) for value in values)
+
+
+def _comment(model: Model, *notes: str) -> list[str]:
+    if model.tree.bodies:
+        notes = (
+            f"x runs along the beam; it bends in {bending_planes(model.tree)}",
+            "twist, stretch and shear are not modelled",
+            *notes,
+        )
+    lines = (f"{model.name}: a flexible beam", *model.facts, *notes)
+    return ["<!--", *(f"  {line}" for line in lines), "-->"]
+
+
+def _thickness(tree: Tree) -> float:
+    """Return how thick bodies are drawn."""
+    return math.fsum(body.length for body in tree.bodies) / 100
+
+
+@_format(
+    "mjcf",
+    ".xml",
+    ("fragment", "second", "damping", "timestep", "integrator", "load"),
+    engine="MuJoCo",
+    most_bodies=MAX_NESTED,
+    because=": MuJoCo's XML reader refuses elements nested 500 deep",
+    ties=True,
+)
+def _mjcf(model: Model) -> Sequence[Iterable[str]]:
+    tree = model.tree
+    least = min((value for body in tree.bodies for value in (body.mass, *body.inertia)), default=1.0)
+    if least <= _LEAST:
+        raise ValueError(
+            f"chain must be in units in which masses and inertias are above 1e-15, the least that MuJoCo "
+            f"takes (such as mm and g), got {least:.3g}"
+        )
+    # A fragment is bodies for <worldbody> or a body; with ties it is whole sections for the top of a model.
+    whole = not model.fragment or bool(tree.ties)
+    lines = [*_comment(model, *_mjcf_notes(model))]
+    if model.fragment:
+        lines.append("<mujocoinclude>")
+    else:
+        # MuJoCo's own 1e-8 leaves vibration of 1e-9 rad and less to itself.
+        exact = ' tolerance="1e-14"' if tree.ties else ""
+        option = f'timestep="{model.timestep!r}" integrator="{model.integrator}"'
+        lines.append(f'<mujoco model="{model.name}">')
+        lines.append(f' <option {option} gravity="{_n(*model.gravity)}"{exact}/>')
+    bodies = _mjcf_bodies(tree, 2 if whole else 1)
+    lines += [" <worldbody>", *bodies, " </worldbody>"] if whole else bodies
+    lines += [*_mjcf_ties(tree.ties, model.timestep), "</mujocoinclude>" if model.fragment else "</mujoco>"]
+    return (["\n".join([*lines, ""])],)
+
+
+def _mjcf_notes(model: Model) -> Iterator[str]:
+    ties = model.tree.ties
+    yield "the small inertia about x stands for nothing"
+    if model.fragment:
+        where = "at the top of a model" if ties else "in <worldbody> or a body"
+        yield f"include {where}; it needs timestep {model.timestep!r} or less with {model.integrator}"
+        yield "gravity is the including model's; with it the beam sags and rings at other frequencies"
+    elif any(model.gravity):
+        yield "gravity is on: the beam sags and rings at other frequencies than without load"
+    else:
+        yield "gravity is off: with it the beam sags and rings at other frequencies"
+    if ties:
+        yield "tendons support the far end, linear in the joints, for small deflections; it slides along x"
+    if any(tie.stiffness == math.inf for tie in ties):
+        yield "its deflection is held by a constraint, which is soft in MuJoCo: frequencies are within 0.02 %"
+        yield "for that, solref is twice the timestep and solimp 0.9999; give the solver tolerance 1e-14"
+
+
+def _mjcf_bodies(tree: Tree, depth: int) -> list[str]:
+    radius, lines = _thickness(tree) / 2, []
+    for i, body in enumerate(tree.bodies):
+        pad = " " * (depth + i)
+        lines.append(f'{pad}<body name="{body.name}" pos="{_n(body.position)} 0 0">')
+        mass = f'pos="{_n(body.centre)} 0 0" mass="{_n(body.mass)}" diaginertia="{_n(*body.inertia)}"'
+        lines.append(f"{pad} <inertial {mass}/>")
+        for joint in body.joints:
+            forces = {"stiffness": joint.stiffness, "damping": joint.damping}
+            given = "".join(f' {what}="{_n(value)}"' for what, value in forces.items() if value)
+            axis = " ".join(map(str, joint.axis))
+            lines.append(f'{pad} <joint name="{joint.name}" type="{joint.kind}" axis="{axis}"{given}/>')
+        if body.length > radius / 10:
+            size = f'fromto="0 0 0 {_n(body.length)} 0 0" size="{_n(radius)}" mass="0"'
+            lines.append(f'{pad} <geom type="capsule" {size} contype="0" conaffinity="0"/>')
+    return lines + [f"{' ' * (depth + i)}</body>" for i in reversed(range(len(tree.bodies)))]
+
+
+def _mjcf_ties(ties: Sequence[Tie], timestep: float) -> Iterator[str]:
+    if not ties:
+        return
+    yield " <tendon>"
+    for tie in ties:
+        spring = f' stiffness="{_n(tie.stiffness)}" springlength="0"' if tie.stiffness != math.inf else ""
+        damping = f' damping="{_n(tie.damping)}"' if tie.damping else ""
+        yield f'  <fixed name="{tie.name}"{spring}{damping}>'
+        yield from (f'   <joint joint="{joint}" coef="{_n(arm)}"/>' for joint, arm in tie.terms)
+        yield "  </fixed>"
+    yield " </tendon>"
+    if held := [tie.name for tie in ties if tie.stiffness == math.inf]:
+        soft = f'solref="{2 * timestep!r} 1" solimp="0.9999 0.9999 0.001 0.5 2"'
+        yield " <equality>"
+        yield from (f'  <tendon name="{name}_held" tendon1="{name}" {soft}/>' for name in held)
+        yield " </equality>"
+
+
+_XML = '<?xml version="1.0" encoding="utf-8"?>'
+_KINDS = {"hinge": "revolute", "slide": "prismatic"}
+
+
+def _moments(body: Body) -> Iterator[tuple[str, float]]:
+    return zip(("ixx", "iyy", "izz", "ixy", "ixz", "iyz"), (*body.inertia, 0.0, 0.0, 0.0), strict=True)
+
+
+def _joint_of(body: Body, joint: Joint | None) -> tuple[str, str]:
+    """Return the name and the kind of the joint that carries a link."""
+    return (f"{body.name}_weld", "fixed") if joint is None else (joint.name, _KINDS[joint.kind])
+
+
+@_format(
+    "sdf",
+    ".sdf",
+    ("fragment", "second", "damping", "timestep", "load"),
+    engine="Drake discrete",
+    most_bodies=_MAX_LINKS,
+)
+def _sdf(model: Model) -> Sequence[Iterable[str]]:
+    step, gravity = f"{model.timestep!r} s", model.gravity
+    notes = (
+        f"step: {step}, for Gazebo here and for a discrete plant of Drake, which takes it from you;",
+        "Drake takes springs explicitly and dampers implicitly; DART, Gazebo's usual engine, takes both",
+        "implicitly: stable at any step, it adds a damping ratio of half the step times angular frequency",
+        f"gravity is {'on' if any(gravity) else 'off'} in the world here, which Drake ignores; with it the",
+        "beam sags and rings at other frequencies than without load",
+    )
+    inner, place, thickness = [], 0.0, _thickness(model.tree)
+    for link in links(model.tree):
+        place += link.position
+        inner += [*_sdf_link(link.body, place, thickness), *_sdf_joint(link.parent, link.body, link.joint)]
+    inner = [f'<model name="{model.name}">', *(f" {line}" for line in inner), "</model>"]
+    if not model.fragment:
+        inner = [
+            f'<world name="{model.name}_world">',
+            f" <gravity>{_n(*gravity)}</gravity>",
+            ' <physics name="fixed_step" default="true" type="ode">',
+            f"  <max_step_size>{model.timestep!r}</max_step_size>",
+            "  <real_time_factor>1</real_time_factor>",
+            " </physics>",
+            *(f" {line}" for line in inner),
+            "</world>",
+        ]
+    head = [_XML, *_comment(model, *notes), '<sdf version="1.7">']
+    return (["\n".join([*head, *(f" {line}" for line in inner), "</sdf>", ""])],)
+
+
+def _sdf_link(body: Body, place: float, thickness: float) -> Iterator[str]:
+    yield f'<link name="{body.name}">'
+    yield f" <pose>{_n(place)} 0 0 0 0 0</pose>"
+    yield " <inertial>"
+    yield f"  <pose>{_n(body.centre)} 0 0 0 0 0</pose>"
+    yield f"  <mass>{_n(body.mass)}</mass>"
+    yield f"  <inertia>{''.join(f'<{key}>{_n(value)}</{key}>' for key, value in _moments(body))}</inertia>"
+    yield " </inertial>"
+    if body.length > thickness / 10:
+        yield f' <visual name="{body.name}_visual">'
+        yield f"  <pose>{_n(body.length / 2)} 0 0 0 0 0</pose>"
+        yield f"  <geometry><box><size>{_n(body.length, thickness, thickness)}</size></box></geometry>"
+        yield " </visual>"
+    yield "</link>"
+
+
+def _sdf_joint(parent: str, body: Body, joint: Joint | None) -> Iterator[str]:
+    name, kind = _joint_of(body, joint)
+    yield f'<joint name="{name}" type="{kind}">'
+    yield f" <parent>{parent}</parent>"
+    yield f" <child>{body.name}</child>"
+    if joint is not None:
+        yield " <axis>"
+        yield f"  <xyz>{' '.join(map(str, joint.axis))}</xyz>"
+        # SDFormat takes 1e16 for no limit.
+        yield "  <limit><lower>-1e16</lower><upper>1e16</upper></limit>"
+        yield "  <dynamics>"
+        yield f"   <damping>{_n(joint.damping)}</damping>"
+        yield "   <spring_reference>0</spring_reference>"
+        yield f"   <spring_stiffness>{_n(joint.stiffness)}</spring_stiffness>"
+        yield "  </dynamics>"
+        yield " </axis>"
+    yield "</joint>"
+
+
+#: URDF wants limits of every joint; these are not to be met.
+_URDF_LIMITS = {
+    "hinge": 'lower="-3" upper="3" effort="1e9" velocity="1e9"',
+    "slide": 'lower="-1e9" upper="1e9" effort="1e9" velocity="1e9"',
+}
+
+
+@_format("urdf", ".urdf", ("second", "damping"), beside=".springs.yaml", most_bodies=_MAX_LINKS)
+def _urdf(model: Model) -> Sequence[Iterable[str]]:
+    notes = (
+        f"URDF knows no springs: without those in {one_line(model.paths[1].name)} this is a loose chain",
+        "gravity is not part of a URDF file: with it the beam sags and rings at other frequencies",
+    )
+    lines = [_XML, *_comment(model, *notes), f'<robot name="{model.name}">', ' <link name="world"/>']
+    thickness = _thickness(model.tree)
+    for link in links(model.tree):
+        lines += _urdf_link(link.body, thickness)
+        name, kind = _joint_of(link.body, link.joint)
+        lines += [
+            f' <joint name="{name}" type="{kind}">',
+            f'  <parent link="{link.parent}"/>',
+            f'  <child link="{link.body.name}"/>',
+            f'  <origin xyz="{_n(link.position)} 0 0" rpy="0 0 0"/>',
+        ]
+        if link.joint is not None:
+            lines += [
+                f'  <axis xyz="{" ".join(map(str, link.joint.axis))}"/>',
+                f'  <dynamics damping="{_n(link.joint.damping)}" friction="0"/>',
+                f"  <limit {_URDF_LIMITS[link.joint.kind]}/>",
+            ]
+        lines.append(" </joint>")
+    return ["\n".join([*lines, "</robot>", ""])], ["\n".join([*_springs_yaml(model), ""])]
+
+
+def _urdf_link(body: Body, thickness: float) -> Iterator[str]:
+    inertia = " ".join(f'{key}="{_n(value)}"' for key, value in _moments(body))
+    yield f' <link name="{body.name}">'
+    yield "  <inertial>"
+    yield f'   <origin xyz="{_n(body.centre)} 0 0" rpy="0 0 0"/>'
+    yield f'   <mass value="{_n(body.mass)}"/>'
+    yield f"   <inertia {inertia}/>"
+    yield "  </inertial>"
+    if body.length > thickness / 10:
+        yield "  <visual>"
+        yield f'   <origin xyz="{_n(body.length / 2)} 0 0" rpy="0 0 0"/>'
+        yield f'   <geometry><box size="{_n(body.length, thickness, thickness)}"/></geometry>'
+        yield "  </visual>"
+    yield " </link>"
+
+
+def _springs_yaml(model: Model) -> Iterator[str]:
+    about = "hinges in N m/rad, slides in N/m; the force is -stiffness * (position - rest)"
+    yield from (f"# {line}" for line in (f"springs of {model.name}: {about}", *model.facts))
+    yield f"model: {model.name}"
+    joints = [joint for body in model.tree.bodies for joint in body.joints if joint.stiffness]
+    yield "springs:" if joints else "springs: []"
+    for joint in joints:
+        text = repr(float(joint.stiffness))
+        # YAML 1.1 takes 1e-05 for a word: a number has a point.
+        number = text if "." in text else text.replace("e", ".0e")
+        yield f"  - {{joint: {joint.name}, type: {joint.kind}, stiffness: {number}, rest: 0.0}}"
+
+
+@_format("csv", ".csv")
+def _csv(model: Model) -> Sequence[Iterable[str]]:
+    return (csv_lines(model.chain, model.facts),)
