@@ -19,29 +19,18 @@ from beammodes.problem.ends import Boundary, BoundaryLike
 from beammodes.vibration.linear import linearize
 from beammodes.vibration.modes import MAX_DENSE, solve_modes
 
-__all__ = [
-    "MOVED",
-    "TUNED",
-    "Audit",
-    "StepVerdict",
-    "Suggestion",
-    "audit_chain",
-    "listed_errors",
-    "suggestions_for",
-]
-
-
-# What to change in a chain: other springs for its hinges, or hinges elsewhere, and what each buys.
-
+__all__ = ["Audit", "StepVerdict", "Suggestion", "audit_chain", "listed_errors"]
 
 #: Names of suggestions that are no rule for the chain's own hinges.
-TUNED, MOVED, HINGED = "first_spring_tuned", "gregory", "gregory with a hinge at the body"
-
-
-_SAME_SPRING = 1e-4
-
-
+_TUNED, _MOVED, _HINGED = "first_spring_tuned", "gregory", "gregory with a hinge at the body"
+#: The corrected rule with the hinges of a stub.
 _CORRECTED = {0.0: "gregory", 0.5: "half_stub_corrected", 1.0: "rigid_stub_corrected"}
+#: Springs nearer to those of the corrected rule are its own already.
+_SAME_SPRING = 1e-4
+#: A smaller relative difference of lengths or masses is not reported.
+_SAME = 1e-6
+#: An error of mode 1 that is none.
+_EXACT = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,6 +66,187 @@ class Suggestion:
         return f"{self.name}: {where}springs {springs}: {listed_errors(self.errors)}"
 
 
+@dataclass(frozen=True, eq=False)
+class StepVerdict:
+    """The file's time step beside the longest stable one.
+
+    Attributes
+    ----------
+    timestep, limit : float [s]
+    integrator : str
+        As the file names it.
+    with_weight : bool
+        Whether the limit is that of the chain under its weight; across the chain, a lower bound of it.
+    """
+
+    timestep: float
+    limit: float
+    integrator: str
+    with_weight: bool
+
+    @property
+    def is_stable(self) -> bool:
+        """Whether the file's step is below the limit."""
+        return self.timestep < self.limit
+
+    def __str__(self) -> str:
+        under = ", its damping and its weight" if self.with_weight else " and its damping"
+        verdict = "is stable" if self.is_stable else "is NOT STABLE: the motion grows without bounds"
+        return (
+            f"the file's time step of {self.timestep:.6g} s with {self.integrator} {verdict}: "
+            f"{self.timestep / self.limit:.3g} of the limit of {self.limit:.4g} s, of this chain's fastest "
+            f"mode{under}"
+        )
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Audit:
+    """The result of `audit_chain` or `audit_file`: what is given, what is assumed, and what is found.
+
+    Attributes
+    ----------
+    boundary : Boundary
+    angular_frequency : ndarray, shape (modes,) [rad/s]
+        Of the chain with the armature of its hinges, without damping; NaN beyond its last mode, as in
+        `errors`.
+    errors : ndarray, shape (modes,) [-]
+        Relative, against the exact beam.
+    errors_with_rods : ndarray, shape (modes,) [-]
+        Of the same springs between rods that are pieces of the beam; what is between is due to matter.
+    errors_without_armature : ndarray, shape (modes,) [-]
+    damping_ratio : ndarray, shape (modes,) [-]
+        Of each mode by the hinges' dampers; 1 and more does not swing.
+    length_mismatch, mass_mismatch, rotary_inertia_mismatch : float [-]
+        How much longer and heavier the chain is than the beam, and how much more rotary inertia its segments
+        have than rods of their mass and length, relatively.
+    centre_mismatch : float [-]
+        How far centres of mass are off the segments' middles, at most, in a segment's length.
+    segments : int or None
+        N, where the hinges are those of a rule.
+    layout : str
+        Name of the rule with these hinges and springs, or "no known layout".
+    order : int or None
+        Of that rule for these ends: e ~ 1/N**order if the pieces are uniform, down to what the rods' own
+        rotary inertia costs; at most 2 if that is no rod's and no section's.
+    remark : str
+        The layout in one sentence.
+    matter : tuple of str
+        Sentences on rotary inertia, centres of mass and shares of mass that are no beam's.
+    suggestions : tuple of Suggestion
+        Each lowers the error of the first mode and of at least half of the modes.
+    tolerance : float
+    joint_stiffness : ndarray, shape (hinges,) [N m/rad]
+        Of the chain as it is.
+    hinge_names : tuple of str
+        As the file has them; "hinge 1" and so on for arrays.
+    given : tuple of str
+        Sentences on what was read from the file.
+    assumed : tuple of str
+        Sentences on what the file does not say and was taken for granted, and on what is left out.
+    step : StepVerdict or None
+        None where the file has no time step or the chain more than 500 hinges.
+    theory : str
+        The error of Euler-Bernoulli theory itself on this beam, where its section is known and the chain errs
+        less on the theory; else empty.
+    other_readings : tuple of str
+        Sentences on what else the file may mean, and what is found then.
+    """
+
+    boundary: Boundary
+    angular_frequency: Floats
+    errors: Floats
+    errors_with_rods: Floats
+    errors_without_armature: Floats
+    damping_ratio: Floats
+    length_mismatch: float
+    mass_mismatch: float
+    rotary_inertia_mismatch: float
+    centre_mismatch: float
+    segments: int | None
+    layout: str
+    order: int | None
+    remark: str
+    matter: tuple[str, ...]
+    suggestions: tuple[Suggestion, ...]
+    tolerance: float
+    joint_stiffness: Floats
+    hinge_names: tuple[str, ...]
+    given: tuple[str, ...] = ()
+    assumed: tuple[str, ...] = ()
+    step: StepVerdict | None = None
+    theory: str = ""
+    other_readings: tuple[str, ...] = ()
+
+    @property
+    def meets(self) -> bool:
+        """Whether all modes exist and their errors are within the tolerance."""
+        return bool((np.abs(self.errors) <= self.tolerance).all())
+
+    @property
+    def swings(self) -> tuple[bool, ...]:
+        """Whether each mode swings, not creeps back."""
+        return tuple((self.damping_ratio < 1).tolist())
+
+    @property
+    def mismatches(self) -> tuple[str, ...]:
+        """Sentences on matter that is not the beam's, which is blamed before any spring."""
+        off = {"length": self.length_mismatch, "mass": self.mass_mismatch}
+        found = [
+            f"{name} is {percent(part)} off the beam's: more segments do not remove that error"
+            for name, part in off.items()
+            if abs(part) > _SAME
+        ]
+        if self.matter or abs(self.mass_mismatch) > _SAME:
+            with_rods = listed_errors(self.errors_with_rods)
+            found += self.matter
+            found.append(
+                f"with the beam's own rods the same springs give {with_rods}; the rest is due to matter"
+            )
+        return tuple(found)
+
+    @property
+    def found(self) -> tuple[str, ...]:
+        """Sentences on what is found: the verdict first, then what it is due to."""
+        verdict = "meets" if self.meets else "does not meet"
+        allowed = f"{100 * self.tolerance:.3g} %"
+        first = f"{self.boundary.name} chain {verdict} {allowed}: {listed_errors(self.errors)}"
+        theory = (self.theory,) if self.theory else ()
+        return (first, *theory, *self.mismatches, self.remark, *self._motion(), *self.other_readings)
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """All that is said beside the verdict: what is given, assumed, and found of damping and time step."""
+        return (*self.given, *self.assumed, *self._motion(), *self.other_readings)
+
+    def _motion(self) -> list[str]:
+        lines = []
+        costs = (1 + self.errors) / (1 + self.errors_without_armature) - 1
+        if (costs < 0).any():
+            lines.append(
+                f"the armature of its hinges, which no beam has, changes the modes by {_listed(costs)}; "
+                f"without it: {listed_errors(self.errors_without_armature)}"
+            )
+        if (self.damping_ratio > 0).any():
+            ratios = [
+                "no such mode"
+                if math.isnan(value)
+                else f"{value:.4g}" + (" (overdamped: does not swing)" if value >= 1 else "")
+                for value in self.damping_ratio.tolist()
+            ]
+            lines.append(f"the dampers of its hinges give the modes damping ratios of {', '.join(ratios)}")
+        return [*lines, *([str(self.step)] if self.step else [])]
+
+    @property
+    def text(self) -> str:
+        """A short report: what is given, what is assumed, what is found."""
+        lines = [f"given: {line}" for line in self.given] + [f"assumed: {line}" for line in self.assumed]
+        return "\n".join([*lines, *self.found, *(f"  {suggestion}" for suggestion in self.suggestions)])
+
+    def __repr__(self) -> str:
+        errors = row_shown(100 * self.errors, "{:+.3g}", "%")
+        return f"Audit({self.boundary}, {self.layout}: chain against beam {errors})"
+
+
 def listed_errors(errors: Floats) -> str:
     """Return errors as text, those of modes that are not there as such.
 
@@ -85,28 +255,120 @@ def listed_errors(errors: Floats) -> str:
     >>> listed_errors(np.array([0.1, np.nan]))
     'errors +10 %, no such mode'
     """
-    return "errors " + ", ".join(
-        "no such mode" if np.isnan(e) else percent(e, rounding=SOLVED) for e in errors
+    return f"errors {_listed(errors)}"
+
+
+def _listed(parts: Floats) -> str:
+    return ", ".join("no such mode" if math.isnan(e) else percent(e, rounding=SOLVED) for e in parts.tolist())
+
+
+def audit_chain(
+    beam: Beam,
+    boundary: BoundaryLike,
+    *,
+    length: Columns,
+    mass: Columns,
+    rotary_inertia: Columns,
+    joint_stiffness: Columns,
+    centre: Columns | None = None,
+    armature: Columns | None = None,
+    damping: Columns | None = None,
+    modes: int = 3,
+    tolerance: float = 0.01,
+) -> Audit:
+    """Judge a chain that is given as arrays, name the rule that it follows, and suggest better springs.
+
+        e = ω_chain / ω_beam - 1
+
+    Parameters
+    ----------
+    beam : Beam
+        The uniform beam that the chain stands for.
+    boundary : str, pair or Boundary
+    length, mass, rotary_inertia, joint_stiffness, centre : sequence
+        Of pieces and hinges, as `Chain.from_pieces` takes them. A segment welded to a wall is a first piece,
+        which the clamped end holds; a hinge at the wall follows a first piece of length zero. Bodies and
+        springs of the ends belong to `boundary`, not here.
+    armature : sequence, shape (hinges,) [kg m²], optional
+        Inertia of each hinge's own rotation: it is added to that of the relative angle.
+    damping : sequence, shape (hinges,) [N m s/rad], optional
+    modes : int
+        Number of modes, 1 to 100.
+    tolerance : float
+        Largest |e| allowed, less than 0.5: 0.01 is one percent.
+
+    Returns
+    -------
+    Audit
+
+    Raises
+    ------
+    TypeError, ValueError
+        If an argument is not of its kind, the beam is not uniform, or the pieces make no chain that vibrates.
+
+    Examples
+    --------
+    >>> import beammodes as bm
+    >>> ell = 0.1                                     # a cable whose first of ten segments is welded
+    >>> found = bm.audit_chain(bm.Beam.unit(), "clamped-free", length=[ell] * 10, mass=[ell] * 10, modes=2,
+    ...                        rotary_inertia=[ell**3 / 12] * 10, joint_stiffness=[1 / ell] * 9)
+    >>> print(found.text)
+    clamped-free chain does not meet 1 %: errors +11.1 %, +11.8 %
+    first segment is rigid with its parent: rigid_stub, +11 % at N = 10, falls only as 1/N
+      rigid_stub_corrected: springs 5.2174, 17.143, 10, 10, ...: errors +0.29 %, +3.42 %
+      first_spring_tuned: springs 6.0949, 10, 10, 10, ...: errors 0 %, +5.23 %
+      gregory: hinges moved to 0, 0.1, ...:
+        springs 26.667, 8.5714, 10.435, 10, ...: errors +0.000515 %, -0.00976 %
+    """
+    columns = {"length": length, "mass": mass, "rotary_inertia": rotary_inertia}
+    columns |= {} if centre is None else {"centre": centre}
+    limit = small_fraction("tolerance", tolerance)
+    judged = JudgedPieces.of(
+        beam, Boundary.of(boundary), columns, joint_stiffness, modes, armature=armature, damping=damping
+    )
+    errors = judged.errors(judged.springs)
+    if (1 + errors < 1e-6).any() or (errors > 1e6).any():
+        raise ValueError(
+            f"beam must be in the units of the chain, got {shown(beam)}: its frequencies and the chain's are "
+            "a million times apart"
+        )
+    layouts = judged.layouts()
+    rules = judged.followed(layouts)
+    return Audit(
+        boundary=judged.boundary,
+        angular_frequency=judged.exact * (1 + errors),
+        errors=errors,
+        errors_with_rods=judged.errors_with_rods,
+        errors_without_armature=judged.errors_without_armature,
+        damping_ratio=judged.damping_ratio,
+        length_mismatch=float(judged.length.sum() / beam.length - 1),
+        mass_mismatch=float(judged.mass.sum() / (beam.mean_mass_per_length * beam.length) - 1),
+        rotary_inertia_mismatch=judged.rotary_inertia_mismatch,
+        centre_mismatch=judged.centre_mismatch,
+        segments=(rules or layouts)[0][1] if layouts else None,
+        layout=rules[0][0].name if rules else UNKNOWN,
+        order=judged.order(rules[0][0]) if rules else None,
+        remark=judged.remark(layouts, rules, errors[0]),
+        matter=tuple(judged.mismatches()),
+        suggestions=tuple(_better(judged, rules or layouts, errors)),
+        tolerance=limit,
+        joint_stiffness=judged.springs,
+        hinge_names=tuple(f"hinge {i + 1}" for i in range(len(judged.springs))),
+        theory=stout_remark(beam, judged.boundary, errors),
     )
 
 
-def suggestions_for(judged: JudgedPieces, layouts: list[Found]) -> tuple[Suggestion, ...]:
-    """Return better springs for a chain, those for the same hinges first; none that raise its first error."""
-    now = judged.errors(judged.springs)
-    found = (
-        *_corrected(judged, layouts),
-        *_tuned(judged),
-        *_moved(judged, layouts),
-        *_hinged_bodies(judged, layouts),
-    )
-    return tuple(item for item in found if _is_better(item.errors, now))
+# Suggestions: other springs for the chain's hinges, or hinges elsewhere, and what each buys.
 
 
-def _is_better(errors: Floats, now: Floats) -> bool:
-    """Whether the error of the first mode is smaller, and of at least half of the modes."""
-    smaller = np.abs(errors) < np.abs(now)
-    missing = np.isnan(errors) | np.isnan(now)
-    return bool(smaller[0] and 2 * smaller.sum() >= (~missing).sum())
+def _better(judged: JudgedPieces, layouts: list[Found], now: Floats) -> Iterator[Suggestion]:
+    """Yield what lowers the error of the first mode and of at least half of the modes; same hinges first."""
+    makers = (_corrected, _tuned, _moved, _hinged_bodies)
+    for found in (suggestion for make in makers for suggestion in make(judged, layouts)):
+        smaller = np.abs(found.errors) < np.abs(now)
+        missing = np.isnan(found.errors) | np.isnan(now)
+        if smaller[0] and 2 * smaller.sum() >= (~missing).sum():
+            yield found
 
 
 def _corrected(judged: JudgedPieces, layouts: list[Found]) -> Iterator[Suggestion]:
@@ -115,15 +377,13 @@ def _corrected(judged: JudgedPieces, layouts: list[Found]) -> Iterator[Suggestio
         return
     count, rule = layouts[0][1], RULES[_CORRECTED[float(layouts[0][0].stub)]]
     weights = np.array(rule.hinge_weights(judged.rule_boundary, count), dtype=np.float64)
-    if weights.min() <= 0 or judged.departure(rule, count) <= _SAME_SPRING:
-        return
-    springs = judged.unit(count) / weights
-    yield Suggestion(rule.name, False, judged.hinge_position, springs, judged.errors(springs))
+    if weights.min() > 0 and judged.departure(rule, count) > _SAME_SPRING:
+        yield _for_same_hinges(judged, rule.name, judged.unit(count) / weights)
 
 
-def _tuned(judged: JudgedPieces) -> Iterator[Suggestion]:
+def _tuned(judged: JudgedPieces, _: list[Found]) -> Iterator[Suggestion]:
     """Yield the springs with the first one from the held end changed, if mode 1 can so be exact."""
-    if not len(judged.springs) or abs(judged.errors(judged.springs, 1)[0]) <= 1e-9:
+    if not len(judged.springs) or abs(judged.errors(judged.springs, 1)[0]) <= _EXACT:
         return
     at = -1 if judged.bends == (False, True) else 0
     few = len(judged.springs) <= MAX_DENSE and not np.any(judged.armature)
@@ -131,9 +391,13 @@ def _tuned(judged: JudgedPieces) -> Iterator[Suggestion]:
     if stiffness > 0:
         springs = judged.springs.copy()
         springs[at] = stiffness
-        errors = judged.errors(springs)
-        if abs(errors[0]) < 1e-9:
-            yield Suggestion(TUNED, False, judged.hinge_position, springs, errors)
+        found = _for_same_hinges(judged, _TUNED, springs)
+        if abs(found.errors[0]) < _EXACT:
+            yield found
+
+
+def _for_same_hinges(judged: JudgedPieces, name: str, springs: Floats) -> Suggestion:
+    return Suggestion(name, False, judged.hinge_position, springs, judged.errors(springs))
 
 
 def _by_all_modes(judged: JudgedPieces, at: int) -> float:
@@ -174,9 +438,8 @@ def _moved(judged: JudgedPieces, layouts: list[Found]) -> Iterator[Suggestion]:
     """Yield the rule with hinges at the walls, of as many rods, unless the hinges are there already."""
     stubless = any(rule.stub == 0 for rule, _ in layouts)
     # What armature would cost at other hinges is not known.
-    if (layouts and stubless) or not any(judged.bends) or np.any(judged.armature):
-        return
-    yield from _by_rule(judged, layouts, judged.rule_boundary, MOVED)
+    if not stubless and any(judged.bends) and not np.any(judged.armature):
+        yield from _by_rule(judged, layouts, judged.rule_boundary, _MOVED)
 
 
 def _hinged_bodies(judged: JudgedPieces, layouts: list[Found]) -> Iterator[Suggestion]:
@@ -184,7 +447,7 @@ def _hinged_bodies(judged: JudgedPieces, layouts: list[Found]) -> Iterator[Sugge
     ends = (judged.rule_boundary.left, judged.rule_boundary.right)
     if any(end.statics == "carried" for end in ends) and not np.any(judged.armature):
         boundary = Boundary(*(replace(end, on_segment=False) for end in ends))
-        yield from _by_rule(judged, layouts, boundary, HINGED)
+        yield from _by_rule(judged, layouts, boundary, _HINGED)
 
 
 def _by_rule(
@@ -192,7 +455,7 @@ def _by_rule(
 ) -> Iterator[Suggestion]:
     rods = int(np.count_nonzero(judged.length))
     try:
-        chain = Chain(judged.beam, boundary, layouts[0][1] if layouts else rods, MOVED)
+        chain = Chain(judged.beam, boundary, layouts[0][1] if layouts else rods, _MOVED)
     except ValueError:
         # Too few rods for the rule's springs to be positive.
         return
@@ -200,286 +463,3 @@ def _by_rule(
     found = solve_modes(linearize(chain), len(errors)).angular_frequency
     errors[: len(found)] = found / judged.exact[: len(found)] - 1
     yield Suggestion(name, True, chain.hinge_position, chain.joint_stiffness, errors)
-
-
-#: A smaller relative difference of lengths or masses is not reported.
-_SAME = 1e-6
-
-
-@dataclass(frozen=True, eq=False)
-class StepVerdict:
-    """The file's time step beside the longest stable one.
-
-    Attributes
-    ----------
-    timestep, limit : float [s]
-    integrator : str
-        As the file names it.
-    with_weight : bool
-        Whether the limit is that of the chain under its weight; across the chain, a lower bound of it.
-    """
-
-    timestep: float
-    limit: float
-    integrator: str
-    with_weight: bool
-
-    @property
-    def is_stable(self) -> bool:
-        """Whether the file's step is below the limit."""
-        return self.timestep < self.limit
-
-    def __str__(self) -> str:
-        under = ", its damping and its weight" if self.with_weight else " and its damping"
-        share = self.timestep / self.limit
-        verdict = "is stable" if self.is_stable else "is NOT STABLE: the motion grows without bounds"
-        return (
-            f"the file's time step of {self.timestep:.6g} s with {self.integrator} {verdict}: {share:.3g} "
-            "of the "
-            f"limit of {self.limit:.4g} s, of this chain's fastest mode{under}"
-        )
-
-
-@dataclass(frozen=True, eq=False, repr=False)
-class Audit:
-    """What `audit_chain` or `audit_file` found: what is given, what is assumed, and what is found.
-
-    Attributes
-    ----------
-    given : tuple of str
-        What was read from the file.
-    assumed : tuple of str
-        What the file does not say and was taken for granted, and what is left out.
-    boundary : Boundary
-    angular_frequency : ndarray, shape (modes,) [rad/s]
-        Of the chain with the armature of its hinges, without damping; NaN beyond its last mode, as in
-        `errors`.
-    errors : ndarray, shape (modes,) [-]
-        Relative, against the exact beam.
-    errors_with_rods : ndarray, shape (modes,) [-]
-        Of the same springs between rods that are pieces of the beam; what is between is due to matter.
-    errors_without_armature : ndarray, shape (modes,) [-]
-    damping_ratio : ndarray, shape (modes,) [-]
-        Of each mode by the hinges' dampers; 1 and more does not swing.
-    length_mismatch, mass_mismatch, rotary_inertia_mismatch : float [-]
-        How much longer and heavier the chain is than the beam, and how much more rotary inertia its segments
-        have than rods of their mass and length, relatively.
-    centre_mismatch : float [-]
-        How far centres of mass are off the segments' middles, at most, in a segment's length.
-    segments : int or None
-        N, where the hinges are those of a rule.
-    layout : str
-        Name of the rule with these hinges and springs, or "no known layout".
-    order : int or None
-        Of that rule for these ends: e ~ 1/N**order if the pieces are uniform, down to what the rods' own
-        rotary inertia costs; at most 2 if that is no rod's and no section's.
-    remark : str
-        The layout in one sentence.
-    matter : tuple of str
-        What is said of rotary inertia, centres of mass and shares of mass that are no beam's.
-    suggestions : tuple of Suggestion
-        Each lowers the error of the first mode and of at least half of the modes.
-    tolerance : float
-    joint_stiffness : ndarray, shape (hinges,) [N m/rad]
-        Of the chain as it is.
-    hinge_names : tuple of str
-        As the file has them; "hinge 1" and so on for arrays.
-    step : StepVerdict or None
-        None where the file has no time step or the chain more than 500 hinges.
-    theory : str
-        What Euler-Bernoulli theory itself errs on this beam, where its section is known and the chain errs
-        less on the theory; else empty.
-    other_readings : tuple of str
-        What else the file may mean, and what is found then.
-    """
-
-    boundary: Boundary
-    angular_frequency: Floats
-    errors: Floats
-    errors_with_rods: Floats
-    errors_without_armature: Floats
-    damping_ratio: Floats
-    length_mismatch: float
-    mass_mismatch: float
-    rotary_inertia_mismatch: float
-    centre_mismatch: float
-    segments: int | None
-    layout: str
-    order: int | None
-    remark: str
-    matter: tuple[str, ...]
-    suggestions: tuple[Suggestion, ...]
-    tolerance: float
-    joint_stiffness: Floats
-    hinge_names: tuple[str, ...]
-    given: tuple[str, ...] = ()
-    assumed: tuple[str, ...] = ()
-    step: StepVerdict | None = None
-    theory: str = ""
-    other_readings: tuple[str, ...] = ()
-
-    @property
-    def meets(self) -> bool:
-        """Whether all modes exist and their errors are within the tolerance."""
-        return bool((np.abs(self.errors) <= self.tolerance).all())
-
-    @property
-    def swings(self) -> tuple[bool, ...]:
-        """Whether each mode swings, not creeps back."""
-        return tuple((self.damping_ratio < 1).tolist())
-
-    @property
-    def mismatches(self) -> tuple[str, ...]:
-        """What is said of matter that is not the beam's, before any spring is blamed."""
-        off = {"length": self.length_mismatch, "mass": self.mass_mismatch}
-        found = [
-            f"{name} is {percent(part)} off the beam's: more segments do not remove that error"
-            for name, part in off.items()
-            if abs(part) > _SAME
-        ]
-        if not (self.matter or abs(self.mass_mismatch) > _SAME):
-            return tuple(found)
-        with_rods = f"with the beam's own rods the same springs give {listed_errors(self.errors_with_rods)}"
-        return (*found, *self.matter, f"{with_rods}; the rest is due to matter")
-
-    @property
-    def found(self) -> tuple[str, ...]:
-        """What is found, in sentences: the verdict first, then what it is due to."""
-        verdict = "meets" if self.meets else "does not meet"
-        lines = [
-            f"{self.boundary.name} chain {verdict} {100 * self.tolerance:.3g} %: {listed_errors(self.errors)}"
-        ]
-        theory = (self.theory,) if self.theory else ()
-        return (*lines, *theory, *self.mismatches, self.remark, *self._motion(), *self.other_readings)
-
-    @property
-    def notes(self) -> tuple[str, ...]:
-        """All that is said beside the verdict: what is given, assumed, and found of damping and time step."""
-        return (*self.given, *self.assumed, *self._motion(), *self.other_readings)
-
-    def _motion(self) -> list[str]:
-        lines = []
-        pairs = zip(self.errors, self.errors_without_armature, strict=True)
-        costs = [(1 + with_it) / (1 + without) - 1 for with_it, without in pairs]
-        if any(cost < 0 for cost in costs):
-            without = listed_errors(self.errors_without_armature)
-            lines.append(
-                f"the armature of its hinges, which no beam has, changes the modes by {_listed(costs)}; "
-                "without it: "
-                f"{without}"
-            )
-        if np.any(self.damping_ratio > 0):
-            ratios = [_ratio(value) for value in self.damping_ratio.tolist()]
-            lines.append(f"the dampers of its hinges give the modes damping ratios of {', '.join(ratios)}")
-        return [*lines, *([str(self.step)] if self.step else [])]
-
-    @property
-    def text(self) -> str:
-        """A short report: what is given, what is assumed, what is found."""
-        lines = [f"given: {line}" for line in self.given] + [f"assumed: {line}" for line in self.assumed]
-        return "\n".join([*lines, *self.found, *(f"  {suggestion}" for suggestion in self.suggestions)])
-
-    def __repr__(self) -> str:
-        errors = row_shown(100 * self.errors, "{:+.3g}", "%")
-        return f"Audit({self.boundary}, {self.layout}: chain against beam {errors})"
-
-
-def _listed(parts: list[float]) -> str:
-    return ", ".join("no such mode" if math.isnan(part) else percent(part, rounding=SOLVED) for part in parts)
-
-
-def _ratio(value: float) -> str:
-    if math.isnan(value):
-        return "no such mode"
-    return f"{value:.4g}" + (" (overdamped: does not swing)" if value >= 1 else "")
-
-
-def audit_chain(
-    beam: Beam,
-    boundary: BoundaryLike,
-    *,
-    length: Columns,
-    mass: Columns,
-    rotary_inertia: Columns,
-    joint_stiffness: Columns,
-    centre: Columns | None = None,
-    armature: Columns | None = None,
-    damping: Columns | None = None,
-    modes: int = 3,
-    tolerance: float = 0.01,
-) -> Audit:
-    """Judge a chain that is given as arrays, name the rule that it follows, and suggest better springs.
-
-        e = ω_chain / ω_beam - 1
-
-    Parameters
-    ----------
-    beam : Beam
-        The uniform beam that the chain stands for.
-    boundary : str, pair or Boundary
-    length, mass, rotary_inertia, joint_stiffness, centre : sequence
-        Of pieces and hinges, as `Chain.from_pieces` takes them. A segment welded to a wall is a first piece,
-        which the clamped end holds; a hinge at the wall follows a first piece of length zero. Bodies and
-        springs of the ends belong to `boundary`, not here.
-    armature : sequence, shape (hinges,) [kg m²], optional
-        Inertia of each hinge's own rotation: it is added to that of the relative angle.
-    damping : sequence, shape (hinges,) [N m s/rad], optional
-    modes : int
-        How many, 1 to 100.
-    tolerance : float
-        Largest |e| allowed, less than 0.5: 0.01 is one percent.
-
-    Raises
-    ------
-    TypeError, ValueError
-        If an argument is not of its kind, the beam is not uniform, or the pieces make no chain that vibrates.
-
-    Examples
-    --------
-    >>> ell = 0.1                                     # a cable whose first of ten segments is welded
-    >>> found = audit_chain(Beam.unit(), "clamped-free", length=[ell] * 10, mass=[ell] * 10, modes=2,
-    ...                     rotary_inertia=[ell**3 / 12] * 10, joint_stiffness=[1 / ell] * 9)
-    >>> print(found.text)
-    clamped-free chain does not meet 1 %: errors +11.1 %, +11.8 %
-    first segment is rigid with its parent: rigid_stub, +11 % at N = 10, falls only as 1/N
-      rigid_stub_corrected: springs 5.2174, 17.143, 10, 10, ...: errors +0.29 %, +3.42 %
-      first_spring_tuned: springs 6.0949, 10, 10, 10, ...: errors 0 %, +5.23 %
-      gregory: hinges moved to 0, 0.1, ...:
-        springs 26.667, 8.5714, 10.435, 10, ...: errors +0.000515 %, -0.00976 %
-    """
-    columns = {"length": length, "mass": mass, "rotary_inertia": rotary_inertia}
-    columns |= {} if centre is None else {"centre": centre}
-    limit = small_fraction("tolerance", tolerance)
-    judged = JudgedPieces.of(
-        beam, Boundary.of(boundary), columns, joint_stiffness, modes, armature=armature, damping=damping
-    )
-    errors = judged.errors(judged.springs)
-    if (1 + errors < 1e-6).any() or (errors > 1e6).any():
-        raise ValueError(
-            f"beam must be in the units of the chain, got {shown(beam)}: its frequencies and the chain's are "
-            "a million times apart"
-        )
-    layouts = judged.layouts()
-    rules = judged.followed(layouts)
-    return Audit(
-        boundary=judged.boundary,
-        angular_frequency=judged.exact * (1 + errors),
-        errors=errors,
-        errors_with_rods=judged.errors_with_rods,
-        errors_without_armature=judged.errors_without_armature,
-        damping_ratio=judged.damping_ratio,
-        length_mismatch=float(judged.length.sum() / beam.length - 1),
-        mass_mismatch=float(judged.mass.sum() / (beam.mean_mass_per_length * beam.length) - 1),
-        rotary_inertia_mismatch=judged.rotary_inertia_mismatch,
-        centre_mismatch=judged.centre_mismatch,
-        segments=(rules or layouts)[0][1] if layouts else None,
-        layout=rules[0][0].name if rules else UNKNOWN,
-        order=judged.order(rules[0][0]) if rules else None,
-        remark=judged.remark(layouts, rules, errors[0]),
-        matter=tuple(judged.mismatches()),
-        suggestions=suggestions_for(judged, rules or layouts),
-        tolerance=limit,
-        joint_stiffness=judged.springs,
-        hinge_names=tuple(f"hinge {i + 1}" for i in range(len(judged.springs))),
-        theory=stout_remark(beam, judged.boundary, errors),
-    )

@@ -1,4 +1,4 @@
-"""A chain beside the beam that it stands for: its errors, and the rules whose hinges and springs it has."""
+"""A chain beside the beam that it stands for: its frequencies and damping, and the rule that it follows."""
 
 from __future__ import annotations
 
@@ -28,42 +28,44 @@ from beammodes.vibration.linear import linearize
 from beammodes.vibration.modes import MAX_DENSE, solve_modes
 from beammodes.vibration.stability import modal_time_step, stable_time_step, taut_load
 
-__all__ = ["SOLVED", "UNKNOWN", "Found", "JudgedPieces", "damping_ratios", "longest_step", "with_armature"]
+__all__ = ["SOLVED", "UNKNOWN", "Columns", "Found", "JudgedPieces", "longest_step"]
+
+#: The name of a layout whose hinges or springs are those of no rule.
+UNKNOWN = "no known layout"
+
+Columns = Sequence[Number] | Floats
+#: A rule, and N.
+Found = tuple[Rule, int]
+
+#: Relative difference up to which hinges, springs and rods are those of a rule: files round their numbers.
+_SAME = 1e-3
+#: How near J/(m l²) is to that of masses at two tips where these are meant.
+_KIND = 0.01
+#: Less is the rounding of numbers in files, and of frequencies that are solved for.
+_ROUNDING, SOLVED = 1e-5, 1e-10
 
 
-# How a chain swings in its file: with the armature and dampers of its hinges, at the file's time step.
-#
-# In undamped modes of unit modal mass hinges turn by  r = R p, and with their armature a and damping d
+# A chain with the armature a and the dampers d of its hinges. In undamped modes of unit modal mass hinges
+# turn by  r = R p, so
 #
 #     (1 + Rᵀ a R) p'' + Rᵀ d R p' + Ω² p = 0.
 #
 # Rigid-body motions turn no hinge, so they take no part.
 
 
-def with_armature(
+def _with_armature(
     chain: Chain, armature: Floats, damping: Floats | None = None, load: Load | None = None
 ) -> ModalDamping:
     """Return a chain's modes with the armature and the damping of its hinges.
 
-    Parameters
-    ----------
-    chain : Chain
-        Of at most 500 hinges.
-    armature, damping : ndarray, shape (hinges,) [kg m²], [N m s/rad]
-        Of hinges as given: one that is in series with a support's spring must have neither.
-    load : Load, optional
-        One that leaves the chain straight.
-
-    Raises
-    ------
-    ValueError
-        If the chain is longer, or a hinge with armature is in series with a support's spring.
+    Of hinges as given: one that is in series with a support's spring must have neither. A load must leave the
+    chain straight.
     """
     if len(armature) > MAX_DENSE:
         raise ValueError(f"armature must be 0 in chains of more than {MAX_DENSE} hinges, got {len(armature)}")
     modes = solve_modes(linearize(chain, load=load))
     turns, omega = np.diff(modes.rotation, axis=1), modes.angular_frequency
-    own, drag = (of_coordinates(chain, column) for column in (armature, damping))
+    own, drag = (_of_coordinates(chain, column) for column in (armature, damping))
     if np.any(own):
         # The compliance keeps the digits of the lowest modes.
         scaled = turns / omega[:, None]
@@ -73,7 +75,7 @@ def with_armature(
     return ModalDamping(omega, (turns * drag) @ turns.T, np.zeros((len(omega), len(omega))), 0.0)
 
 
-def of_coordinates(chain: Chain, column: Floats | None) -> Floats:
+def _of_coordinates(chain: Chain, column: Floats | None) -> Floats:
     """Return numbers of hinges without those of hinges that a chain has put in series with its supports."""
     count = chain.pieces - 1
     if column is None or not np.any(column):
@@ -86,15 +88,15 @@ def of_coordinates(chain: Chain, column: Floats | None) -> Floats:
     return column
 
 
-def damping_ratios(chain: Chain, armature: Floats, damping: Floats, count: int) -> Floats:
+def _damping_ratios(chain: Chain, armature: Floats, damping: Floats, count: int) -> Floats:
     """Return ζ of the first pairs of eigenvalues, by size; a pair of 1 and more does not swing."""
     if len(damping) <= MAX_DENSE:
-        modal = with_armature(chain, armature, damping)
+        modal = _with_armature(chain, armature, damping)
         return damped_pairs(damped_eigenvalues(modal.angular_frequency, modal.coupling))[1][:count]
     # All modes of a long chain are too many: each mode by itself, as light damping leaves it.
     modes = solve_modes(linearize(chain), count)
     turns = np.diff(modes.rotation, axis=1) ** 2
-    return np.asarray(turns @ of_coordinates(chain, damping) / (2 * modes.angular_frequency))
+    return np.asarray(turns @ _of_coordinates(chain, damping) / (2 * modes.angular_frequency))
 
 
 def longest_step(chain: Chain, armature: Floats, damping: Floats, step: FileStep, load: Load) -> float:
@@ -104,41 +106,13 @@ def longest_step(chain: Chain, armature: Floats, damping: Floats, step: FileStep
     a lower bound.
     """
     if not np.any(armature):
-        own = of_coordinates(chain, damping)
-        return stable_time_step(
-            chain, step.record, load=load, damping=Damping(joint=tuple(own.tolist())) if own.any() else None
-        )
+        own = _of_coordinates(chain, damping)
+        dampers = Damping(joint=tuple(own.tolist())) if own.any() else None
+        return stable_time_step(chain, step.record, load=load, damping=dampers)
     record = fixed_step_integrator(step.record)
     if record.springs == "implicit":
-        return float("inf")
-    return modal_time_step(record, with_armature(chain, armature, damping, taut_load(chain, load)))
-
-
-#: What an audit calls a chain whose hinges or springs are those of no rule.
-UNKNOWN = "no known layout"
-
-
-Columns = Sequence[Number] | Floats
-
-
-#: A rule, and N.
-Found = tuple[Rule, int]
-
-
-#: Relative differences up to which hinges, springs and rods are those of a rule: files round their numbers.
-_SAME_CUT, _SAME_SPRING, _SAME_ROD = 1e-3, 1e-3, 1e-3
-
-
-#: How near J/(m l²) is to that of masses at two tips where these are meant.
-_KIND = 0.01
-
-
-#: A rotary inertia this far off a rod's is reported.
-_NOTED = 1e-3
-
-
-#: Less is the rounding of numbers in files, and of frequencies that are solved for.
-_ROUNDING, SOLVED = 1e-5, 1e-10
+        return math.inf
+    return modal_time_step(record, _with_armature(chain, armature, damping, taut_load(chain, load)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -164,7 +138,7 @@ class JudgedPieces:
         armature: Columns | None = None,
         damping: Columns | None = None,
     ) -> JudgedPieces:
-        """Return the chain of given arrays beside its beam; raises as `audit_chain`."""
+        """Return the chain of given arrays beside its beam; raise as `audit_chain`."""
         if not isinstance(beam, Beam):
             raise TypeError(f"beam must be a Beam, got {shown(beam)}")
         if not beam.is_uniform:
@@ -183,13 +157,17 @@ class JudgedPieces:
 
     @cached_property
     def length(self) -> Floats:
-        """Of each piece [m]."""
+        """Length of each piece [m]."""
         return np.array(self.pieces["length"], dtype=np.float64)
 
     @cached_property
     def mass(self) -> Floats:
-        """Of each piece [kg]."""
+        """Mass of each piece [kg]."""
         return np.array(self.pieces["mass"], dtype=np.float64)
+
+    @cached_property
+    def _inertia(self) -> Floats:
+        return np.array(self.pieces["rotary_inertia"], dtype=np.float64)
 
     @property
     def hinge_position(self) -> Floats:
@@ -205,21 +183,20 @@ class JudgedPieces:
         )
         return left, right
 
+    # Frequencies.
+
     def chain(self, springs: Floats) -> Chain:
         """Return the chain with these springs."""
         return Chain.from_pieces(**self.pieces, joint_stiffness=springs, boundary=self.boundary)
 
     def errors(self, springs: Floats, modes: int | None = None) -> Floats:
         """Return the relative errors of the frequencies with these springs, NaN for missing modes."""
-        chain, count = self.chain(springs), modes or len(self.exact)
+        chain, errors = self.chain(springs), np.full(len(self.exact), np.nan)
         if np.any(self.armature):
-            return self._against_exact(with_armature(chain, self.armature).angular_frequency)
-        return self._against_exact(solve_modes(linearize(chain), count).angular_frequency)
-
-    def _against_exact(self, omega: Floats) -> Floats:
-        count = min(len(omega), len(self.exact))
-        errors = np.full(len(self.exact), np.nan)
-        errors[:count] = omega[:count] / self.exact[:count] - 1
+            omega = _with_armature(chain, self.armature).angular_frequency[: len(errors)]
+        else:
+            omega = solve_modes(linearize(chain), modes or len(errors)).angular_frequency
+        errors[: len(omega)] = omega / self.exact[: len(omega)] - 1
         return errors
 
     @cached_property
@@ -228,22 +205,23 @@ class JudgedPieces:
         return replace(self, armature=np.zeros_like(self.armature)).errors(self.springs)
 
     @cached_property
-    def damping_ratio(self) -> Floats:
-        """ζ of each mode by its hinges' dampers; NaN for missing modes."""
-        if not np.any(self.damping):
-            return np.where(np.isnan(self.errors(self.springs)), np.nan, 0.0)
-        found = damping_ratios(self.chain(self.springs), self.armature, self.damping, len(self.exact))
-        return np.append(found, np.full(len(self.exact) - len(found), np.nan))
-
-    @cached_property
     def errors_with_rods(self) -> Floats:
         """Errors of the same springs, without armature, between rods that are pieces of the beam."""
         mass = self.beam.mean_mass_per_length * self.length
         inertia = self._rod_ratio * mass * self.length**2 + self._section * self.length
         # Only an outer piece may be massless: a rule's hinge at a wall, or a body of no length.
         rods = {"length": self.length, "mass": mass, "rotary_inertia": inertia}
-        plain = np.zeros_like(self.armature)
-        return replace(self, pieces=rods, armature=plain).errors(self.springs)
+        return replace(self, pieces=rods, armature=np.zeros_like(self.armature)).errors(self.springs)
+
+    @cached_property
+    def damping_ratio(self) -> Floats:
+        """ζ of each mode by its hinges' dampers; NaN for missing modes."""
+        if not np.any(self.damping):
+            return np.where(np.isnan(self.errors(self.springs)), np.nan, 0.0)
+        found = _damping_ratios(self.chain(self.springs), self.armature, self.damping, len(self.exact))
+        return np.append(found, np.full(len(self.exact) - len(found), np.nan))
+
+    # The rule.
 
     @cached_property
     def rule_boundary(self) -> Boundary:
@@ -263,14 +241,14 @@ class JudgedPieces:
         for rule in RULES.values():
             for count in range(max(1, pieces - 2), pieces + 1):
                 cut = np.array(rule.piece_lengths(boundary, count), dtype=np.float64)
-                if len(cut) == pieces and np.abs(self.length * count / total - cut).max() <= _SAME_CUT:
+                if len(cut) == pieces and np.abs(self.length * count / total - cut).max() <= _SAME:
                     found.append((rule, count))
         return found
 
     def followed(self, layouts: list[Found]) -> list[Found]:
         """Return those of the layouts whose springs these are; of several, those with the same rods."""
         off = [self.departure(rule, count) for rule, count in layouts]
-        least = min([*off, _SAME_SPRING])
+        least = min([*off, _SAME])
         rules = [found for found, part in zip(layouts, off, strict=True) if part <= least + 1e-12]
         # Rules that differ in the rods' rotary inertia only: the one whose rods are nearer.
         nearer = [found for found in rules if float(found[0].rotary_inertia) == self._rod_ratio]
@@ -282,28 +260,43 @@ class JudgedPieces:
         return float(np.abs(self.springs * weights / self.unit(count) - 1).max(initial=0.0))
 
     def unit(self, count: int) -> float:
-        """EI/ell."""
+        """Return EI/ell."""
         return float(self.beam.mean_bending_stiffness * count / self.length.sum())
+
+    def order(self, rule: Rule) -> int:
+        """Return the order of a rule's error for this beam, its ends and these pieces' rotary inertia.
+
+        What a section has of rotary inertia beyond the beam's does not change with N: the error falls with
+        the rule's order down to what that costs. Other rotary inertia than a rod's is an error of order 2.
+        """
+        declared = rule.declared_order(self.rule_boundary)
+        kept = self._is_uniform and self._has_section and not self.beam.has_rotary_inertia
+        return declared if kept else min(declared, 2)
+
+    # Matter of the pieces that turn: held pieces do not move, so their mass does not count.
 
     @cached_property
     def _moving(self) -> NDArray[np.bool_]:
-        """Which pieces have a length and turn."""
         moves = self.length > 0
         moves[0] &= not self.boundary.left.holds_rotation
         moves[-1] &= not self.boundary.right.holds_rotation
         return np.asarray(moves)
 
-    @property
+    @cached_property
     def _section(self) -> float:
         """The beam's own rotary inertia per length [kg m]."""
         return mean_over(self.beam.rotary_inertia_per_length, self.beam.length)
 
     @cached_property
+    def _scale(self) -> Floats:
+        """m l²."""
+        return self.mass[self._moving] * self.length[self._moving] ** 2
+
+    @cached_property
     def _gyration(self) -> Floats:
-        """J/(m l²) of the pieces that turn, without what the beam's section has."""
-        on = self._moving
-        own = np.array(self.pieces["rotary_inertia"], dtype=np.float64)[on] - self._section * self.length[on]
-        return np.asarray(own / (self.mass[on] * self.length[on] ** 2))
+        """J/(m l²), without what the beam's section has."""
+        own = self._inertia[self._moving] - self._section * self.length[self._moving]
+        return np.asarray(own / self._scale)
 
     @cached_property
     def _rod_ratio(self) -> float:
@@ -315,55 +308,43 @@ class JudgedPieces:
 
     @cached_property
     def rotary_inertia_mismatch(self) -> float:
-        """How much more rotary inertia the pieces that turn have than rods of their mass, relatively."""
-        on = self._moving
-        weights = self.mass[on] * self.length[on] ** 2
-        due = self._rod_ratio * weights.sum() + self._section * self.length[on].sum()
-        own = np.array(self.pieces["rotary_inertia"], dtype=np.float64)[on].sum()
-        return float(own / due - 1) if due else 0.0
+        """The excess of rotary inertia over that of rods of the same mass, relative."""
+        due = self._rod_ratio * self._scale.sum() + self._section * self.length[self._moving].sum()
+        return float(self._inertia[self._moving].sum() / due - 1) if due else 0.0
 
     @cached_property
     def centre_mismatch(self) -> float:
-        """How far the centre of mass of a piece that turns is off its middle, at most, in its length."""
+        """The largest distance of a centre of mass from its piece's middle, in the piece's length."""
         on, centre = self._moving, np.array(self.pieces.get("centre", self.length / 2), dtype=np.float64)
         return float(np.abs(centre[on] / self.length[on] - 0.5).max(initial=0.0))
 
     @cached_property
     def share_mismatch(self) -> float:
-        """How far the mass of a piece that turns is off its share by length, at most, relatively."""
-        on = self._moving
-        return float(np.abs(self.mass[on] / self._share[on] - 1).max(initial=0.0))
-
-    @property
-    def _share(self) -> Floats:
-        # Held pieces do not move, so their mass does not count.
-        on = self._moving
-        whole = self.mass[on].sum() / self.length[on].sum() if on.any() else 1.0
-        return np.asarray(whole * self.length)
+        """The largest relative difference of a piece's mass from its share by length."""
+        mass, length = self.mass[self._moving], self.length[self._moving]
+        share = mass.sum() / length.sum() * length if len(length) else length
+        return float(np.abs(mass / share - 1).max(initial=0.0))
 
     @property
     def _is_uniform(self) -> bool:
         """Whether the mass is that of a uniform beam, each piece's centre of mass at its middle."""
-        return self.share_mismatch <= _SAME_ROD and self.centre_mismatch <= _SAME_ROD
+        return self.share_mismatch <= _SAME and self.centre_mismatch <= _SAME
 
-    @property
+    @cached_property
+    def _rest(self) -> Floats:
+        """Square of the radius of gyration that is left beyond a rod's [m²]."""
+        return np.asarray((self._gyration - self._rod_ratio) * self.length[self._moving] ** 2)
+
+    @cached_property
     def _has_section(self) -> bool:
         """Whether all pieces have the rotary inertia of rods, with the same positive rest per mass if any."""
-        on = self._moving
-        rest = (self._gyration - self._rod_ratio) * self.length[on] ** 2
-        rounding = _SAME_ROD * self._rod_ratio * self.length[on] ** 2
-        even = np.abs(rest - np.median(rest)) <= rounding + _SAME_ROD * abs(np.median(rest))
-        return not len(rest) or bool((rest >= -rounding).all() and even.all())
+        rest, rounding = self._rest, _SAME * self._rod_ratio * self.length[self._moving] ** 2
+        even = (
+            np.abs(rest - np.median(rest)) <= rounding + _SAME * abs(np.median(rest)) if len(rest) else rest
+        )
+        return bool((rest >= -rounding).all() and even.all())
 
-    def order(self, rule: Rule) -> int:
-        """Return the order of a rule's error for this beam, its ends and these pieces' rotary inertia.
-
-        What a section has of rotary inertia beyond the beam's does not change with N: the error falls with
-        the rule's order down to what that costs. Other rotary inertia than a rod's is an error of order 2.
-        """
-        declared = rule.declared_order(self.rule_boundary)
-        kept = self._is_uniform and self._has_section and not self.beam.has_rotary_inertia
-        return declared if kept else min(declared, 2)
+    # Words.
 
     def remark(self, layouts: list[Found], rules: list[Found], error: float) -> str:
         """Return the layout in one sentence."""
@@ -386,21 +367,19 @@ class JudgedPieces:
             return ""
         if np.any(self.armature):
             return " without the armature"
-        cost = error - float(self.errors_with_rods[0])
         if not self._has_section:
             return " with rods of a rod's rotary inertia, which these are not"
         if self.rotary_inertia_mismatch > _ROUNDING:
-            return f" down to the {percent(cost, 2, rounding=SOLVED)} of the rods' own rotary inertia"
+            cost = percent(error - float(self.errors_with_rods[0]), 2, rounding=SOLVED)
+            return f" down to the {cost} of the rods' own rotary inertia"
         return ""
 
     def _where(self, rule: Rule) -> str:
         stub = float(rule.stub)
         left, right = self.bends
         if not (left or right):
-            middle = stub == 0.5
-            return (
-                f"hinges are {'at the middles of equal segments' if middle else 'where equal segments meet'}"
-            )
+            middle = "at the middles of equal segments" if stub == 0.5 else "where equal segments meet"
+            return f"hinges are {middle}"
         end = self.rule_boundary.left if left else self.rule_boundary.right
         which = "first" if left or end.holds_rotation else "last"
         carrier = "its parent" if end.holds_rotation else "the body at that end"
@@ -413,25 +392,22 @@ class JudgedPieces:
     def mismatches(self) -> list[str]:
         """Return what is said of matter that is not the beam's, and what it costs."""
         found = []
-        if abs(self.rotary_inertia_mismatch) > _NOTED or not self._has_section:
-            found.append(self._about_rotation())
-        if self.centre_mismatch > _SAME_ROD:
+        if abs(self.rotary_inertia_mismatch) > _SAME or not self._has_section:
+            rods = "slender rods" if self._rod_ratio < 1 / 6 else "masses at their tips"
+            explained = self._has_section and self.rotary_inertia_mismatch >= 0
+            why = "which no section explains"
+            if explained:
+                radius = math.sqrt(np.median(self._rest))
+                why = f"as of a section with a radius of gyration of {radius:.3g} m"
+            off = f"{percent(self.rotary_inertia_mismatch)} off that of {rods}"
+            found.append(f"rotary inertia of the segments is {off}, {why}")
+        if self.centre_mismatch > _SAME:
             part = f"{100 * self.centre_mismatch:.3g} % of a segment's length"
             found.append(f"centres of mass are up to {part} off the segments' middles")
-        if self.share_mismatch > _SAME_ROD:
+        if self.share_mismatch > _SAME:
             part = f"{100 * self.share_mismatch:.3g} %"
             found.append(f"masses of segments are up to {part} off their shares by length")
         return found
-
-    def _about_rotation(self) -> str:
-        rods = "slender rods" if self._rod_ratio < 1 / 6 else "masses at their tips"
-        off = percent(self.rotary_inertia_mismatch)
-        part = f"rotary inertia of the segments is {off} off that of {rods}"
-        if not self._has_section or self.rotary_inertia_mismatch < 0:
-            return f"{part}, which no section explains"
-        on = self._moving
-        rest = np.median((self._gyration - self._rod_ratio) * self.length[on] ** 2)
-        return f"{part}, as of a section with a radius of gyration of {math.sqrt(rest):.3g} m"
 
 
 def _of_hinges(name: str, values: Columns | None, springs: Floats) -> Floats:

@@ -3,195 +3,19 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-import numpy as np
-
+from beammodes.auditing.planar_chain import Piece, PlanarChain, Spring, held_piece
 from beammodes.problem.ends import Boundary, End
 
-__all__ = [
-    "NOTABLE",
-    "SAME",
-    "JudgedChain",
-    "Piece",
-    "PlanarChain",
-    "Spring",
-    "held_piece",
-    "judged_chains",
-    "rod_like",
-    "with_wall_hinges",
-    "without_body",
-]
-
-
-# Rigid pieces as numbers: rods, bodies taken off them, pieces that the ground holds behind a spring.
+__all__ = ["EndedChain", "ended_chains"]
 
 #: Differences of measured or rounded numbers below these shares are none.
-SAME, NOTABLE = 1e-6, 1e-3
-
-
-#: What engines that want some mass of every body get is less of the chain's.
-_TRACE = 1e-9
+_SAME, _NOTABLE = 1e-6, 1e-3
 
 
 @dataclass(frozen=True)
-class Piece:
-    """Length [m], mass [kg], centre of mass from the near tip [m] and inertia about that [kg m²]."""
-
-    length: float
-    mass: float
-    centre: float
-    inertia: float
-
-
-@dataclass(frozen=True)
-class Spring:
-    """One hinge: its name, stiffness [N m/rad], damping [N m s/rad] and armature [kg m²]."""
-
-    name: str
-    stiffness: float
-    damping: float = 0.0
-    armature: float = 0.0
-
-
-@dataclass(frozen=True)
-class PlanarChain:
-    """Pieces from root to tip, the springs between them, and stiffnesses of the supports.
-
-    Attributes
-    ----------
-    pieces : tuple of Piece
-    springs : tuple of Spring
-    near, far : (float, float)
-        Across and in turning, of the outer pieces; infinite where held.
-    near_hinge : Spring or None
-        The hinge behind `near`, for its damping and armature.
-    assumed : tuple of str
-        What was taken for granted in reading it so.
-    segment : Piece or None
-        What segments are made of, where no piece between two hinges shows it.
-    """
-
-    pieces: tuple[Piece, ...]
-    springs: tuple[Spring, ...]
-    near: tuple[float, float]
-    far: tuple[float, float]
-    near_hinge: Spring | None = None
-    assumed: tuple[str, ...] = ()
-    segment: Piece | None = None
-
-
-def held_piece(length: float, others: Sequence[Piece]) -> Piece:
-    """Return a piece that does not turn, as heavy for its length as others: of no file's own numbers."""
-    rods = [piece.mass / piece.length for piece in others[:-1] or others if piece.length]
-    share = length * float(np.median(rods)) if rods else 0.0
-    return Piece(length, share, length / 2, share * length**2 / 12)
-
-
-def with_wall_hinges(chain: PlanarChain, far: str, length: float) -> PlanarChain:
-    """Return a chain whose springs to the ground are hinges to pieces of their own, as wall springs are.
-
-    A body of no length at an end keeps the spring as its support: the rule's own spring follows it.
-
-    Parameters
-    ----------
-    chain : PlanarChain
-    far : str
-        Name for the far one.
-    length : float [m]
-        Of the beam: what it has beyond the far hinge is a piece that the ground holds.
-    """
-    pieces = [_without_traces(piece, chain.pieces) for piece in chain.pieces]
-    springs, ends = list(chain.springs), [chain.near, chain.far]
-    turning = chain.near_hinge
-    if ends[0][1] == math.inf and len(pieces) > 2 and pieces[0].length == pieces[1].length == 0:
-        turning = springs[0]
-        ends[0] = (ends[0][0], turning.stiffness)
-        del pieces[0], springs[0]
-    if 0 < ends[0][1] < math.inf and pieces[0].length:
-        pieces.insert(0, held_piece(0.0, ()))
-        springs.insert(0, replace(turning or Spring("near end", 0.0), stiffness=ends[0][1]))
-        ends[0] = (chain.near[0], math.inf)
-        turning = None
-    assumed = chain.assumed
-    if turning and ends[0][1] < math.inf:
-        # The armature of a hinge on which all turns is inertia of the first piece's own rotation.
-        pieces[0] = replace(pieces[0], inertia=pieces[0].inertia + turning.armature)
-        if turning.damping:
-            why = f"the damping of {turning.name}, on which the chain turns as a whole, is left out"
-            assumed = (*assumed, why)
-    if 0 < chain.far[1] < math.inf and pieces[-1].length:
-        missing = length - sum(piece.length for piece in pieces)
-        typical = max(piece.length for piece in pieces)
-        stub = held_piece(missing if 1e-9 * length < missing < 1.05 * typical else 0.0, pieces)
-        pieces.append(stub)
-        springs.append(Spring(far, chain.far[1]))
-        ends[1] = (chain.far[0], math.inf)
-    return replace(
-        chain,
-        pieces=tuple(pieces),
-        springs=tuple(springs),
-        near=ends[0],
-        far=ends[1],
-        assumed=assumed,
-    )
-
-
-def _without_traces(piece: Piece, others: Sequence[Piece]) -> Piece:
-    """Return a piece of no length without the mass and inertia that it has for an engine's sake only."""
-    if piece.length:
-        return piece
-    total = sum(other.mass for other in others)
-    size = sum(other.length for other in others)
-    mass = piece.mass if piece.mass > _TRACE * total else 0.0
-    inertia = piece.inertia if piece.inertia > _TRACE * total * size**2 else 0.0
-    return Piece(0.0, mass, piece.centre if mass else 0.0, inertia)
-
-
-def without_body(piece: Piece, end: End) -> Piece:
-    """Return a piece without the body at its far tip, the end there.
-
-    Raises
-    ------
-    ValueError
-        If the body has more than the piece.
-    """
-    mass, inertia, offset = map(float, end.moving_body)
-    if not mass and not inertia:
-        return piece
-    rest = piece.mass - mass
-    if rest < -SAME * piece.mass:
-        raise ValueError(
-            f"boundary must have bodies lighter than their pieces, got {mass:.6g} > {piece.mass:.6g}"
-        )
-    if rest <= SAME * piece.mass and not piece.length:
-        return held_piece(0.0, ())
-    rest = max(rest, 0.0)
-    if end.holds_rotation:
-        # Only the mass of what does not turn counts.
-        return Piece(piece.length, rest, piece.length / 2, rest * piece.length**2 / 12)
-    arm = piece.length + offset
-    centre = (piece.mass * piece.centre - mass * arm) / rest if rest else piece.centre
-    about = piece.inertia - inertia
-    about -= rest * mass / piece.mass * (arm - centre) ** 2 if piece.mass else 0.0
-    if about < -NOTABLE * max(rest * piece.length**2, SAME * piece.inertia):
-        raise ValueError(f"boundary must have bodies of less inertia than their pieces, got {inertia:.6g}")
-    return Piece(piece.length, rest, centre, max(about, 0.0))
-
-
-def rod_like(rod: Piece, length: float) -> Piece:
-    """Return a rod of another length and the same kind: slender, of some section, or mass at its ends."""
-    share = length / rod.length
-    mass = rod.mass * share
-    ratio = rod.inertia / (rod.mass * rod.length**2)
-    kind = 1 / 4 if abs(ratio - 1 / 4) < NOTABLE else min(ratio, 1 / 12)
-    section = (ratio - kind) * rod.mass * rod.length
-    return Piece(length, mass, share * rod.centre, kind * mass * length**2 + section * length)
-
-
-@dataclass(frozen=True)
-class JudgedChain:
+class EndedChain:
     """A chain's pieces without the bodies at its ends, which `boundary` has; `said` if the user said so."""
 
     boundary: Boundary
@@ -202,18 +26,19 @@ class JudgedChain:
 
     @property
     def unevenness(self) -> float:
-        """How much of mass and inertia the pieces have that rods like the middle one have not, in its own."""
-        rods = [piece for piece in self.pieces[1:-1] if piece.length] or [max(self.pieces, key=_length)]
+        """How much mass and inertia of the pieces is not that of rods like the middle one, in its own."""
+        longest = max(self.pieces, key=lambda piece: piece.length)
+        rods = [piece for piece in self.pieces[1:-1] if piece.length] or [longest]
         middle = rods[len(rods) // 2]
         size = middle.mass * middle.length**2
         off = 0.0
         for piece in self.pieces:
-            due = rod_like(middle, piece.length) if piece.length else held_piece(0.0, ())
+            due = _rod_like(middle, piece.length) if piece.length else held_piece(0.0)
             off += abs(piece.mass - due.mass) / middle.mass + abs(piece.inertia - due.inertia) / size
         return off
 
 
-def judged_chains(chain: PlanarChain, given: Boundary | None) -> list[JudgedChain]:
+def ended_chains(chain: PlanarChain, given: Boundary | None) -> list[EndedChain]:
     """Return a chain with its ends; more than one reading if `given` fits in both orders.
 
     Without `given`, a spring between ground and beam is the rule's wall spring at an end that the ground
@@ -243,16 +68,11 @@ def judged_chains(chain: PlanarChain, given: Boundary | None) -> list[JudgedChai
     # URDF cannot support the far end, and other constraints are not read: there the user's word counts.
     for pair in orders:
         if _fits(chain.near, pair.left) and chain.far == (0.0, 0.0):
-            held = replace(chain, far=_supports(pair.right))
-            stated = _stated(held, pair)
             said = f"the far end is {pair.right} because you say so"
-            return [replace(stated, assumed=(*stated.assumed, said))]
+            assumed = (*chain.assumed, said)
+            return [_stated(replace(chain, far=_supports(pair.right), assumed=assumed), pair)]
     found = _inferred(chain).boundary
     raise ValueError(f"boundary must fit the file, whose ends are {found}, got {given}")
-
-
-def _length(piece: Piece) -> float:
-    return piece.length
 
 
 def _supports(end: End) -> tuple[float, float]:
@@ -260,37 +80,35 @@ def _supports(end: End) -> tuple[float, float]:
 
 
 def _fits(supports: tuple[float, float], end: End) -> bool:
-    """Whether an end's word and springs can be what supports a chain there."""
+    """Return whether an end's word and springs can be what supports a chain there."""
     (across, turning), (own_across, own_turning) = supports, _supports(end)
-    alike = across == own_across or abs(across - own_across) <= SAME * across < math.inf
+    alike = across == own_across or abs(across - own_across) <= _SAME * across < math.inf
     if turning in (0.0, math.inf):
         # Behind a wall hinge an end may give way in turning.
         return alike and (own_turning > 0) == (turning > 0)
     return alike and own_turning > 0
 
 
-def _inferred(chain: PlanarChain) -> JudgedChain:
+def _inferred(chain: PlanarChain) -> EndedChain:
     pieces = list(chain.pieces)
     if chain.far[0] < chain.far[1] == math.inf:
         _pass_point_on(pieces)
     ends = []
     for at, supports in ((0, chain.near), (-1, chain.far)):
         between = [piece for piece in pieces[1:-1] if piece.length]
-        own = _mirrored(pieces[0]) if at == 0 else pieces[-1]
+        own = _outward(pieces[at], at)
         neighbour = between[at] if between else chain.segment
-        if neighbour and at == 0:
-            neighbour = _mirrored(neighbour)
+        body = _body(own, _outward(neighbour, at) if neighbour else None, supports)
         # Ten digits: what is beyond is left from taking the rod off.
-        mass, inertia, offset = (float(f"{value:.10g}") for value in _body(own, neighbour, supports))
+        mass, inertia, offset = (float(f"{value:.10g}") for value in body)
         # A body that is rigid with a segment has no hinge of its own to the beam.
         carried = bool(own.length and (inertia or offset)) and supports[1] < math.inf
         ends.append(End(*supports, mass, inertia, offset, on_segment=carried))
-        rest = without_body(own, ends[-1])
-        pieces[at] = _mirrored(rest) if at == 0 else rest
-    return JudgedChain(Boundary(*ends), tuple(pieces), chain.springs, chain.assumed)
+        pieces[at] = _outward(_without_body(own, ends[-1]), at)
+    return EndedChain(Boundary(*ends), tuple(pieces), chain.springs, chain.assumed)
 
 
-def _stated(chain: PlanarChain, given: Boundary) -> JudgedChain:
+def _stated(chain: PlanarChain, given: Boundary) -> EndedChain:
     pieces, springs = list(chain.pieces), list(chain.springs)
     sides = ((0, given.left, chain.near), (-1, given.right, chain.far))
     for at, end, (_, turning) in sides:
@@ -300,20 +118,23 @@ def _stated(chain: PlanarChain, given: Boundary) -> JudgedChain:
         _pass_point_on(pieces)
     for at, end, _ in sides:
         mass, inertia, offset = end.moving_body
-        if pieces[at] == held_piece(0.0, ()) and mass and not inertia and not offset and len(pieces) > 1:
+        if pieces[at] == held_piece(0.0) and mass and not inertia and not offset and len(pieces) > 1:
             # A point on a hinge moves with the piece beyond it.
             at = 1 if at == 0 else -2
-        own = _mirrored(pieces[at]) if at >= 0 else pieces[at]
-        rest = without_body(own, end)
-        pieces[at] = _mirrored(rest) if at >= 0 else rest
-    return JudgedChain(given, tuple(pieces), tuple(springs), chain.assumed, said=True)
+        pieces[at] = _outward(_without_body(_outward(pieces[at], at), end), at)
+    return EndedChain(given, tuple(pieces), tuple(springs), chain.assumed, said=True)
+
+
+def _outward(piece: Piece, at: int) -> Piece:
+    """Return a piece as seen towards its end of the chain, or back: the near pieces mirrored."""
+    return piece.mirrored if at >= 0 else piece
 
 
 def _take_support_out(pieces: list[Piece], springs: list[Spring], at: int, support: float) -> None:
     """Leave of an outer spring what is not the end's own: the rule's wall spring, in series with it."""
     hinge = springs[at]
     spring = hinge.stiffness
-    if abs(spring / support - 1) <= SAME:
+    if abs(spring / support - 1) <= _SAME:
         # Nothing but the support: the rule puts no hinge there.
         del pieces[at], springs[at]
     elif spring < support:
@@ -333,17 +154,48 @@ def _pass_point_on(pieces: list[Piece]) -> None:
     rods = [piece for piece in pieces[:-2] if piece.length]
     if not rods:
         # Nothing tells how heavy the piece is; the point stays where it is, so the piece has no mass.
-        pieces[-1] = held_piece(0.0, ())
+        pieces[-1] = held_piece(0.0)
         return
-    before, rod = pieces[-2], rod_like(rods[-1], pieces[-2].length)
+    before, rod = pieces[-2], _rod_like(rods[-1], pieces[-2].length)
     point = before.mass - rod.mass
-    if point > NOTABLE * rod.mass:
-        pieces[-2] = without_body(before, End(mass=point))
+    if point > _NOTABLE * rod.mass:
+        pieces[-2] = _without_body(before, End(mass=point))
         pieces[-1] = replace(pieces[-1], mass=point)
 
 
-def _mirrored(piece: Piece) -> Piece:
-    return replace(piece, centre=piece.length - piece.centre)
+def _without_body(piece: Piece, end: End) -> Piece:
+    """Return a piece without the body at its far tip, the end there; refuse a body of more than the piece."""
+    mass, inertia, offset = map(float, end.moving_body)
+    if not mass and not inertia:
+        return piece
+    rest = piece.mass - mass
+    if rest < -_SAME * piece.mass:
+        raise ValueError(
+            f"boundary must have bodies lighter than their pieces, got {mass:.6g} > {piece.mass:.6g}"
+        )
+    if rest <= _SAME * piece.mass and not piece.length:
+        return held_piece(0.0)
+    rest = max(rest, 0.0)
+    if end.holds_rotation:
+        # Only the mass of what does not turn counts.
+        return Piece(piece.length, rest, piece.length / 2, rest * piece.length**2 / 12)
+    arm = piece.length + offset
+    centre = (piece.mass * piece.centre - mass * arm) / rest if rest else piece.centre
+    about = piece.inertia - inertia
+    about -= rest * mass / piece.mass * (arm - centre) ** 2 if piece.mass else 0.0
+    if about < -_NOTABLE * max(rest * piece.length**2, _SAME * piece.inertia):
+        raise ValueError(f"boundary must have bodies of less inertia than their pieces, got {inertia:.6g}")
+    return Piece(piece.length, rest, centre, max(about, 0.0))
+
+
+def _rod_like(rod: Piece, length: float) -> Piece:
+    """Return a rod of another length and the same kind: slender, of some section, or mass at its ends."""
+    share = length / rod.length
+    mass = rod.mass * share
+    ratio = rod.inertia / (rod.mass * rod.length**2)
+    kind = 1 / 4 if abs(ratio - 1 / 4) < _NOTABLE else min(ratio, 1 / 12)
+    section = (ratio - kind) * rod.mass * rod.length
+    return Piece(length, mass, share * rod.centre, kind * mass * length**2 + section * length)
 
 
 def _body(piece: Piece, neighbour: Piece | None, supports: tuple[float, float]) -> tuple[float, float, float]:
@@ -355,19 +207,20 @@ def _body(piece: Piece, neighbour: Piece | None, supports: tuple[float, float]) 
         return (piece.mass, piece.inertia, piece.centre) if piece.mass else (0.0, piece.inertia, 0.0)
     if neighbour is None or not neighbour.length:
         return none
-    if supports[1] == math.inf:
-        extra = piece.mass - rod_like(neighbour, piece.length).mass
-        return (extra, 0.0, 0.0) if extra > NOTABLE * piece.mass else none
-    rod = rod_like(neighbour, piece.length)
+    rod = _rod_like(neighbour, piece.length)
     mass, scale = piece.mass - rod.mass, rod.mass * piece.length**2
-    if mass < -SAME * rod.mass:
-        return none
-    if mass <= NOTABLE * rod.mass:
+    if supports[1] == math.inf:
+        return (mass, 0.0, 0.0) if mass > _NOTABLE * piece.mass else none
+    if mass <= _NOTABLE * rod.mass:
         # As heavy as a segment: another rotary inertia is the segment's own, and is reported as such.
         return none
     arm = (piece.mass * piece.centre - rod.mass * rod.centre) / mass
     extra = piece.inertia - rod.inertia - rod.mass * mass / piece.mass * (arm - rod.centre) ** 2
     offset = arm - piece.length
-    if extra < -NOTABLE * scale:
+    if extra < -_NOTABLE * scale:
         return none
-    return mass, extra if extra > SAME * scale else 0.0, offset if abs(offset) > SAME * piece.length else 0.0
+    return (
+        mass,
+        extra if extra > _SAME * scale else 0.0,
+        offset if abs(offset) > _SAME * piece.length else 0.0,
+    )

@@ -1,4 +1,4 @@
-"""A serial chain of a model in one plane: pieces on a line, springs between them, what holds the ends.
+"""A serial chain in one plane: pieces on a line, springs between them, what holds the ends.
 
 ::
 
@@ -6,7 +6,7 @@
              s runs along the beam, from the chain's root to its tip
 
 Where the ground itself carries the first hinge, piece 0 is what is rigid with the ground: of no length, or a
-welded segment. A file says where hinges are, not where a beam begins and ends. What an outer piece is made of
+welded segment. A file says where hinges are, not where a beam begins and ends. The matter of an outer piece
 tells its length: matter like its neighbour's, or a solid as long as its neighbour. Only where neither tells,
 the length is taken that comes nearest to the beam's, and that is said. These lengths do not touch the
 frequencies of a chain with a free or clamped end. The world's origin tells nothing.
@@ -16,29 +16,154 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from beammodes.auditing.body_tree import Group, Inertial, ModelJoint, ModelTie
 from beammodes.auditing.bounded_xml import BadModel
-from beammodes.auditing.model_ends import Piece, PlanarChain, Spring, held_piece
 from beammodes.auditing.serial_chains import (
     OFF_LINE,
-    Frame,
+    HingeLine,
     HingePath,
     RootSupport,
     lone_segment,
     root_support,
 )
 
-__all__ = ["FarEnd", "far_end", "planar_chain"]
+__all__ = [
+    "FarEnd",
+    "Piece",
+    "PlanarChain",
+    "Spring",
+    "far_end",
+    "held_piece",
+    "planar_chain",
+    "with_wall_hinges",
+]
 
-
-# What fixed tendons hold of a chain's tip: sums of joint coordinates that are its deflection or rotation.
-
+#: Relative difference up to which coefficients of a tendon are the same.
 _SAME = 1e-6
+#: Matter is that of a neighbour's kind up to this share of its length; solids and rods of files are rounded.
+_ALIKE = 2e-3
+#: A piece this much heavier or lighter than its neighbour is no longer or shorter one of its kind.
+_LEAST, _MOST = 0.05, 2.5
+#: Engines that want some mass of every body get less than this share of the chain's.
+_TRACE = 1e-9
+
+
+@dataclass(frozen=True)
+class Piece:
+    """Length [m], mass [kg], centre of mass from the near tip [m] and inertia about that [kg m²]."""
+
+    length: float
+    mass: float
+    centre: float
+    inertia: float
+
+    @property
+    def mirrored(self) -> Piece:
+        """The same piece seen from its far tip."""
+        return replace(self, centre=self.length - self.centre)
+
+
+@dataclass(frozen=True)
+class Spring:
+    """One hinge: its name, stiffness [N m/rad], damping [N m s/rad] and armature [kg m²]."""
+
+    name: str
+    stiffness: float
+    damping: float = 0.0
+    armature: float = 0.0
+
+
+@dataclass(frozen=True)
+class PlanarChain:
+    """Pieces from root to tip, the springs between them, and stiffnesses of the supports.
+
+    Attributes
+    ----------
+    pieces : tuple of Piece
+    springs : tuple of Spring
+    near, far : (float, float)
+        Across and in turning, of the outer pieces; infinite where held.
+    near_hinge : Spring or None
+        The hinge behind `near`, for its damping and armature.
+    assumed : tuple of str
+        The assumptions in reading it so.
+    segment : Piece or None
+        A segment, where no piece between two hinges shows one.
+    """
+
+    pieces: tuple[Piece, ...]
+    springs: tuple[Spring, ...]
+    near: tuple[float, float]
+    far: tuple[float, float]
+    near_hinge: Spring | None = None
+    assumed: tuple[str, ...] = ()
+    segment: Piece | None = None
+
+
+def held_piece(length: float, others: Sequence[Piece] = ()) -> Piece:
+    """Return a piece that does not turn, as heavy for its length as others: of no file's own numbers."""
+    rods = [piece.mass / piece.length for piece in others[:-1] or others if piece.length]
+    mass = length * float(np.median(rods)) if rods else 0.0
+    return Piece(length, mass, length / 2, mass * length**2 / 12)
+
+
+def with_wall_hinges(chain: PlanarChain, far: str, length: float) -> PlanarChain:
+    """Return a chain whose springs to the ground are hinges to pieces of their own, as wall springs are.
+
+    A body of no length at an end keeps the spring as its support: the rule's own spring follows it.
+
+    Parameters
+    ----------
+    chain : PlanarChain
+    far : str
+        Name for the far one.
+    length : float [m]
+        Of the beam: what it has beyond the far hinge is a piece that the ground holds.
+    """
+    pieces = [_without_traces(piece, chain.pieces) for piece in chain.pieces]
+    springs, near, far_support, assumed = list(chain.springs), chain.near, chain.far, chain.assumed
+    turning = chain.near_hinge
+    if near[1] == math.inf and len(pieces) > 2 and pieces[0].length == pieces[1].length == 0:
+        turning = springs[0]
+        near = (near[0], turning.stiffness)
+        del pieces[0], springs[0]
+    if 0 < near[1] < math.inf and pieces[0].length:
+        pieces.insert(0, held_piece(0.0))
+        springs.insert(0, replace(turning or Spring("near end", 0.0), stiffness=near[1]))
+        near = (chain.near[0], math.inf)
+    elif turning and near[1] < math.inf:
+        # The armature of a hinge on which all turns is inertia of the first piece's own rotation.
+        pieces[0] = replace(pieces[0], inertia=pieces[0].inertia + turning.armature)
+        if turning.damping:
+            why = f"the damping of {turning.name}, on which the chain turns as a whole, is left out"
+            assumed = (*assumed, why)
+    if 0 < far_support[1] < math.inf and pieces[-1].length:
+        missing = length - sum(piece.length for piece in pieces)
+        typical = max(piece.length for piece in pieces)
+        pieces.append(held_piece(missing if 1e-9 * length < missing < 1.05 * typical else 0.0, pieces))
+        springs.append(Spring(far, far_support[1]))
+        far_support = (far_support[0], math.inf)
+    own = (tuple(pieces), tuple(springs))
+    return PlanarChain(*own, near, far_support, chain.near_hinge, assumed, chain.segment)
+
+
+def _without_traces(piece: Piece, others: Sequence[Piece]) -> Piece:
+    """Return a piece of no length without the mass and inertia that it has for an engine's sake only."""
+    if piece.length:
+        return piece
+    total = sum(other.mass for other in others)
+    size = sum(other.length for other in others)
+    mass = piece.mass if piece.mass > _TRACE * total else 0.0
+    inertia = piece.inertia if piece.inertia > _TRACE * total * size**2 else 0.0
+    return Piece(0.0, mass, piece.centre if mass else 0.0, inertia)
+
+
+# Fixed tendons at the tip: sums of joint coordinates that are its deflection or rotation.
 
 
 @dataclass(frozen=True)
@@ -51,92 +176,80 @@ class FarEnd:
     spring: str = ""
 
 
-def far_end(
-    ties: Sequence[ModelTie], hinges: Mapping[str, tuple[float, float]], slides: Mapping[str, float]
-) -> FarEnd:
-    """Return what the ties on a chain's joints do at its tip.
+def far_end(ties: Sequence[ModelTie], line: HingeLine, support: RootSupport | None) -> FarEnd:
+    """Return what the ties on a chain's joints, and on those of its support, do at its tip.
 
     A tie is the tip's rotation if all hinges count alike, and its deflection if each counts by its distance
     from one point beyond them, as `export_chain` writes both.
-
-    Parameters
-    ----------
-    ties : sequence of ModelTie
-    hinges : mapping
-        For every hinge that turns the chain, its place along it and 1.0, or -1.0 if it turns the other way.
-    slides : mapping
-        For every slide across the chain 1.0, or -1.0 if it goes down.
 
     Raises
     ------
     BadModel
         If a tie is neither.
-
-    Examples
-    --------
-    >>> tie = ModelTie("tip", (("a", 2.0), ("b", 1.0)), 30.0)
-    >>> far_end([tie], {"a": (0.0, 1.0), "b": (1.0, 1.0)}, {})
-    FarEnd(across=30.0, turning=0.0, place=2.0, spring='')
     """
+    hinge, slide = (support.hinge, support.slide) if support else (None, None)
     found = FarEnd()
     for tie in ties:
         coefficients = dict(tie.terms)
-        if not (tie.stiffness or tie.refusal) or not coefficients.keys() & (hinges.keys() | slides.keys()):
+        joints = [*([hinge] if hinge else []), *line.hinges]
+        names = {joint.name for joint in (*joints, *([slide] if slide else []))}
+        if not (tie.stiffness or tie.refusal) or not coefficients.keys() & names:
             continue
         if tie.refusal:
             raise BadModel(tie.refusal)
-        turns = [(place, way * coefficients.pop(name, 0.0)) for name, (place, way) in hinges.items()]
-        shift = [way * coefficients.pop(name, 0.0) for name, way in slides.items()]
+        # Joints may turn or shift the other way.
+        turns = [
+            (line.place(j.position), math.copysign(1.0, j.axis @ line.axis) * coefficients.pop(j.name, 0.0))
+            for j in joints
+        ]
+        shift = None
+        if slide:
+            shift = math.copysign(1.0, slide.axis @ line.across) * coefficients.pop(slide.name, 0.0)
         if any(coefficients.values()):
             raise BadModel(f"tendon {tie.name} must join hinges of the chain only")
-        found = _with(found, tie, turns, shift)
+        found = _with_tie(found, tie, turns, shift)
     return found
 
 
-def _with(end: FarEnd, tie: ModelTie, turns: list[tuple[float, float]], shift: list[float]) -> FarEnd:
+def _with_tie(end: FarEnd, tie: ModelTie, turns: list[tuple[float, float]], shift: float | None) -> FarEnd:
+    def times(scale: float) -> float:
+        return math.inf if tie.stiffness == math.inf else tie.stiffness * scale**2
+
     (first, lead), (last, rest) = turns[0], turns[-1]
-    alike = not any(shift) and all(abs(value - lead) <= _SAME * abs(lead) for _, value in turns)
+    alike = not shift and all(abs(value - lead) <= _SAME * abs(lead) for _, value in turns)
     # Of one hinge alone a number cannot tell; 1 is its rotation, anything else a distance.
-    if alike and (len(turns) > 1 or shift or (abs(lead) == 1 and tie.stiffness < math.inf)):
-        return FarEnd(end.across, end.turning + _times(tie.stiffness, lead), end.place, tie.name)
-    scale = shift[0] if any(shift) else 1.0 if last == first else (lead - rest) / (last - first)
+    several = len(turns) > 1 or shift is not None
+    if alike and (several or (abs(lead) == 1 and tie.stiffness < math.inf)):
+        return replace(end, turning=end.turning + times(lead), spring=tie.name)
+    scale = shift or (1.0 if last == first else (lead - rest) / (last - first))
     place = first + lead / scale if scale else math.nan
     fits = all(abs(value - scale * (place - at)) <= _SAME * max(abs(lead), abs(scale)) for at, value in turns)
     if not (fits and math.isfinite(place) and place >= last * (1 - _SAME)):
         raise BadModel(f"tendon {tie.name} must be the deflection or the rotation of the chain's tip")
-    return FarEnd(end.across + _times(tie.stiffness, scale), end.turning, place, end.spring)
+    return replace(end, across=end.across + times(scale), place=place)
 
 
-def _times(stiffness: float, scale: float) -> float:
-    return math.inf if stiffness == math.inf else stiffness * scale**2
-
-
-#: Matter is that of a neighbour's kind up to this share of its length; solids and rods of files are rounded.
-_ALIKE = 2e-3
-
-
-#: A piece this much heavier or lighter than its neighbour is no longer or shorter one of its kind.
-_LEAST, _MOST = 0.05, 2.5
+# The pieces.
 
 
 @dataclass(frozen=True)
-class _Outer:
-    """What the length of an outer piece may be [m], the likeliest first, and whether its matter tells."""
+class _Lengths:
+    """Possible lengths of an outer piece [m], the likeliest first, and whether its matter tells."""
 
-    lengths: tuple[float, ...]
+    values: tuple[float, ...]
     certain: bool = True
 
 
-def planar_chain(path: HingePath, frame: Frame, far: FarEnd, length: float, word: str = "") -> PlanarChain:
+def planar_chain(path: HingePath, line: HingeLine, far: FarEnd, length: float, word: str = "") -> PlanarChain:
     """Return a chain's numbers in one plane.
 
     Parameters
     ----------
     path : HingePath
-    frame : Frame
-        From `frame_of`.
+    line : HingeLine
+        From `hinge_line`.
     far : FarEnd
-        What ties hold of its tip.
+        From `far_end`.
     length : float [m]
         Of the beam.
     word : str
@@ -147,55 +260,53 @@ def planar_chain(path: HingePath, frame: Frame, far: FarEnd, length: float, word
     BadModel
         If something moves on the chain that is no part of it, or cannot be honoured.
     """
-    root = None if word else root_support(path, frame)
-    _check(path, frame, root)
-    span = frame.places[-1] - frame.places[0]
-    near = _begin(path, frame, root)
-    tip = _end(path, frame, far, span, root)
+    root = None if word else root_support(path, line)
+    _check(path, line, root)
+    reach = line.places[-1] - line.places[0]
+    near, tip = _near_lengths(path, line, root), _far_lengths(path, line, far, reach, root)
     if far.turning and root is not None:
         # Beyond the far hinge the beam may go on, so its length does not tell where it begins.
-        near = _Outer(near.lengths[:1])
-    start, end = _nearest(near.lengths, tip.lengths, length - span)
-    cuts = [frame.places[0] - start, *frame.places, frame.places[-1] + end]
-    groups = [path.root if root else None, *path.groups]
-    pieces = [_piece(group, frame, *cut) for group, cut in zip(groups, itertools.pairwise(cuts), strict=True)]
-    segment = _inside(path, frame, 1, root)
-    if root is None:
+        near = _Lengths(near.values[:1])
+    start, end = _nearest(near.values, tip.values, length - reach)
+    cuts = [line.places[0] - start, *line.places, line.places[-1] + end]
+    spans = itertools.pairwise(cuts[1:])
+    moving = [_piece(group, line, *span) for group, span in zip(path.groups, spans, strict=True)]
+    segment = _segment(path, line, 1, root)
+    if root is not None:
+        first = _piece(path.root, line, cuts[0], cuts[1])
+    else:
         # A single moving piece may carry a body, which is no measure of the beam.
-        pieces[0] = held_piece(start, [segment] if segment and len(pieces) == 2 else pieces[1:])
+        first = held_piece(start, [segment] if segment and len(moving) == 1 else moving)
+    assumed = [word or (root.why if root else "")]
+    assumed += [_assumed("begins", "before", line.hinges[0], near, start)]
+    assumed += [_assumed("ends", "past", line.hinges[-1], tip, end)]
+    if root and root.slide and root.slide.damping:
+        assumed.append(f"the damping of joint {root.slide.name} is left out")
     support = root or RootSupport()
-    return PlanarChain(
-        tuple(pieces),
-        tuple(map(_spring, frame.hinges)),
+    chain = PlanarChain(
+        (first, *moving),
+        tuple(map(_spring, line.hinges)),
         (support.across, support.turning),
         (far.across, far.turning),
-        near_hinge=_spring(support.hinge) if support.hinge else None,
-        assumed=(*_assumed(frame, (near, start), (tip, end), word or support.why), *_undamped(root)),
-        segment=segment,
+        _spring(support.hinge) if support.hinge else None,
+        tuple(filter(None, assumed)),
+        segment,
     )
+    return with_wall_hinges(chain, far.spring, length)
 
 
 def _spring(hinge: ModelJoint) -> Spring:
     return Spring(hinge.name, hinge.stiffness, hinge.damping, hinge.armature)
 
 
-def _undamped(root: RootSupport | None) -> Iterable[str]:
-    if root and root.slide and root.slide.damping:
-        yield f"the damping of joint {root.slide.name} is left out"
-
-
-def _assumed(frame: Frame, near: tuple[_Outer, float], tip: tuple[_Outer, float], why: str) -> Iterable[str]:
-    if why:
-        yield why
-    ends = (("begins", "before", frame.hinges[0], near), ("ends", "past", frame.hinges[-1], tip))
-    for does, where, hinge, (outer, taken) in ends:
-        others = [f"{value:.6g}" for value in outer.lengths if abs(value - taken) > _ALIKE * abs(taken)]
-        if not outer.certain and others:
-            yield (
-                f"the beam {does} {taken:.6g} m {where} hinge {hinge.name}, which comes nearest to its "
-                "length; "
-                f"the file fits {' or '.join(dict.fromkeys(others))} m too"
-            )
+def _assumed(does: str, where: str, hinge: ModelJoint, lengths: _Lengths, taken: float) -> str:
+    others = [f"{value:.6g}" for value in lengths.values if abs(value - taken) > _ALIKE * abs(taken)]
+    if lengths.certain or not others:
+        return ""
+    return (
+        f"the beam {does} {taken:.6g} m {where} hinge {hinge.name}, which comes nearest to its length; the "
+        f"file fits {' or '.join(dict.fromkeys(others))} m too"
+    )
 
 
 def _nearest(starts: Sequence[float], ends: Sequence[float], rest: float) -> tuple[float, float]:
@@ -206,7 +317,7 @@ def _nearest(starts: Sequence[float], ends: Sequence[float], rest: float) -> tup
     return starts[i], ends[j]
 
 
-def _check(path: HingePath, frame: Frame, support: RootSupport | None) -> None:
+def _check(path: HingePath, line: HingeLine, support: RootSupport | None) -> None:
     for group, after in itertools.zip_longest(path.groups, path.groups[1:]):
         _check_refusals(group)
         for other in group.children:
@@ -214,14 +325,13 @@ def _check(path: HingePath, frame: Frame, support: RootSupport | None) -> None:
                 _check_refusals(other)
                 raise BadModel(
                     f"{other.joints[0].name} on body {group.name} must be a hinge with a spring, parallel "
-                    f"to {frame.hinges[0].name}: nothing else may move on the chain. If a motor holds it, "
+                    f"to {line.hinges[0].name}: nothing else may move on the chain. If a motor holds it, "
                     "say by boundary what the chain's ends are: a hinge without a spring between hinges with "
                     "springs is then held"
                 )
-    root = [path.root] if support else []
-    both = len(path.planes()) > 1 or path.in_space or (support is not None and support.in_space)
-    for group in (*root, *path.groups):
-        _check_matter(group, frame, both)
+    in_space = len(path.axes()) > 1 or path.in_space or (support is not None and support.in_space)
+    for group in (*([path.root] if support else []), *path.groups):
+        _check_matter(group, line, in_space)
 
 
 def _check_refusals(group: Group) -> None:
@@ -230,151 +340,159 @@ def _check_refusals(group: Group) -> None:
         raise BadModel(why)
 
 
-def _check_matter(group: Group, frame: Frame, both: bool) -> None:
-    inertial, spacing = group.inertial, frame.spacing or abs(frame.place(group.inertial.centre))
-    if not inertial.mass:
+def _check_matter(group: Group, line: HingeLine, in_space: bool) -> None:
+    own, spacing = group.inertial, line.spacing or abs(line.place(group.inertial.centre))
+    if not own.mass:
         raise BadModel(f"body {group.name} must have a mass greater than 0")
-    off = inertial.centre - frame.origin - frame.place(inertial.centre) * frame.along
-    distance = float(np.linalg.norm(off)) if both else frame.off_line(inertial.centre)
+    off = own.centre - line.origin - line.place(own.centre) * line.along
+    distance = float(np.linalg.norm(off)) if in_space else line.off_line(own.centre)
     if distance > max(OFF_LINE * spacing, 1e-12):
         raise BadModel(f"body {group.name} must have its centre of mass on the line of the hinges")
-    product = abs(float(frame.axis @ inertial.inertia @ frame.across))
-    if both and product > OFF_LINE * float(np.trace(inertial.inertia)):
+    product = abs(float(line.axis @ own.inertia @ line.across))
+    if in_space and product > OFF_LINE * float(np.trace(own.inertia)):
         raise BadModel(f"body {group.name} must have its principal axes along the hinges'")
 
 
-def _piece(group: Group | None, frame: Frame, start: float, end: float) -> Piece:
-    if group is None:
-        return Piece(end - start, 0.0, 0.0, 0.0)
-    inertial = group.inertial
-    about = float(frame.axis @ inertial.inertia @ frame.axis)
-    if about < 0:
-        raise BadModel(f"body {group.name} must have an inertia of at least 0, got {about:.3g}")
-    return Piece(end - start, inertial.mass, frame.place(inertial.centre) - start, about)
+def _piece(group: Group, line: HingeLine, start: float, end: float) -> Piece:
+    own, inertia = group.inertial, line.moment(group.inertial)
+    if inertia < 0:
+        raise BadModel(f"body {group.name} must have an inertia of at least 0, got {inertia:.3g}")
+    return Piece(end - start, own.mass, line.place(own.centre) - start, inertia)
 
 
-def _begin(path: HingePath, frame: Frame, root: RootSupport | None) -> _Outer:
+def _near_lengths(path: HingePath, line: HingeLine, root: RootSupport | None) -> _Lengths:
     """Return what the length of the first piece may be: up to the hinge that turns it, or as matter tells."""
     if root is not None and root.hinge is not None:
-        return _Outer((_pivot(root.hinge, frame),))
-    slides = [] if root is None else [-frame.place(j.position) for j in path.root.joints if j.kind == "slide"]
-    known = [value for value in slides if value >= 0]
-    inside = _inside(path, frame, -1, root)
-    found = _by_matter(path.root, frame, frame.places[0], -1.0, inside)
+        return _Lengths((_pivot(root.hinge, line),))
+    segment = _segment(path, line, -1, root)
+    found = _by_matter(path.root, line, line.places[0], -1.0, segment)
     if found is not None:
-        return _Outer((found,))
-    if known:
-        return _Outer(tuple(known[:1]))
+        return _Lengths((found,))
+    slides = [j for j in path.root.joints if root is not None and j.kind == "slide"]
+    for slide in slides:
+        if line.place(slide.position) <= 0:
+            return _Lengths((-line.place(slide.position),))
     if root is None and path.root.parent is not None:
         # A body of a mechanism that carries the chain is no part of the beam.
-        return _Outer((0.0,))
-    return _by_solids(path.root, frame, frame.places[0], -1.0, inside, held=root is None)
+        return _Lengths((0.0,))
+    if root is None:
+        return _welded_lengths(path.root, line, segment)
+    return _by_solids(path.root, line, line.places[0], -1.0, segment)
 
 
-def _end(path: HingePath, frame: Frame, far: FarEnd, span: float, root: RootSupport | None) -> _Outer:
+def _far_lengths(
+    path: HingePath, line: HingeLine, far: FarEnd, reach: float, root: RootSupport | None
+) -> _Lengths:
     """Return what the length of the last piece may be."""
-    hinge, tip = frame.places[-1], path.groups[-1]
+    hinge, tip = line.places[-1], path.groups[-1]
     if far.place is not None:
-        return _Outer((far.place - hinge,))
-    inside = _inside(path, frame, 1, root)
-    found = _by_matter(tip, frame, hinge, 1.0, inside)
+        return _Lengths((far.place - hinge,))
+    segment = _segment(path, line, 1, root)
+    found = _by_matter(tip, line, hinge, 1.0, segment)
     if found is not None:
-        return _Outer((found,))
-    outer = _by_solids(tip, frame, hinge, 1.0, inside, held=False)
-    positive = tuple(value for value in outer.lengths if value > 0) if not span else outer.lengths
-    return _Outer(positive or (0.0,), outer.certain)
+        return _Lengths((found,))
+    lengths = _by_solids(tip, line, hinge, 1.0, segment)
+    positive = tuple(value for value in lengths.values if value > 0) if not reach else lengths.values
+    return _Lengths(positive or (0.0,), lengths.certain)
 
 
-def _inside(path: HingePath, frame: Frame, way: float, root: RootSupport | None) -> Piece | None:
+def _segment(path: HingePath, line: HingeLine, way: float, root: RootSupport | None) -> Piece | None:
     """Return the piece that shows what segments are made of, seen from its hinge towards an end.
 
     It is the one between two hinges that is nearest to that end, else the first up to the hinge that turns
     it; of one hinge alone, the segment on it.
     """
-    pairs = list(zip(itertools.pairwise(frame.places), path.groups, strict=False))
+    found = None
+    pairs = list(zip(itertools.pairwise(line.places), path.groups, strict=False))
     for (start, end), group in pairs[::-1] if way > 0 else pairs:
         if end > start and group.inertial.mass:
-            piece = _piece(group, frame, start, end)
-            return _seen(piece, way)
-    if root is not None and root.hinge is not None and path.root.inertial.mass:
-        length = _pivot(root.hinge, frame)
-        if length > 0:
-            return _seen(_piece(path.root, frame, -length, frame.places[0]), way)
-    lone = lone_segment(path.groups[-1], frame)
-    if lone is None:
-        return None
-    length, own = lone
-    hinge, about = frame.places[-1], float(frame.axis @ own.inertia @ frame.axis)
-    return _seen(Piece(length, own.mass, frame.place(own.centre) - hinge, max(about, 0.0)), way)
+            found = _piece(group, line, start, end)
+            break
+    if found is None and root is not None and root.hinge is not None and path.root.inertial.mass:
+        length = _pivot(root.hinge, line)
+        found = _piece(path.root, line, -length, line.places[0]) if length > 0 else None
+    if found is None:
+        lone = lone_segment(path.groups[-1], line)
+        if lone is None:
+            return None
+        length, own = lone
+        found = Piece(length, own.mass, line.place(own.centre) - line.places[-1], max(line.moment(own), 0.0))
+    return found if way > 0 else found.mirrored
 
 
-def _seen(piece: Piece, way: float) -> Piece:
-    return piece if way > 0 else replace(piece, centre=piece.length - piece.centre)
-
-
-def _by_matter(group: Group, frame: Frame, hinge: float, way: float, inside: Piece | None) -> float | None:
+def _by_matter(
+    group: Group, line: HingeLine, hinge: float, way: float, segment: Piece | None
+) -> float | None:
     """Return the length of an outer piece that is made as its neighbour is, alone or with a body on it."""
-    if inside is None:
+    if segment is None:
         return None
     solids = (solid.inertial for body in group.bodies for solid in body.solids)
     for part in (group.inertial, *(body.inertial for body in group.bodies), *solids):
-        found = _alike(part, frame, hinge, way, inside)
+        found = _length_of_kind(part, line, hinge, way, segment)
         if found is not None:
             return found
     return None
 
 
-def _alike(part: Inertial, frame: Frame, hinge: float, way: float, inside: Piece) -> float | None:
-    share = part.mass / inside.mass
-    if not _LEAST < share < _MOST:
-        # Other matter, or none, whose centre is nowhere.
+def _length_of_kind(part: Inertial, line: HingeLine, hinge: float, way: float, kind: Piece) -> float | None:
+    share = part.mass / kind.mass
+    slack = _ALIKE * kind.length
+    # Other matter, or none, whose centre is nowhere.
+    if not _LEAST < share < _MOST or line.off_line(part.centre) > slack:
         return None
-    if frame.off_line(part.centre) > _ALIKE * inside.length:
-        return None
-    centre = way * (frame.place(part.centre) - hinge)
-    if abs(share - 1) > _ALIKE and abs(centre - inside.centre) <= _ALIKE * inside.length:
+    centre = way * (line.place(part.centre) - hinge)
+    if abs(share - 1) > _ALIKE and abs(centre - kind.centre) <= slack:
         # Another mass at the same place, as lumped masses have at the last hinge or the tip.
-        return inside.length
-    if abs(centre - share * inside.centre) <= _ALIKE * inside.length:
-        return share * inside.length if abs(share - 1) > _ALIKE else inside.length
+        return kind.length
+    if abs(centre - share * kind.centre) <= slack:
+        return share * kind.length if abs(share - 1) > _ALIKE else kind.length
     return None
 
 
-def _by_solids(
-    group: Group, frame: Frame, hinge: float, way: float, inside: Piece | None, held: bool
-) -> _Outer:
-    """Return lengths by how far a piece's solids reach: a whole or half segment, if one ends there."""
+def _ahead(points: Sequence[np.ndarray], line: HingeLine, hinge: float, way: float) -> list[float]:
+    """Return how far points are beyond a hinge, sorted."""
+    reach = {round(way * (line.place(point) - hinge), 12) for point in points}
+    return sorted(value for value in reach if value > 0)
+
+
+def _whole_or_half(ahead: Sequence[float], segment: Piece) -> list[float]:
+    """Return the whole and the half of a segment where a solid ends there."""
+    lengths = (segment.length, 0.5 * segment.length)
+    return [part for part in lengths if any(abs(v - part) <= _ALIKE * segment.length for v in ahead)]
+
+
+def _welded_lengths(group: Group, line: HingeLine, segment: Piece | None) -> _Lengths:
+    """Return lengths of what is rigid with the ground by how far its solids reach."""
     # A welded body that has mass, and another than a segment's, is what the beam is fixed to.
-    points = group.extent
-    if held:
-        points = [point for body in group.bodies if not body.inertial.mass for point in body.extent]
-    reach = {round(way * (frame.place(point) - hinge), 12) for point in points}
-    ahead = sorted(value for value in reach if value > 0)
-    if inside is not None:
-        ends = [
-            part * inside.length
-            for part in (1.0, 0.5)
-            if any(abs(value - part * inside.length) <= _ALIKE * inside.length for value in ahead)
-        ]
-        if ends:
-            return _Outer((*ends, 0.0), certain=False) if held else _Outer(tuple(ends[:1]))
-        if held:
-            return _Outer((0.0, *(v for v in ahead if v <= 1.5 * inside.length)), certain=False)
-    elif held:
-        return _Outer((0.0,))
-    double = 2 * way * (frame.place(group.inertial.centre) - hinge)
+    points = [point for body in group.bodies if not body.inertial.mass for point in body.extent]
+    if segment is None:
+        return _Lengths((0.0,))
+    ahead = _ahead(points, line, line.places[0], -1.0)
+    ends = _whole_or_half(ahead, segment)
+    if ends:
+        return _Lengths((*ends, 0.0), certain=False)
+    return _Lengths((0.0, *(v for v in ahead if v <= 1.5 * segment.length)), certain=False)
+
+
+def _by_solids(group: Group, line: HingeLine, hinge: float, way: float, segment: Piece | None) -> _Lengths:
+    """Return lengths by how far a piece's solids reach: a whole or half segment, if one ends there."""
+    ahead = _ahead(group.extent, line, hinge, way)
+    double = 2 * way * (line.place(group.inertial.centre) - hinge)
     longest = max(ahead, default=0.0)
-    if inside is None:
-        return _Outer((longest or max(double, 0.0),))
-    found = [longest, double, inside.length, 0.0]
-    return _Outer(tuple(value for value in found if value >= 0), certain=False)
+    if segment is None:
+        return _Lengths((longest or max(double, 0.0),))
+    ends = _whole_or_half(ahead, segment)
+    if ends:
+        return _Lengths(tuple(ends[:1]))
+    found = [longest, double, segment.length, 0.0]
+    return _Lengths(tuple(value for value in found if value >= 0), certain=False)
 
 
-def _pivot(hinge: ModelJoint, frame: Frame) -> float:
+def _pivot(hinge: ModelJoint, line: HingeLine) -> float:
     """Return how far before the first spring the hinge is on which the chain turns as a whole."""
-    start = -frame.place(hinge.position)
-    spacing = frame.spacing or 1.0
-    if start < -OFF_LINE * spacing or frame.off_line(hinge.position) > OFF_LINE * spacing:
+    start = -line.place(hinge.position)
+    slack = OFF_LINE * (line.spacing or 1.0)
+    if start < -slack or line.off_line(hinge.position) > slack:
         raise BadModel(
             f"hinge {hinge.name} must be on the line of the chain's hinges, at its beginning or before"
         )
