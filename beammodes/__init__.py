@@ -126,58 +126,28 @@ __all__ = sorted(_HOME)
 
 if TYPE_CHECKING:
     from beammodes.accuracy.advice import recommend as recommend
-    from beammodes.accuracy.buckling import (
-        buckling_dataset as buckling_dataset,
-    )
-    from beammodes.accuracy.buckling import (
-        buckling_load as buckling_load,
-    )
-    from beammodes.accuracy.chain_against_beam import (
-        SlendernessWarning as SlendernessWarning,
-    )
-    from beammodes.accuracy.chain_against_beam import (
-        chain_errors as chain_errors,
-    )
-    from beammodes.accuracy.chain_against_beam import (
-        theory_errors as theory_errors,
-    )
-    from beammodes.accuracy.error_table import (
-        derived_error_dataset as derived_error_dataset,
-    )
-    from beammodes.accuracy.error_table import (
-        error_dataset as error_dataset,
-    )
+    from beammodes.accuracy.buckling import buckling_dataset as buckling_dataset
+    from beammodes.accuracy.buckling import buckling_load as buckling_load
+    from beammodes.accuracy.chain_against_beam import SlendernessWarning as SlendernessWarning
+    from beammodes.accuracy.chain_against_beam import chain_errors as chain_errors
+    from beammodes.accuracy.chain_against_beam import theory_errors as theory_errors
+    from beammodes.accuracy.error_table import derived_error_dataset as derived_error_dataset
+    from beammodes.accuracy.error_table import error_dataset as error_dataset
     from beammodes.accuracy.errors import frequency_error as frequency_error
-    from beammodes.accuracy.identification import (
-        stiffness_from_deflection as stiffness_from_deflection,
-    )
-    from beammodes.accuracy.identification import (
-        stiffness_from_frequency as stiffness_from_frequency,
-    )
+    from beammodes.accuracy.identification import stiffness_from_deflection as stiffness_from_deflection
+    from beammodes.accuracy.identification import stiffness_from_frequency as stiffness_from_frequency
     from beammodes.accuracy.law import error_law as error_law
     from beammodes.accuracy.law import law_holds_from as law_holds_from
     from beammodes.accuracy.remarks import error_remarks as error_remarks
     from beammodes.accuracy.segments import segments_needed as segments_needed
     from beammodes.accuracy.shapes import modal_assurance as modal_assurance
     from beammodes.accuracy.shapes import shape_dataset as shape_dataset
-    from beammodes.accuracy.statics import (
-        beam_statics as beam_statics,
-    )
-    from beammodes.accuracy.statics import (
-        chain_statics as chain_statics,
-    )
-    from beammodes.accuracy.statics import (
-        static_dataset as static_dataset,
-    )
-    from beammodes.accuracy.uncertainty import (
-        Tolerance as Tolerance,
-    )
-    from beammodes.accuracy.uncertainty import (
-        frequency_spread as frequency_spread,
-    )
-    from beammodes.accuracy.uncertainty import (
-        segments_within_spread as segments_within_spread,
-    )
+    from beammodes.accuracy.statics import beam_statics as beam_statics
+    from beammodes.accuracy.statics import chain_statics as chain_statics
+    from beammodes.accuracy.statics import static_dataset as static_dataset
+    from beammodes.accuracy.uncertainty import Tolerance as Tolerance
+    from beammodes.accuracy.uncertainty import frequency_spread as frequency_spread
+    from beammodes.accuracy.uncertainty import segments_within_spread as segments_within_spread
     from beammodes.auditing.audit import Audit as Audit
     from beammodes.auditing.audit import audit_chain as audit_chain
     from beammodes.auditing.audit_model import audit_file as audit_file
@@ -186,72 +156,30 @@ if TYPE_CHECKING:
     from beammodes.batch.study import open_study as open_study
     from beammodes.chains.chain import Chain as Chain
     from beammodes.chains.rods import MissedFeatureWarning as MissedFeatureWarning
-    from beammodes.chains.rules import (
-        RULES as RULES,
-    )
-    from beammodes.chains.rules import (
-        Layout as Layout,
-    )
-    from beammodes.chains.rules import (
-        Rule as Rule,
-    )
-    from beammodes.chains.rules import (
-        Weight as Weight,
-    )
-    from beammodes.chains.rules import (
-        axially_corrected as axially_corrected,
-    )
+    from beammodes.chains.rules import RULES as RULES
+    from beammodes.chains.rules import Layout as Layout
+    from beammodes.chains.rules import Rule as Rule
+    from beammodes.chains.rules import Weight as Weight
+    from beammodes.chains.rules import axially_corrected as axially_corrected
     from beammodes.closed_form.dispersion import chain_frequency as chain_frequency
-    from beammodes.dynamics.base_motion import (
-        BaseMotion as BaseMotion,
-    )
-    from beammodes.dynamics.base_motion import (
-        harmonic as harmonic,
-    )
-    from beammodes.dynamics.base_motion import (
-        spin_up as spin_up,
-    )
-    from beammodes.dynamics.simulation import (
-        DivergedWarning as DivergedWarning,
-    )
-    from beammodes.dynamics.simulation import (
-        UnsavedMotion as UnsavedMotion,
-    )
-    from beammodes.dynamics.simulation import (
-        UnstableStepWarning as UnstableStepWarning,
-    )
-    from beammodes.dynamics.simulation import (
-        mode_start as mode_start,
-    )
-    from beammodes.dynamics.simulation import (
-        simulate as simulate,
-    )
+    from beammodes.dynamics.base_motion import BaseMotion as BaseMotion
+    from beammodes.dynamics.base_motion import harmonic as harmonic
+    from beammodes.dynamics.base_motion import spin_up as spin_up
+    from beammodes.dynamics.simulation import DivergedWarning as DivergedWarning
+    from beammodes.dynamics.simulation import UnsavedMotion as UnsavedMotion
+    from beammodes.dynamics.simulation import UnstableStepWarning as UnstableStepWarning
+    from beammodes.dynamics.simulation import mode_start as mode_start
+    from beammodes.dynamics.simulation import simulate as simulate
     from beammodes.dynamics.superposition import modal_response as modal_response
-    from beammodes.equations.derivation import (
-        DerivedChain as DerivedChain,
-    )
-    from beammodes.equations.derivation import (
-        derive_chain as derive_chain,
-    )
-    from beammodes.equations.derivation import (
-        wall_spring_weight as wall_spring_weight,
-    )
-    from beammodes.equations.equilibria import (
-        Equilibrium as Equilibrium,
-    )
-    from beammodes.equations.equilibria import (
-        EquilibriumNotFound as EquilibriumNotFound,
-    )
-    from beammodes.equations.equilibria import (
-        find_equilibrium as find_equilibrium,
-    )
+    from beammodes.equations.derivation import DerivedChain as DerivedChain
+    from beammodes.equations.derivation import derive_chain as derive_chain
+    from beammodes.equations.derivation import wall_spring_weight as wall_spring_weight
+    from beammodes.equations.equilibria import Equilibrium as Equilibrium
+    from beammodes.equations.equilibria import EquilibriumNotFound as EquilibriumNotFound
+    from beammodes.equations.equilibria import find_equilibrium as find_equilibrium
     from beammodes.equations.numeric import compile_equations as compile_equations
-    from beammodes.equations.symbolic import (
-        equations_of_motion as equations_of_motion,
-    )
-    from beammodes.equations.symbolic import (
-        symbolic_energies as symbolic_energies,
-    )
+    from beammodes.equations.symbolic import equations_of_motion as equations_of_motion
+    from beammodes.equations.symbolic import symbolic_energies as symbolic_energies
     from beammodes.exact.beam_theory import euler_bernoulli as euler_bernoulli
     from beammodes.exact.exact_beam import BeamModes as BeamModes
     from beammodes.exact.exact_beam import wavenumber as wavenumber
@@ -264,75 +192,37 @@ if TYPE_CHECKING:
     from beammodes.numerics.distributions import Normal as Normal
     from beammodes.numerics.distributions import Uniform as Uniform
     from beammodes.problem.beam import Beam as Beam
-    from beammodes.problem.ends import (
-        BOUNDARIES as BOUNDARIES,
-    )
-    from beammodes.problem.ends import (
-        ENDS as ENDS,
-    )
-    from beammodes.problem.ends import (
-        Boundary as Boundary,
-    )
-    from beammodes.problem.ends import (
-        End as End,
-    )
+    from beammodes.problem.ends import BOUNDARIES as BOUNDARIES
+    from beammodes.problem.ends import ENDS as ENDS
+    from beammodes.problem.ends import Boundary as Boundary
+    from beammodes.problem.ends import End as End
     from beammodes.problem.loading import Load as Load
     from beammodes.problem.materials import MODULI as MODULI
     from beammodes.problem.materials import elastic_modulus as elastic_modulus
     from beammodes.problem.profiles import Table as Table
-    from beammodes.problem.sections import (
-        Box as Box,
-    )
-    from beammodes.problem.sections import (
-        Circle as Circle,
-    )
-    from beammodes.problem.sections import (
-        GivenSection as GivenSection,
-    )
-    from beammodes.problem.sections import (
-        ISection as ISection,
-    )
-    from beammodes.problem.sections import (
-        Rectangle as Rectangle,
-    )
-    from beammodes.problem.sections import (
-        Tube as Tube,
-    )
-    from beammodes.problem.sections import (
-        from_sectionproperties as from_sectionproperties,
-    )
+    from beammodes.problem.sections import Box as Box
+    from beammodes.problem.sections import Circle as Circle
+    from beammodes.problem.sections import GivenSection as GivenSection
+    from beammodes.problem.sections import ISection as ISection
+    from beammodes.problem.sections import Rectangle as Rectangle
+    from beammodes.problem.sections import Tube as Tube
+    from beammodes.problem.sections import from_sectionproperties as from_sectionproperties
     from beammodes.springs.matched_springs import match_springs as match_springs
     from beammodes.springs.matched_springs import matched as matched
     from beammodes.springs.tuning import mode_tuned as mode_tuned
     from beammodes.version import __version__ as __version__
-    from beammodes.vibration.damping import (
-        Damping as Damping,
-    )
-    from beammodes.vibration.damping import (
-        damped_modes as damped_modes,
-    )
-    from beammodes.vibration.damping import (
-        joint_dampers as joint_dampers,
-    )
+    from beammodes.vibration.damping import Damping as Damping
+    from beammodes.vibration.damping import damped_modes as damped_modes
+    from beammodes.vibration.damping import joint_dampers as joint_dampers
     from beammodes.vibration.integrators import INTEGRATORS as INTEGRATORS
     from beammodes.vibration.integrators import Integrator as Integrator
-    from beammodes.vibration.linear import (
-        BentModel as BentModel,
-    )
-    from beammodes.vibration.linear import (
-        LinearModel as LinearModel,
-    )
-    from beammodes.vibration.linear import (
-        linearize as linearize,
-    )
+    from beammodes.vibration.linear import BentModel as BentModel
+    from beammodes.vibration.linear import LinearModel as LinearModel
+    from beammodes.vibration.linear import linearize as linearize
     from beammodes.vibration.modes import Modes as Modes
     from beammodes.vibration.modes import solve_modes as solve_modes
-    from beammodes.vibration.stability import (
-        published_time_step as published_time_step,
-    )
-    from beammodes.vibration.stability import (
-        stable_time_step as stable_time_step,
-    )
+    from beammodes.vibration.stability import published_time_step as published_time_step
+    from beammodes.vibration.stability import stable_time_step as stable_time_step
     from beammodes.views.animation import animate as animate
     from beammodes.views.schematic import draw_chain as draw_chain
 
