@@ -1,4 +1,13 @@
-"""Exact Euler-Bernoulli modes for the ten pairs of ends, frequencies and shapes: the judge of all else."""
+"""Exact modes of the uniform Euler-Bernoulli beam between plain ends, and what all exact modes share.
+
+With β the wavenumber times L, every characteristic equation of the ten pairs of ends is one equation,
+
+    β = (n + p) π + s (2/k) arctan e^(-kβ),
+
+whose last term is the whole departure from the asymptote: solving for that term alone cancels nothing and
+overflows nowhere.  It is cos β = ± sech β in half angles when both ends are "square" (clamped or free:
+k = 1), tan β = ± tanh β when one is (k = 2), and absent, s = 0, when none is.
+"""
 
 from __future__ import annotations
 
@@ -19,38 +28,29 @@ from beammodes.problem.ends import BOUNDARIES, Boundary, BoundaryLike, End, boun
 __all__ = [
     "BeamModes",
     "EulerBernoulliModes",
-    "Family",
+    "ExactModes",
     "Theory",
-    "family_of",
-    "is_square",
-    "joined",
+    "first_free",
     "plain_modes",
-    "split_wavenumber",
-    "theory_words",
     "wavenumber",
     "wavenumber_of_code",
     "whole_numbers",
 ]
 
-
-# Wavenumbers of the exact beam, all ten pairs of ends by one equation.
-#
-# With β the wavenumber times L, every characteristic equation of the ten pairs is one equation,
-#
-#     β = (n + p) π + s (2/k) arctan e^(-kβ),
-#
-# whose last term is the whole departure from the asymptote: solving for that term alone cancels nothing and
-# overflows nowhere.  It is cos β = ± sech β in half angles when both ends are "square" (clamped or free:
-# k = 1), tan β = ± tanh β when one is (k = 2), and absent, s = 0, when none is.
-
-
 Integers = NDArray[np.integer[Any]]
-
-
 Boundaries = BoundaryLike | Iterable[BoundaryLike] | NDArray[Any]
 
 
-class Family(NamedTuple):
+# The correction of mode 24 is below 1e-31: from there on it cannot be told from zero beside β > 70.
+_CORRECTED = 24
+# Below this mode number n * _PI_HEAD is exact in double precision.
+_LAST_MODE = 10**12
+# π in two parts: 201/64 has 8 bits, and sin(fl(π)) is what the double nearest π leaves out.
+_PI_HEAD = 201.0 / 64.0
+_PI_TAIL = (math.pi - _PI_HEAD) + math.sin(math.pi)
+
+
+class _Family(NamedTuple):
     """p, k, and s of the odd and the even modes, of the equation at the head of this module."""
 
     shift: float
@@ -58,45 +58,29 @@ class Family(NamedTuple):
     odd: int
     even: int
 
+    @classmethod
+    def of(cls, pair: Boundary) -> _Family:
+        squares = _is_square(pair.left) + _is_square(pair.right)
+        if squares == 2:
+            return cls(0.5 if pair.left == pair.right else -0.5, 1, 1, -1)
+        if squares == 1:
+            other = pair.right if _is_square(pair.left) else pair.left
+            return cls(0.25, 2, -1, -1) if other.holds_deflection else cls(-0.25, 2, 1, 1)
+        return cls(0.0 if pair.left == pair.right else -0.5, 1, 0, 0)
 
-def is_square(end: End) -> bool:
-    """Say whether the exponentials of the shape have unit weight there (clamped or free)."""
+
+def _is_square(end: End) -> bool:
+    """Return whether the exponentials of the shape have unit weight there: at clamped and free ends."""
     return end.holds_deflection == end.holds_rotation
 
 
-def family_of(pair: Boundary) -> Family:
-    """Return the numbers of the equation at the head of this module for a pair of ends."""
-    squares = is_square(pair.left) + is_square(pair.right)
-    if squares == 2:
-        return Family(0.5 if pair.left == pair.right else -0.5, 1, 1, -1)
-    if squares == 1:
-        other = pair.right if is_square(pair.left) else pair.left
-        return Family(0.25, 2, -1, -1) if other.holds_deflection else Family(-0.25, 2, 1, 1)
-    return Family(0.0 if pair.left == pair.right else -0.5, 1, 0, 0)
-
-
-# The correction of mode 24 is below 1e-31: from there on it cannot be told from zero beside β > 70.
-_CORRECTED = 24
-
-
-# Below this mode number n * _PI_HEAD is exact in double precision.
-_LAST_MODE = 10**12
-
-
-# π in two parts: 201/64 has 8 bits, and sin(fl(π)) is what the double nearest π leaves out.
-_PI_HEAD = 201.0 / 64.0
-
-
-_PI_TAIL = (math.pi - _PI_HEAD) + math.sin(math.pi)
-
-
-_SHIFT: Floats = np.array([family_of(pair).shift for pair in BOUNDARIES])
+_SHIFT: Floats = np.array([_Family.of(pair).shift for pair in BOUNDARIES])
 
 
 def _solve_corrections() -> Floats:
     """Return β - (n + p) π, shape (codes, _CORRECTED + 1), for n = 0 (unused) to _CORRECTED."""
     mode = np.arange(_CORRECTED + 1)
-    families = [family_of(pair) for pair in BOUNDARIES]
+    families = [_Family.of(pair) for pair in BOUNDARIES]
     rate = np.array([[float(f.rate)] for f in families])
     sign = np.array([np.where(mode % 2, f.odd, f.even) for f in families])
     sign[:, 0] = 0
@@ -112,7 +96,7 @@ def _solve_corrections() -> Floats:
 _CORRECTION = _solve_corrections()
 
 
-def split_wavenumber(codes: Integers, mode: Integers) -> tuple[Floats, Floats]:
+def _split(codes: Integers, mode: Integers) -> tuple[Floats, Floats]:
     """Return q and δ of β = q π + δ; q is exact, so that phases can be reduced without loss."""
     try:
         return _SHIFT[codes] + mode, _CORRECTION[codes, np.minimum(mode, _CORRECTED)]
@@ -122,7 +106,7 @@ def split_wavenumber(codes: Integers, mode: Integers) -> tuple[Floats, Floats]:
         ) from None
 
 
-def joined(half_waves: Floats, correction: Floats) -> Floats:
+def _joined(half_waves: Floats, correction: Floats) -> Floats:
     """Return q π + δ; π enters in two parts, of which q times the first is exact."""
     return half_waves * _PI_HEAD + (half_waves * _PI_TAIL + correction)
 
@@ -209,12 +193,10 @@ def wavenumber(boundary: Boundaries, mode: ArrayLike) -> float | Floats:
 def wavenumber_of_code(codes: ArrayLike, mode: ArrayLike) -> float | Floats:
     """Return `wavenumber` for indices into `ends.BOUNDARIES`: the fast path, which reads no names.
 
-    β = (n + p) π + s (2/k) arctan e^(-kβ), p, k and s being those of the pair of ends.
-
     Parameters
     ----------
     codes : int or array of int
-        Indices into `ends.BOUNDARIES`, 0 to 9.
+        0 to 9.
     mode : int or array of int
         Elastic modes, 1 to 10¹².  Broadcasts with `codes`.
 
@@ -229,11 +211,9 @@ def wavenumber_of_code(codes: ArrayLike, mode: ArrayLike) -> float | Floats:
     True
     """
     pairs = whole_numbers("codes", codes, least=0, most=len(BOUNDARIES) - 1)
-    roots = joined(*split_wavenumber(pairs, whole_numbers("mode", mode, most=_LAST_MODE)))
+    roots = _joined(*_split(pairs, whole_numbers("mode", mode, most=_LAST_MODE)))
     return float(roots) if roots.ndim == 0 else roots
 
-
-# What every answer of Euler-Bernoulli theory has: frequencies, one line to print, the theory's own error.
 
 #: What `euler_bernoulli` hands its answers: ω_Timoshenko/ω - 1 when asked, None if the section is unknown;
 #: and what it takes for granted, in words.
@@ -241,10 +221,26 @@ Theory: TypeAlias = tuple[Callable[[], Floats | None], tuple[str, ...]]
 
 
 class _Answer(Protocol):
-    """What `EulerBernoulliModes` needs of the class that it serves."""
+    """What `ExactModes` needs of the classes that it serves."""
 
     @property
     def beam(self) -> Beam: ...
+    @property
+    def boundary(self) -> Boundary: ...
+    @property
+    def theory(self) -> Theory | None: ...
+    @property
+    def angular_frequency(self) -> Floats: ...
+    @property
+    def frequency(self) -> Floats: ...
+    @property
+    def _smoothest(self) -> int: ...
+    def _values(self, from_left: Floats, from_right: Floats, order: int, /) -> Floats: ...
+    def shape(self, x: ArrayLike, derivative: int = 0) -> Floats: ...
+
+
+class _Judged(_Answer, Protocol):
+    """What `EulerBernoulliModes` needs, too."""
 
     @property
     def boundary(self) -> Boundary: ...
@@ -252,17 +248,13 @@ class _Answer(Protocol):
     @property
     def theory(self) -> Theory | None: ...
 
-    @property
-    def angular_frequency(self) -> Floats: ...
 
-    @property
-    def frequency(self) -> Floats: ...
+class ExactModes:
+    """Frequencies and shapes of exact modes, whichever way their beam was solved.
 
-    def shape(self, x: ArrayLike, derivative: int = 0) -> Floats: ...
-
-
-class EulerBernoulliModes:
-    """What the three kinds of answers have in common, whichever way their beam was solved."""
+    Shapes have the sign that makes the first of deflection, rotation and curvature that the left end does not
+    hold positive there.
+    """
 
     __slots__ = ()
 
@@ -271,8 +263,57 @@ class EulerBernoulliModes:
         """ω / 2π, shape (modes,) [Hz]."""
         return self.angular_frequency / (2.0 * math.pi)
 
+    def shape(self: _Answer, x: ArrayLike, derivative: int = 0) -> Floats:
+        """Return the mode shapes φ, or a derivative dᵏφ/dxᵏ of them.
+
+        Parameters
+        ----------
+        x : float or array [m]
+            Positions, 0 to L; at a step of EI curvature is that on its right.
+        derivative : int
+            k, from 0: deflection, slope, curvature, and the curvature's rate. Up to 3 of a uniform beam, to
+            2 of one that varies, and to 1 of Timoshenko's, whose slope is its rotation and shear strain.
+
+        Returns
+        -------
+        ndarray, shape (modes, *x.shape) [kg^(-1/2) m^(-k)]
+
+        Raises
+        ------
+        TypeError, ValueError
+            If `x` is not finite real numbers in [0, L], or `derivative` not a whole number in its range.
+
+        Examples
+        --------
+        >>> import beammodes as bm
+        >>> bm.euler_bernoulli(bm.Beam.unit(), "clamped-free", 3).shape([1.0]).round(12).tolist()
+        [[2.0], [-2.0], [2.0]]
+        """
+        order = whole_number("derivative", derivative, least=0, most=self._smoothest)
+        position, length = positions_on(self.beam, x), self.beam.length
+        flat = position.ravel()
+        values = self._values(flat / length, (length - flat) / length, order)
+        # Two square roots: the product of mass per length and length may leave the range of doubles.
+        unit = math.sqrt(self.beam.mean_mass_per_length) * math.sqrt(length) * length**order
+        return (values / unit).reshape(len(values), *position.shape)
+
+    def slope(self: _Answer, x: ArrayLike) -> Floats:
+        """Return dφ/dx, shape (modes, *x.shape) [kg^(-1/2) m^(-1)]: `shape(x, derivative=1)`."""
+        return self.shape(x, derivative=1)
+
+
+def first_free(end: End) -> int:
+    """Return the order of the first derivative of the deflection, 0 to 2, that an end does not hold."""
+    return int(end.holds_deflection) * (1 + int(end.holds_rotation))
+
+
+class EulerBernoulliModes(ExactModes):
+    """Exact modes that tell how far their theory itself is off."""
+
+    __slots__ = ()
+
     @property
-    def theory_error(self: _Answer) -> Floats:
+    def theory_error(self: _Judged) -> Floats:
         """ω_Timoshenko/ω - 1, shape (modes,) [-]: how far this theory itself is off, found when asked.
 
         NaN where the beam's section is not known (`Beam.from_section` knows it, or give `radius_of_gyration`
@@ -283,36 +324,20 @@ class EulerBernoulliModes:
         return np.full(len(self.angular_frequency), np.nan) if found is None else found
 
     @property
-    def theory_assumed(self: _Answer) -> tuple[str, ...]:
+    def theory_assumed(self: _Judged) -> tuple[str, ...]:
         """What `theory_error` takes for granted, in words; empty if nothing."""
         return self.theory[1] if self.theory else ()
 
-    def __repr__(self: _Answer) -> str:
+    def __repr__(self: _Judged) -> str:
         relative = self.angular_frequency / self.beam.frequency_unit
         return (
             f"{type(self).__name__}({self.boundary}: {row_shown(self.frequency, '{:.4g}', 'Hz')}; "
-            f"{theory_words(self.theory, relative)})"
+            f"{_theory_words(self.theory, relative)})"
         )
 
-    def slope(self: _Answer, x: ArrayLike) -> Floats:
-        """Return dφ/dx, shape (modes, *x.shape) [kg^(-1/2) m^(-1)]: `shape(x, derivative=1)`."""
-        return self.shape(x, derivative=1)
 
-
-def theory_words(theory: Theory | None, relative: Floats) -> str:
-    """Return what an answer says of the theory's own error.
-
-    Parameters
-    ----------
-    theory : Theory, optional
-    relative : ndarray
-        ω √(ρA L⁴/EI) of the modes.
-
-    Examples
-    --------
-    >>> theory_words(None, np.array([3.516]))
-    'theory error not known without a section: 1 % or less if it is a solid one, assumed, no higher than L/11'
-    """
+def _theory_words(theory: Theory | None, relative: Floats) -> str:
+    """Return what an answer says of the theory's own error; `relative` is ω √(ρA L⁴/EI)."""
     try:
         errors = theory[0]() if theory else None
     except (ValueError, ArithmeticError):
@@ -370,44 +395,16 @@ class BeamModes(EulerBernoulliModes):
         """How many modes of zero frequency come before the elastic ones: 0, 1 or 2."""
         return self.boundary.rigid_body_modes
 
-    def shape(self, x: ArrayLike, derivative: int = 0) -> Floats:
-        """Return the mode shapes φ, or a derivative dᵏφ/dxᵏ of them.
+    @property
+    def _smoothest(self) -> int:
+        return 3
 
-        φ = (a cos βξ + b sin βξ + c e^(-βξ) + d e^(-β(1-ξ))) / √(ρA L),  ξ = x/L
-
-        Parameters
-        ----------
-        x : float or array [m]
-            Positions, 0 to L.
-        derivative : int
-            k, 0 to 3: deflection, slope, curvature, or the curvature's rate (shear force over EI).
-
-        Returns
-        -------
-        ndarray, shape (modes, *x.shape) [kg^(-1/2) m^(-k)]
-
-        Raises
-        ------
-        TypeError, ValueError
-            If `x` is not finite real numbers in [0, L], or `derivative` not a whole number in 0..3.
-
-        Examples
-        --------
-        >>> tip = plain_modes(Beam.unit(), "clamped-free", 3).shape([1.0])
-        >>> tip.round(12).tolist()
-        [[2.0], [-2.0], [2.0]]
-        """
-        order = whole_number("derivative", derivative, least=0, most=3)
-        position = positions_on(self.beam, x)
-        from_left = position.ravel() / self.beam.length
-        from_right = (self.beam.length - position.ravel()) / self.beam.length
+    def _values(self, from_left: Floats, from_right: Floats, order: int) -> Floats:
+        """Return φ = a cos βξ + b sin βξ + c e^(-βξ) + d e^(-β(1-ξ)), or a derivative by ξ."""
         shapes = _unit_shapes(self.boundary, self.wavenumber, from_left, from_right, order)
-        first = int(self.boundary.left.holds_deflection) * (1 + int(self.boundary.left.holds_rotation))
+        first = first_free(self.boundary.left)
         start = _unit_shapes(self.boundary, self.wavenumber, np.zeros(1), np.ones(1), first)
-        scale = np.sign(start) * (self.wavenumber[:, None] / self.beam.length) ** order
-        # Two square roots: the product of mass per length and length may leave the range of doubles.
-        scale /= math.sqrt(self.beam.mean_mass_per_length) * math.sqrt(self.beam.length)
-        return (scale * shapes).reshape(len(self.wavenumber), *position.shape)
+        return np.asarray(np.sign(start) * self.wavenumber[:, None] ** order * shapes)
 
 
 def plain_modes(beam: Beam, boundary: BoundaryLike, modes: int) -> BeamModes:
@@ -441,7 +438,7 @@ def plain_modes(beam: Beam, boundary: BoundaryLike, modes: int) -> BeamModes:
         raise ValueError(f"beam must be uniform, got {shown(beam)}")
     pair = Boundary.of(boundary)
     count = whole_number("modes", modes, most=10**6)
-    roots = joined(*split_wavenumber(boundary_codes(pair), np.arange(1, count + 1)))
+    roots = _joined(*_split(boundary_codes(pair), np.arange(1, count + 1)))
     roots.flags.writeable = False
     return BeamModes(beam, pair, roots)
 
@@ -454,14 +451,14 @@ def _coefficients(pair: Boundary, mode: Integers, beta: Floats) -> tuple[Floats,
     as long.  For all ten pairs 4 ∫ φ² dξ = φ² + φ''²/β⁴ - 2 φ' φ'''/β⁴ at either end (Rayleigh, The
     Theory of Sound, vol. 1, chapter VIII), here (2a)²: so the unit integral is just |a| = 1.
     """
-    family, none = family_of(pair), np.zeros_like(beta)
+    family, none = _Family.of(pair), np.zeros_like(beta)
     if family.odd == 0:
         wave = np.full_like(beta, math.sqrt(2.0))
         return (none, wave, none, none) if pair.left.holds_deflection else (wave, none, none, none)
     sign = np.where(mode % 2, family.odd, family.even)
     across = sign * np.exp(-family.rate * beta)
     ratio = sign * np.exp(-(family.rate - 1) * beta)
-    first = pair.left if is_square(pair.left) else pair.right
+    first = pair.left if _is_square(pair.left) else pair.right
     side = -1.0 if first.holds_deflection else 1.0
     return side + none, -side * (1.0 - across) / (1.0 + across), 1.0 / (1.0 + across), ratio / (1.0 + across)
 
@@ -469,8 +466,8 @@ def _coefficients(pair: Boundary, mode: Integers, beta: Floats) -> tuple[Floats,
 def _unit_shapes(pair: Boundary, beta: Floats, from_left: Floats, from_right: Floats, order: int) -> Floats:
     """Return β^(-order) dφ/dξ... of ∫ φ² dξ = 1, shape (modes, positions), its sign not yet chosen."""
     mode = np.arange(1, len(beta) + 1)
-    half_waves, correction = split_wavenumber(boundary_codes(pair), mode)
-    mirrored = is_square(pair.right) and not is_square(pair.left)
+    half_waves, correction = _split(boundary_codes(pair), mode)
+    mirrored = _is_square(pair.right) and not _is_square(pair.left)
     near, far = (from_right, from_left) if mirrored else (from_left, from_right)
     a, b, c, d = (column[:, None] for column in _coefficients(pair, mode, beta))
     for _ in range(order):

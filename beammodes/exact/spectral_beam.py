@@ -8,10 +8,9 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from beammodes.checks import shown, whole_number
-from beammodes.exact.exact_beam import EulerBernoulliModes, Theory
+from beammodes.exact.exact_beam import EulerBernoulliModes, Theory, first_free
 from beammodes.exact.spectral_energy import (
     Motions,
     Strains,
@@ -26,7 +25,7 @@ from beammodes.exact.spectral_energy import (
 )
 from beammodes.exact.spectral_grid import Grid, legendre_integral, legendre_of_values, section_grid
 from beammodes.numerics.arrays import Floats
-from beammodes.problem.beam import Beam, positions_on
+from beammodes.problem.beam import Beam
 from beammodes.problem.ends import Boundary, BoundaryLike
 from beammodes.problem.loading import Load, checked_load
 
@@ -88,37 +87,12 @@ class SpectralBeamModes(EulerBernoulliModes):
     shapes: SpectralShapes
     theory: Theory | None = None
 
-    def shape(self, x: ArrayLike, derivative: int = 0) -> Floats:
-        """Return the mode shapes φ, or a derivative dᵏφ/dxᵏ of them.
+    @property
+    def _smoothest(self) -> int:
+        return 2
 
-        Parameters
-        ----------
-        x : float or array [m]
-            Positions, 0 to L; at a step of EI curvature is that on its right.
-        derivative : int
-            k, 0 to 2: deflection, slope or curvature.
-
-        Returns
-        -------
-        ndarray, shape (modes, *x.shape) [kg^(-1/2) m^(-k)]
-
-        Raises
-        ------
-        TypeError, ValueError
-            If `x` is not finite real numbers in [0, L], or `derivative` not a whole number in 0..2.
-
-        Examples
-        --------
-        >>> from beammodes.exact.spectral_beam import spectral_modes
-        >>> round(float(spectral_modes(Beam.unit(), "clamped-free", 1).shape(1.0)[0]), 12)
-        2.0
-        """
-        order = whole_number("derivative", derivative, least=0, most=2)
-        position = positions_on(self.beam, x)
-        unit = math.sqrt(self.beam.mean_mass_per_length) * math.sqrt(self.beam.length)
-        place = position.ravel() / self.beam.length
-        shapes = self.shapes.values(place, order) / unit / self.beam.length**order
-        return shapes.reshape(len(shapes), *position.shape)
+    def _values(self, from_left: Floats, _: Floats, order: int) -> Floats:
+        return self.shapes.values(from_left, order)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -252,9 +226,7 @@ def spectral_solution(
         omega, share = in_plane(1.0 / size, rigid, pair, loaded, square)
         change = float(np.max(np.abs(omega / previous - 1.0)))
         if change <= max(AGREEMENT, 1e-14 / free.margin, 1e-13 / share):
-            # The first of y, θ and κ that the left end does not hold is positive there.
-            first = int(pair.left.holds_deflection) * (1 + int(pair.left.holds_rotation))
-            start = SpectralShapes.of(strains, motions).values(np.zeros(1), first)[:, 0]
+            start = SpectralShapes.of(strains, motions).values(np.zeros(1), first_free(pair.left))[:, 0]
             upright = motions * np.where(start < 0.0, -1.0, 1.0)
             return Solution(loaded, omega, rigid, change, SpectralShapes.of(strains, upright))
         previous, reached = omega, min(reached, change)

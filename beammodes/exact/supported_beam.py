@@ -2,20 +2,18 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from decimal import localcontext
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from beammodes.checks import real, shown, whole_number
 from beammodes.exact.beam_waves import BeamWaves, first_separate_wave, high_waves
-from beammodes.exact.exact_beam import EulerBernoulliModes, Theory
+from beammodes.exact.exact_beam import EulerBernoulliModes, Theory, first_free
 from beammodes.exact.uniform_beam import UnitBeam
 from beammodes.numerics.arrays import Floats
 from beammodes.numerics.long_decimals import LONG
-from beammodes.problem.beam import Beam, positions_on
+from beammodes.problem.beam import Beam
 from beammodes.problem.ends import Boundary, BoundaryLike
 from beammodes.problem.loading import Load, checked_load
 
@@ -30,8 +28,7 @@ class SupportedBeamModes(EulerBernoulliModes):
 
         ∫ ρA φₘ φₙ + ρI φₘ' φₙ' dx + Σ m (φ ± a φ')ₘ (φ ± a φ')ₙ + J φₘ' φₙ' = 1 if m = n, else 0,
 
-    the sum being over the bodies at the ends, + at the right one, and the sign that makes the first of
-    φ, φ', φ'' that the left end does not hold positive at x = 0.
+    the sum being over the bodies at the ends, + at the right one.
 
     Parameters
     ----------
@@ -76,47 +73,17 @@ class SupportedBeamModes(EulerBernoulliModes):
         """ω of elastic modes 1, 2, ..., shape (modes,) [rad/s]."""
         return self.relative_frequency * self.beam.frequency_unit
 
-    def shape(self, x: ArrayLike, derivative: int = 0) -> Floats:
-        """Return the mode shapes φ, or a derivative dᵏφ/dxᵏ of them.
+    @property
+    def _smoothest(self) -> int:
+        return 3
 
-        φ = a cos qξ + b sin qξ + c e^(-pξ) + d e^(-p(1-ξ)),  ξ = x/L, p² - q² = (T - ρI ω²) L²/EI,
-        p q = ω √(ρA L⁴/EI)
+    def _values(self, from_left: Floats, from_right: Floats, order: int) -> Floats:
+        """Return φ = a cos qξ + b sin qξ + c e^(-pξ) + d e^(-p(1-ξ)), or a derivative by ξ.
 
-        Parameters
-        ----------
-        x : float or array [m]
-            Positions, 0 to L.
-        derivative : int
-            k, 0 to 3: deflection, slope, curvature, or the curvature's rate.
-
-        Returns
-        -------
-        ndarray, shape (modes, *x.shape) [kg^(-1/2) m^(-k)]
-
-        Raises
-        ------
-        TypeError, ValueError
-            If `x` is not finite real numbers in [0, L], or `derivative` not a whole number in 0..3.
-
-        Examples
-        --------
-        >>> from beammodes.exact.supported_beam import supported_modes
-        >>> soft = supported_modes(Beam.unit(), "free(translational_stiffness=1e-9)-guided", 1)
-        >>> soft.shape([0.0, 1.0]).round(6)
-        array([[1., 1.]])
+        p² - q² = (T - ρI ω²) L²/EI and p q = ω √(ρA L⁴/EI).
         """
-        order = whole_number("derivative", derivative, least=0, most=3)
-        position = positions_on(self.beam, x)
-        from_left = position.ravel() / self.beam.length
-        from_right = (self.beam.length - position.ravel()) / self.beam.length
-        left = self.boundary.left
-        first = int(left.holds_deflection) * (1 + int(left.holds_rotation))
-        start = self.waves.shapes(np.zeros(1), np.ones(1), first)
-        scale = np.where(start < 0.0, -1.0, 1.0) / self.beam.length**order
-        # Two square roots: the product of mass per length and length may leave the range of doubles.
-        scale /= math.sqrt(self.beam.mean_mass_per_length) * math.sqrt(self.beam.length)
-        shapes = self.waves.shapes(from_left, from_right, order)
-        return (scale * shapes).reshape(len(self.relative_frequency), *position.shape)
+        start = self.waves.shapes(np.zeros(1), np.ones(1), first_free(self.boundary.left))
+        return np.where(start < 0.0, -1.0, 1.0) * self.waves.shapes(from_left, from_right, order)
 
 
 def supported_modes(

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from beammodes.checks import positive_real, row_shown, shown, whole_number
+from beammodes.exact.exact_beam import ExactModes
 from beammodes.exact.spectral_beam import spectral_solution
 from beammodes.exact.uniform_beam import BeamMode, UnitBeam
 from beammodes.numerics.arrays import Floats
@@ -42,15 +43,14 @@ class _Shapes(Protocol):
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
-class TimoshenkoModes:
+class TimoshenkoModes(ExactModes):
     """The first elastic modes of Timoshenko's beam; `timoshenko` makes it.
 
     Mode shapes have unit modal mass,
 
         ∫ ρA φₘ φₙ + ρI ψₘ ψₙ dx + Σ m (φ ± a ψ)ₘ (φ ± a ψ)ₙ + J ψₘ ψₙ = 1 if m = n, else 0,
 
-    φ being the deflection and ψ the rotation of the section, and the sign that makes the first of φ, ψ, ψ'
-    that the left end does not hold positive at x = 0.
+    φ being the deflection and ψ the rotation of the section.
 
     Attributes
     ----------
@@ -81,42 +81,18 @@ class TimoshenkoModes:
     _shapes: _Shapes
 
     @property
-    def frequency(self) -> Floats:
-        """ω / 2π, shape (modes,) [Hz]."""
-        return self.angular_frequency / (2.0 * math.pi)
-
-    @property
     def cutoff_angular_frequency(self) -> float:
         """√(κGA/ρI) [rad/s], least along the beam: beyond it modes of shear lie amid the others."""
         return _cutoff(self.beam)
 
-    def shape(self, x: ArrayLike, derivative: int = 0) -> Floats:
-        """Return the mode shapes' deflections φ, or their slopes φ' = ψ + γ.
+    @property
+    def _smoothest(self) -> int:
+        return 1
 
-        Parameters
-        ----------
-        x : float or array [m]
-            Positions, 0 to L.
-        derivative : int
-            0 or 1: deflection or slope, which differs from `rotation` by the shear strain.
-
-        Returns
-        -------
-        ndarray, shape (modes, *x.shape) [kg^(-1/2) m^(-derivative)]
-
-        Raises
-        ------
-        TypeError, ValueError
-            If `x` is not finite real numbers in [0, L], or `derivative` not 0 or 1.
-        """
-        order = whole_number("derivative", derivative, least=0, most=1)
+    def _values(self, from_left: Floats, _: Floats, order: int) -> Floats:
         if order:
-            return (self._values(x, 1) + self._values(x, 3)) / self.beam.length
-        return self._values(x, 0)
-
-    def slope(self, x: ArrayLike) -> Floats:
-        """Return dφ/dx, shape (modes, *x.shape) [kg^(-1/2) m^(-1)]: `shape(x, derivative=1)`."""
-        return self.shape(x, derivative=1)
+            return self._shapes.values(from_left, 1) + self._shapes.values(from_left, 3)
+        return self._shapes.values(from_left, 0)
 
     def rotation(self, x: ArrayLike, derivative: int = 0) -> Floats:
         """Return the mode shapes' rotations ψ of the section, or its curvature ψ' = M/EI.
@@ -138,12 +114,9 @@ class TimoshenkoModes:
             As `shape`.
         """
         order = whole_number("derivative", derivative, least=0, most=1)
-        return self._values(x, 1 + order) / self.beam.length ** (1 + order)
-
-    def _values(self, x: ArrayLike, quantity: int) -> Floats:
-        position = positions_on(self.beam, x)
-        unit = math.sqrt(self.beam.mean_mass_per_length) * math.sqrt(self.beam.length)
-        values = self._shapes.values(position.ravel() / self.beam.length, quantity) / unit
+        position, length = positions_on(self.beam, x), self.beam.length
+        unit = math.sqrt(self.beam.mean_mass_per_length) * math.sqrt(length) * length ** (1 + order)
+        values = self._shapes.values(position.ravel() / length, 1 + order) / unit
         return values.reshape(len(values), *position.shape)
 
     def __repr__(self) -> str:

@@ -288,7 +288,7 @@ class UnitBeam:
                 if twin:
                     part = product(found[-1].share, share)
                     share = [v - part * f for v, f in zip(share, found[-1].share, strict=True)]
-                first = int(self.left.holds[0]) * (1 + int(self.left.holds[1]))
+                first = self.left.holds[0] * (1 + self.left.holds[1])
                 start = mixed(share, ends[0])[first]
                 unit = product(share, share).sqrt().copy_sign(start)
                 found.append(BeamMode(self, square, decaying, [v / unit for v in share], ends))
