@@ -305,7 +305,7 @@ def tracked_files() -> list[str]:
 def test_top_level_of_the_repository() -> None:
     # design.md, "What holds the house together".
     allowed = {"pyproject.toml", "beammodes", "studies", "tests", "figures", "README.md"}
-    allowed |= {"LICENSE", ".ci", ".gitignore"}  # what tools require
+    allowed |= {"LICENSE", "CITATION.cff", ".ci", ".github", ".gitignore"}  # what tools require
     tracked = tracked_files()
     if not tracked:
         pytest.skip("not a git checkout with tracked files")

@@ -61,7 +61,7 @@ SHELL = [
 def test_there_are_four_pages_for_simulators_with_code_to_run() -> None:
     assert len(PAGES) == 4
     assert {stem for stem, _ in SHELL} == {page.stem for page in PAGES}
-    assert {stem for stem, _ in PYTHON} == {page.stem for page in PAGES} | {"theory"}
+    assert {stem for stem, _ in PYTHON} == {page.stem for page in PAGES} | {"theory", "extending"}
 
 
 @pytest.mark.filterwarnings("ignore:.*SWIG|.*pydrake|.*numpy:DeprecationWarning")
@@ -170,14 +170,35 @@ def test_links_and_pictures_exist(page: Path) -> None:
     targets = re.findall(r"\]\(([^)#]+)\)", text(page))
     assert ("../../figures/simulators.svg" in targets) == (page in PAGES)
     for target in targets:
-        assert (page.parent / target).is_file(), target
+        assert target.startswith("https://") or (page.parent / target).is_file(), target
     assert f"(beammodes/pages/{page.name})" in README
 
 
-def test_links_within_the_theory_lead_to_its_headings() -> None:
-    headings = re.findall(r"^## (.*)$", named("theory"), flags=re.MULTILINE)
+@pytest.mark.parametrize("stem", ["theory", "extending"])
+def test_links_within_a_page_lead_to_its_headings(stem: str) -> None:
+    headings = re.findall(r"^## (.*)$", named(stem), flags=re.MULTILINE)
     anchors = [re.sub(r"[^\w -]", "", heading).lower().replace(" ", "-") for heading in headings]
-    assert re.findall(r"\]\(#([^)]+)\)", named("theory")) == anchors
+    assert re.findall(r"\]\(#([^)]+)\)", named(stem)) == anchors
+
+
+def test_the_design_lists_the_rooms_in_their_order() -> None:
+    rooms = re.findall(r"^\| `(\w+)/` \|", named("design"), flags=re.MULTILINE)
+    assert rooms == re.findall(r"^([a-z_]+)/ +\S", bm.__doc__ or "", flags=re.MULTILINE)
+    package = ROOT / "beammodes"
+    assert set(rooms) == {path.parent.name for path in package.glob("*/__init__.py")}
+    assert {path.name for path in package.glob("*.py")} <= set(re.findall(r"`(\w+\.py)`", named("design")))
+
+
+def test_files_that_the_page_on_extending_names_are_there() -> None:
+    named_files = re.findall(r"`((?:beammodes|studies|tests|figures)/[\w/.]*)`", named("extending"))
+    assert len(named_files) > 20
+    assert [name for name in named_files if not (ROOT / name).exists()] == []
+
+
+def test_links_for_contributors_exist() -> None:
+    path = ROOT / ".github" / "CONTRIBUTING.md"
+    targets = re.findall(r"\]\(([^)#]+)\)", path.read_text(encoding="utf-8"))
+    assert targets and all((path.parent / target).is_file() for target in targets)
 
 
 def test_the_errors_of_the_report_on_the_theory_page_are_computed_ones() -> None:
