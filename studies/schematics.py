@@ -12,7 +12,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 import beammodes as bm
-from beammodes.views.pose import Shape, pose_of
+from beammodes.views.schematic import Shape, pose_of
 from beammodes.views.symbols import EDGE, GREY, GROUND_SPRING, ROD, SPRING
 from studies.common import moved
 from studies.study import Kind, Progress, Sheet, Study, repeatable

@@ -23,8 +23,7 @@ from matplotlib.patches import Circle, Polygon
 from matplotlib.text import Text
 
 import beammodes as bm
-from beammodes.views.pose import pose_of
-from beammodes.views.schematic import spring_texts, support_texts
+from beammodes.views.schematic import pose_of, spring_texts, support_texts
 from beammodes.views.symbols import GROUND_SPRING, SPRING, body_of
 from studies import schematics
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from beammodes.checks import positive_real, real, shown
+from beammodes.checks import choice, positive_real, real, shown
 from beammodes.dynamics.base_motion import BaseMotion
 from beammodes.files import file_target, write_atomically
 from beammodes.numerics.arrays import Floats
@@ -34,15 +34,10 @@ __all__ = [
 ]
 
 
-# Films: a figure and what moves it in time, as the frames and the bytes of a file.
-
-
 #: Films are written in these kinds, by the ending of the file's name.
 KINDS = (".gif", ".mp4")
-
-
 #: Longer films than this are mistakes: a GIF holds all of its frames in memory.
-MAX_FRAMES = 5000
+_MAX_FRAMES = 5000
 
 
 def film_of(
@@ -53,30 +48,18 @@ def film_of(
     fps: float = 25,
     duration: float | None = None,
 ) -> FuncAnimation:
-    """Return a figure as a film, evenly from the first to the last of the times.
+    """Return a figure as a film, evenly from the first to the last of the times [s].
 
-    Parameters
-    ----------
-    figure : matplotlib.figure.Figure
-        One made by hand, for several pictures beside each other.
-    update : function of a time [s]
-        Moves the figure there; `plot_motion` returns one for each picture.
-    time : ndarray [s]
-    fps, duration
-        As for `animate`.
-
-    Raises
-    ------
-    TypeError, ValueError
-        If an argument is not of its kind, or the film would exceed 5000 frames.
+    `update` moves the figure to a time; `plot_motion` returns one for each picture. `fps` and `duration` are
+    those of `animate`.
     """
     from matplotlib.animation import FuncAnimation
     from matplotlib.backends.backend_agg import FigureCanvasAgg
 
     rate, span = positive_real("fps", fps), float(time[-1] - time[0])
     frames = max(2, round(rate * (span if duration is None else positive_real("duration", duration))))
-    if frames > MAX_FRAMES:
-        raise ValueError(f"duration must be shorter: {frames} frames are more than {MAX_FRAMES}")
+    if frames > _MAX_FRAMES:
+        raise ValueError(f"duration must be shorter: {frames} frames are more than {_MAX_FRAMES}")
 
     class Unwatched(FigureCanvasAgg):
         """Draws a frame when it is written, not also when it changes."""
@@ -100,24 +83,8 @@ def film_of(
 
 
 def film_bytes(film: FuncAnimation, kind: str, *, fps: float = 25) -> bytes:
-    """Return a film as the content of a file, the same bytes whenever the picture is the same.
-
-    Parameters
-    ----------
-    film : matplotlib.animation.FuncAnimation
-    kind : str
-        ".gif" or ".mp4".
-    fps : float [1/s]
-
-    Raises
-    ------
-    ValueError
-        If `kind` is another.
-    RuntimeError
-        If it is ".mp4" and there is no ffmpeg.
-    """
-    if kind not in KINDS:
-        raise ValueError(f"kind must be one of {', '.join(KINDS)}, got {shown(kind)}")
+    """Return a film as the content of a file, ".gif" or ".mp4"; the same picture gives the same bytes."""
+    choice("kind", kind, KINDS)
     # Writers of films want a name, not a file.
     with tempfile.TemporaryDirectory() as folder:
         name = Path(folder) / f"film{kind}"
@@ -147,9 +114,6 @@ def need_ffmpeg(path: object) -> None:
         )
 
 
-# A chain's motion as a picture that can be moved in time: rods, hinges and the trace of the tip.
-
-
 def plot_motion(
     result: xarray.Dataset,
     ax: Axes,
@@ -161,23 +125,8 @@ def plot_motion(
 ) -> Callable[[float], None]:
     """Draw the first moment of a motion and return the function that moves the picture to a time [s].
 
-    Parameters
-    ----------
-    result : xarray.Dataset
-        From `simulate`.
-    ax : matplotlib.axes.Axes
-        Its two scales are made equal (but for `stretch`), and wide enough for the whole motion.
-    base, trace
-        As for `animate`.
-    stretch : float
-        How many times larger y is drawn than x, for a beam that bends little.
-    clock : bool
-        Whether the time is written in the corner.
-
-    Raises
-    ------
-    TypeError, ValueError
-        If an argument is not of its kind.
+    The axes become wide enough for the whole motion; y is drawn `stretch` times larger than x, for a beam
+    that bends little. `clock` writes the time in the corner. `base` and `trace` are those of `animate`.
     """
     from matplotlib.collections import LineCollection
     from matplotlib.colors import to_rgb
@@ -215,23 +164,9 @@ def plot_motion(
 
 
 def seen_from(base: BaseMotion | None, data: xarray.Dataset) -> tuple[Floats, Floats, Floats]:
-    """Return times, and x and y of the nodes, as one sees them who shifts and turns with a base.
+    """Return times [s], and x and y of the nodes [m], shape (times, nodes), in the frame of a base.
 
-    Parameters
-    ----------
-    base : BaseMotion or None
-        None for one who stands still.
-    data : xarray.Dataset
-        From `simulate`.
-
-    Returns
-    -------
-    ndarray, shapes (times,), (times, nodes), (times, nodes) [s, m, m]
-
-    Raises
-    ------
-    TypeError
-        If `base` is neither.
+    The frame stands still where `base` is None.
     """
     time = np.asarray(data.time.values, dtype=np.float64)
     x, y = (np.asarray(data[name].transpose("time", "node").values) for name in ("x", "y"))

@@ -1,20 +1,24 @@
-"""A chain as a drawing: rods, hinges with their springs, what holds its ends, and the bodies on them."""
+"""Drawings of a chain in any place: rods, hinges, springs, supports and bodies, with springs as labels."""
 
 from __future__ import annotations
 
 import itertools
 import math
 from collections.abc import Sequence
+from dataclasses import dataclass
 from fractions import Fraction
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from beammodes.chains.chain import Chain
 from beammodes.chains.pieces import Number
-from beammodes.checks import choice, flag, positive_real, shown
+from beammodes.checks import choice, flag, positive_real, real_numbers, shown, whole_number
+from beammodes.equations.equilibria import Equilibrium
+from beammodes.numerics.arrays import Floats
 from beammodes.problem.ends import End
-from beammodes.views.pose import Pose, Shape, pose_of
+from beammodes.vibration.modes import Modes
 from beammodes.views.symbols import (
     EDGE,
     GROUND_SPRING,
@@ -31,169 +35,25 @@ from beammodes.views.symbols import (
 )
 
 if TYPE_CHECKING:
+    import xarray
     from matplotlib.axes import Axes
 
-__all__ = [
-    "LABELS",
-    "MAX_DRAWN",
-    "draw_chain",
-    "draw_spring_labels",
-    "draw_support_labels",
-    "spring_texts",
-    "support_texts",
-]
-
-
-# Springs as words beside their symbols: fractions of EI/ell where they are exact, or N m/rad.
-
-#: Units in which springs may be written.
-LABELS = ("EI/ell", "N m/rad")
-
-
-#: Up to so many hinges every spring has its label; of more, equal neighbours share one.
-_CROWD = 12
-
-
-#: More labels than this cannot be read.
-_MOST = 60
-
-
-#: Larger fractions are written as decimals.
-_LARGEST = 99
-
-
-#: Room for a label above and beside its place, in lengths of the chain.
-_ABOVE, _BESIDE = 0.11, 0.09
-
-
-def spring_texts(chain: Chain, unit: str = "EI/ell") -> list[str]:
-    """Return the springs at a chain's hinges, left to right, as labels of a drawing.
-
-    Parameters
-    ----------
-    chain : Chain
-    unit : str
-        "EI/ell", of the mean EI (the numbers as given for a chain from pieces), or "N m/rad".
-
-    Raises
-    ------
-    TypeError, ValueError
-        If `unit` is another.
-
-    Examples
-    --------
-    >>> from beammodes.problem.beam import Beam
-    >>> spring_texts(Chain(Beam.unit(), "clamped-free", segments=4, rule="gregory"))
-    ['8/3', '6/7', '24/23', '1']
-    """
-    own = choice("unit", unit, LABELS) == "EI/ell"
-    return [_text(k) for k in (chain.scaled.joint_stiffness if own else chain.joint_stiffness.tolist())]
-
-
-def support_texts(chain: Chain, unit: str = "EI/ell") -> list[tuple[str, str]]:
-    """Return K_t and K_r of both ends' elastic supports as labels; "" where an end holds or leaves free.
-
-    Parameters
-    ----------
-    chain : Chain
-    unit : str
-        "EI/ell" gives them in EI/L³ and EI/L, "N m/rad" in N/m and N m/rad.
-
-    Raises
-    ------
-    TypeError, ValueError
-        If `unit` is another.
-
-    Examples
-    --------
-    >>> from beammodes.problem.beam import Beam
-    >>> ends = "pinned(rotational_stiffness=8)-free(translational_stiffness=2)"
-    >>> support_texts(Chain(Beam.unit(), ends, 4, "double_wall"))   # 2 EI/ell in series with 8 EI/L
-    [('', '4 EI/L'), ('2 EI/L³', '')]
-    """
-    own = choice("unit", unit, LABELS) == "EI/ell"
-    if not own:
-        names: Sequence[str] = (" N/m", " N m/rad")
-        pairs = chain.support_stiffness.tolist()
-    else:
-        size = chain.segments or 1
-        names = (" EI/L³", " EI/L") if chain.segments else ("", "")
-        pairs = [(k_t * size**3, k_r * size) for k_t, k_r in chain.scaled.supports]
-    return [
-        (_elastic(translation, names[0]), _elastic(rotation, names[1])) for translation, rotation in pairs
-    ]
-
-
-def draw_spring_labels(ax: Axes, chain: Chain, pose: Pose, unit: str, *, lift: float, size: float) -> None:
-    """Write each hinge's spring `lift` [m] beside it, on the upper side of the straight chain."""
-    texts, whole = spring_texts(chain, unit), float(chain.node_position[-1])
-    runs = _runs(texts) if len(texts) > _CROWD else [(j, text) for j, text in enumerate(texts)]
-    if len(runs) > _MOST:
-        return
-    for hinge, text in runs:
-        turned = complex(np.exp(1j * pose.angle[hinge]) + np.exp(1j * pose.angle[hinge + 1]))
-        normal = 1j * turned / abs(turned) if abs(turned) > 1e-9 else 1j
-        foot = complex(pose.x[hinge + 1], pose.y[hinge + 1]) + lift * normal
-        away = 0.85 * size * normal
-        ax.annotate(
-            text,
-            (foot.real, foot.imag),
-            (away.real, away.imag),
-            textcoords="offset points",
-            ha="center",
-            va="center",
-            color=SPRING,
-            fontsize=size,
-            zorder=6,
-        )
-        top = foot + _ABOVE * whole * normal
-        ax.update_datalim([(top.real - _BESIDE * whole, top.imag), (top.real + _BESIDE * whole, top.imag)])
-
-
-def draw_support_labels(
-    ax: Axes, chain: Chain, places: Sequence[EndPlace], unit: str, *, size: float
-) -> None:
-    """Write the springs of elastic supports below the ends, on the side of the beam."""
-    for place, (translation, rotation) in zip(places, support_texts(chain, unit), strict=False):
-        lower = place.body.half / place.length
-        for text, below in ((rotation, 0.075), (translation, 0.19 if rotation else 0.15)):
-            if text:
-                _draw_beside(ax, place, text, max(below, lower + 0.65 * below), size)
-
-
-def _draw_beside(ax: Axes, place: EndPlace, text: str, below: float, size: float) -> None:
-    x, y = place.at[0] - place.side * 0.11 * place.length, place.at[1] - below * place.length
-    align = "left" if place.side < 0 else "right"
-    ax.text(x, y, text, ha=align, va="center", color=GROUND_SPRING, fontsize=size, zorder=6)
-    ax.update_datalim([(x, y - 0.04 * place.length)])
-
-
-def _text(value: Number) -> str:
-    if isinstance(value, Fraction) and max(value.numerator, value.denominator) <= _LARGEST:
-        return str(value)
-    return f"{float(value):.4g}"
-
-
-def _elastic(value: Number, unit: str) -> str:
-    return _text(value) + unit if 0 < value < math.inf else ""
-
-
-def _runs(texts: list[str]) -> list[tuple[int, str]]:
-    """Return each run of equal neighbours as the hinge in its middle and how often it says what."""
-    runs, first = [], 0
-    for text, same in itertools.groupby(texts):
-        count = len(list(same))
-        runs.append((first + (count - 1) // 2, text if count == 1 else f"{count} × {text}"))
-        first += count
-    return runs
-
+__all__ = ["LABELS", "Pose", "Shape", "draw_chain", "pose_of", "spring_texts", "support_texts"]
 
 #: A drawing of more pieces than this shows nothing.
-MAX_DRAWN = 500
-
-
+_MAX_DRAWN = 500
 #: Largest and smallest radius of a hinge's spring, in lengths of the chain.
 _RADIUS, _TINY = 0.042, 0.008
+#: Units in which springs may be written.
+LABELS = ("EI/ell", "N m/rad")
+#: Up to so many hinges every spring has its label; of more, equal neighbours share one.
+_CROWD = 12
+#: More labels than this cannot be read.
+_MOST = 60
+#: Larger fractions are written as decimals.
+_LARGEST = 99
+#: Room for a label above and beside its place, in lengths of the chain.
+_ABOVE, _BESIDE = 0.11, 0.09
 
 
 def draw_chain(
@@ -253,8 +113,8 @@ def draw_chain(
     """
     if not isinstance(chain, Chain):
         raise TypeError(f"chain must be a Chain, got {shown(chain)}")
-    if chain.pieces > MAX_DRAWN:
-        raise ValueError(f"chain must have at most {MAX_DRAWN} pieces to be drawn, got {chain.pieces}")
+    if chain.pieces > _MAX_DRAWN:
+        raise ValueError(f"chain must have at most {_MAX_DRAWN} pieces to be drawn, got {chain.pieces}")
     from matplotlib.axes import Axes
 
     if not isinstance(ax, Axes):
@@ -270,8 +130,8 @@ def draw_chain(
         draw_spiral(ax, (x, y), radius, inner=0.42 * radius)
         draw_hinge(ax, (x, y), 0.3 * radius)
     if unit is not None:
-        draw_spring_labels(ax, chain, pose, unit, lift=lift, size=points)
-        draw_support_labels(ax, chain, places, unit, size=points)
+        _draw_spring_labels(ax, chain, pose, unit, lift=lift, size=points)
+        _draw_support_labels(ax, chain, places, unit, size=points)
     ax.set_aspect("equal")
     ax.axis("off")
     ax.margins(0.03)
@@ -324,3 +184,199 @@ def _gathered(chain: Chain) -> set[int]:
         i for i, (length, mass, inertia) in enumerate(rods) if length and 4 * inertia == mass * length**2
     ]
     return {node for i in heavy for node in (i, i + 1)}
+
+
+Shape = Modes | Equilibrium | tuple[ArrayLike, ArrayLike] | Any
+
+#: Smallest amplitude of a mode, in lengths of the chain; and the slope of its steepest piece: what is steeper
+#: is hard to read.
+_FLATTEST, _STEEPEST = 1e-9, 1.7
+
+
+@dataclass(frozen=True, eq=False)
+class Pose:
+    """The place of a chain in a picture: nodes (left tip, hinges, right tip) and the pieces between them.
+
+    Attributes
+    ----------
+    x, y : ndarray, shape (nodes,) [m]
+    angle : ndarray, shape (pieces,) [rad]
+        Counter-clockwise from the x axis.
+    """
+
+    x: Floats
+    y: Floats
+    angle: Floats
+
+
+def pose_of(chain: Chain, shape: Shape | None, *, mode: int = 1, amplitude: float = 0.15) -> Pose:
+    """Return the place of a chain; the arguments are those of `draw_chain`.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If `shape` is of no known kind, is not finite, or is not of this chain.
+
+    Examples
+    --------
+    >>> from beammodes.problem.beam import Beam
+    >>> pose_of(Chain(Beam.unit(), "clamped-free", segments=2), None).x
+    array([0. , 0. , 0.5, 1. ])
+    """
+    import xarray
+
+    def numbers(name: str, values: ArrayLike, size: int) -> Floats:
+        array = real_numbers(f"{name} of shape", values)
+        if array.shape != (size,):
+            raise ValueError(
+                f"{name} of shape must hold {size} finite numbers for this chain, got {shown(values)}"
+            )
+        return array
+
+    def bent(x: ArrayLike, y: ArrayLike, angle: ArrayLike) -> Pose:
+        nodes = chain.pieces + 1
+        return Pose(numbers("x", x, nodes), numbers("y", y, nodes), numbers("angle", angle, chain.pieces))
+
+    straight = np.array(chain.node_position)
+    if shape is None:
+        return Pose(straight, np.zeros_like(straight), np.zeros(chain.pieces))
+    if isinstance(shape, Equilibrium):
+        return bent(shape.nodes[:, 0], shape.nodes[:, 1], shape.angle)
+    if isinstance(shape, xarray.Dataset):
+        return bent(*(_moment(shape, name) for name in ("x", "y", "angle")))
+    if isinstance(shape, Modes):
+        shape = _scaled(chain, shape, mode, amplitude)
+    if not isinstance(shape, tuple) or len(shape) != 2:
+        raise TypeError(
+            "shape must be None, Modes, an Equilibrium, one moment of a motion from simulate() or a pair "
+            f"(deflection, rotation), got {shown(shape)}"
+        )
+    # Nodes move across the beam only: rods of a mode shape are a little longer than they are.
+    deflection = numbers("deflection", shape[0], chain.pieces + 1)
+    return Pose(straight, deflection, np.arctan(numbers("rotation", shape[1], chain.pieces)))
+
+
+def _scaled(chain: Chain, modes: Modes, mode: int, amplitude: float) -> tuple[Floats, Floats]:
+    row = whole_number("mode", mode, most=len(modes.angular_frequency)) - 1
+    share = positive_real("amplitude", amplitude)
+    if not _FLATTEST <= share <= 1 / _FLATTEST:
+        raise ValueError(
+            f"amplitude must be from {_FLATTEST} to {1 / _FLATTEST:g} of the chain's length, "
+            f"got {shown(amplitude)}"
+        )
+    largest = share * chain.node_position[-1]
+    deflection, rotation = modes.deflection[row], modes.rotation[row]
+    scale = max(np.abs(deflection).max() / largest, np.abs(rotation).max() / _STEEPEST)
+    return deflection / scale, rotation / scale
+
+
+def _moment(motion: xarray.Dataset, name: str) -> Floats:
+    if name not in motion.variables:
+        raise ValueError(f"shape must hold x, y and angle, got {shown(list(motion.data_vars))}")
+    if "time" in motion.dims:
+        raise ValueError("shape must be one moment of a motion, such as motion.isel(time=-1), got all of it")
+    return np.asarray(motion[name].values)
+
+
+def spring_texts(chain: Chain, unit: str = "EI/ell") -> list[str]:
+    """Return the springs at a chain's hinges, left to right, as labels of a drawing.
+
+    `unit` is "EI/ell", of the mean EI (the numbers as given for a chain from pieces), or "N m/rad".
+
+    Examples
+    --------
+    >>> from beammodes.problem.beam import Beam
+    >>> spring_texts(Chain(Beam.unit(), "clamped-free", segments=4, rule="gregory"))
+    ['8/3', '6/7', '24/23', '1']
+    """
+    own = choice("unit", unit, LABELS) == "EI/ell"
+    return [_text(k) for k in (chain.scaled.joint_stiffness if own else chain.joint_stiffness.tolist())]
+
+
+def support_texts(chain: Chain, unit: str = "EI/ell") -> list[tuple[str, str]]:
+    """Return K_t and K_r of both ends' elastic supports as labels; "" where an end holds or leaves free.
+
+    The `unit` "EI/ell" gives them in EI/L³ and EI/L, "N m/rad" in N/m and N m/rad.
+
+    Examples
+    --------
+    >>> from beammodes.problem.beam import Beam
+    >>> ends = "pinned(rotational_stiffness=8)-free(translational_stiffness=2)"
+    >>> support_texts(Chain(Beam.unit(), ends, 4, "double_wall"))   # 2 EI/ell in series with 8 EI/L
+    [('', '4 EI/L'), ('2 EI/L³', '')]
+    """
+    own = choice("unit", unit, LABELS) == "EI/ell"
+    if not own:
+        names: Sequence[str] = (" N/m", " N m/rad")
+        pairs = chain.support_stiffness.tolist()
+    else:
+        size = chain.segments or 1
+        names = (" EI/L³", " EI/L") if chain.segments else ("", "")
+        pairs = [(k_t * size**3, k_r * size) for k_t, k_r in chain.scaled.supports]
+    return [
+        (_elastic(translation, names[0]), _elastic(rotation, names[1])) for translation, rotation in pairs
+    ]
+
+
+def _draw_spring_labels(ax: Axes, chain: Chain, pose: Pose, unit: str, *, lift: float, size: float) -> None:
+    """Write each hinge's spring `lift` [m] beside it, on the upper side of the straight chain."""
+    texts, whole = spring_texts(chain, unit), float(chain.node_position[-1])
+    runs = _runs(texts) if len(texts) > _CROWD else [(j, text) for j, text in enumerate(texts)]
+    if len(runs) > _MOST:
+        return
+    for hinge, text in runs:
+        turned = complex(np.exp(1j * pose.angle[hinge]) + np.exp(1j * pose.angle[hinge + 1]))
+        normal = 1j * turned / abs(turned) if abs(turned) > 1e-9 else 1j
+        foot = complex(pose.x[hinge + 1], pose.y[hinge + 1]) + lift * normal
+        away = 0.85 * size * normal
+        ax.annotate(
+            text,
+            (foot.real, foot.imag),
+            (away.real, away.imag),
+            textcoords="offset points",
+            ha="center",
+            va="center",
+            color=SPRING,
+            fontsize=size,
+            zorder=6,
+        )
+        top = foot + _ABOVE * whole * normal
+        ax.update_datalim([(top.real - _BESIDE * whole, top.imag), (top.real + _BESIDE * whole, top.imag)])
+
+
+def _draw_support_labels(
+    ax: Axes, chain: Chain, places: Sequence[EndPlace], unit: str, *, size: float
+) -> None:
+    """Write the springs of elastic supports below the ends, on the side of the beam."""
+    for place, (translation, rotation) in zip(places, support_texts(chain, unit), strict=False):
+        lower = place.body.half / place.length
+        for text, below in ((rotation, 0.075), (translation, 0.19 if rotation else 0.15)):
+            if text:
+                _draw_beside(ax, place, text, max(below, lower + 0.65 * below), size)
+
+
+def _draw_beside(ax: Axes, place: EndPlace, text: str, below: float, size: float) -> None:
+    x, y = place.at[0] - place.side * 0.11 * place.length, place.at[1] - below * place.length
+    align = "left" if place.side < 0 else "right"
+    ax.text(x, y, text, ha=align, va="center", color=GROUND_SPRING, fontsize=size, zorder=6)
+    ax.update_datalim([(x, y - 0.04 * place.length)])
+
+
+def _text(value: Number) -> str:
+    if isinstance(value, Fraction) and max(value.numerator, value.denominator) <= _LARGEST:
+        return str(value)
+    return f"{float(value):.4g}"
+
+
+def _elastic(value: Number, unit: str) -> str:
+    return _text(value) + unit if 0 < value < math.inf else ""
+
+
+def _runs(texts: list[str]) -> list[tuple[int, str]]:
+    """Return each run of equal neighbours as the hinge in its middle and how often it says what."""
+    runs, first = [], 0
+    for text, same in itertools.groupby(texts):
+        count = len(list(same))
+        runs.append((first + (count - 1) // 2, text if count == 1 else f"{count} × {text}"))
+        first += count
+    return runs

@@ -45,7 +45,6 @@ __all__ = [
     "placed",
 ]
 
-
 Point = tuple[float, float]
 
 #: Okabe and Ito's colours, which the colour-blind can tell apart; source: Color Universal Design (2008).
@@ -104,17 +103,7 @@ def draw_hinge(ax: Axes, at: Point, radius: float) -> None:
 def draw_spiral(
     ax: Axes, at: Point, radius: float, *, inner: float, start: float = 0.0, colour: str = SPRING
 ) -> None:
-    """Draw a rotational spring about a hinge, from an inner radius to an outer one, where it ends at `start`.
-
-    Parameters
-    ----------
-    ax : matplotlib.axes.Axes
-    at : tuple of float
-    radius, inner : float
-    start : float [rad]
-        Direction in which it leaves.
-    colour : str
-    """
+    """Draw a rotational spring about a hinge, from an inner radius outwards, to end at angle `start`."""
     turn = np.linspace(0.0, 4.5 * np.pi, 180)
     away, angle = inner + (radius - inner) * turn / turn[-1], turn - turn[-1] + start
     x, y = at[0] + away * np.cos(angle), at[1] + away * np.sin(angle)
@@ -162,19 +151,8 @@ def draw_pin(ax: Axes, at: Point, size: float) -> None:
 def draw_slide(ax: Axes, at: Point, size: float, *, side: int, angle: float = 0.0, rest: float = 0.0) -> None:
     """Draw a support that holds a direction: a plate on two rollers that run along a wall.
 
-    Parameters
-    ----------
-    ax : matplotlib.axes.Axes
-    at : tuple of float
-        Middle of the plate's inner face.
-    size : float
-        Half the plate's height.
-    side : int
-        Where the wall is: -1 left of it, 1 right of it.
-    angle : float [rad]
-        Of the whole.
-    rest : float
-        How far along the wall from here the plate is when at rest: the wall reaches as far.
+    The middle of the plate's inner face is `at`, half its height `size`; the wall is left of it where `side`
+    is -1, and right of it where that is 1. It reaches to `rest`, where along it the plate is at rest.
     """
     from matplotlib.patches import Circle
 
@@ -219,40 +197,19 @@ def draw_disc(ax: Axes, at: Point, radius: float, *, colour: str = BLOCK, spoke:
         ax.plot(x, y, color=EDGE, linewidth=1.2, zorder=2.1)
 
 
-# A chain's two ends as symbols: what holds them, and the rigid bodies fixed to them.
-#
-# Sizes are in lengths of the chain. A body is drawn as the square block of its mass and rotary inertia, of
-# side
-#
-#     s = √(6 J/m),
-#
-# its middle as far beyond the end as its centre of mass; as a dot where it is a point mass, as a wheel
-# where it
-# has no mass. Where that would be too small or too large to draw, its size is a symbol's.
-
+# Sizes of symbols at the ends, in lengths of the chain.
 _WALL, _PIN, _PLATE, _DOT, _WHEEL = 0.1, 0.085, 0.085, 0.038, 0.08
-
-
 #: Smallest and largest side of a block, and furthest place of a body.
 _SMALLEST, _LARGEST, _FURTHEST = 0.06, 0.35, 0.5
-
-
 #: How far below the beam a spring stands on the ground, and the least that is seen of it.
 _DROP, _SHORTEST = 0.24, 0.1
 
 
 @dataclass(frozen=True)
 class Body:
-    """The symbol of the body on an end.
+    """The symbol of a body on an end: "none", "block", "dot" or "wheel".
 
-    Attributes
-    ----------
-    kind : str
-        "none", "block", "dot" or "wheel".
-    half : float [m]
-        Half its size.
-    offset : float [m]
-        How far beyond the end its middle is.
+    `half` is half its size [m], `offset` [m] the distance of its middle beyond the end.
     """
 
     kind: str
@@ -272,12 +229,10 @@ class EndPlace:
         Of the outer piece.
     side : int
         -1 for the left end, 1 for the right one.
-    length : float [m]
-        Of the whole chain.
-    radius : float [m]
-        Of the springs at hinges.
+    length, radius : float [m]
+        Of the whole chain, and of the springs at its hinges.
     hinged : bool
-        Whether a hinge is at the tip itself.
+        A hinge is at the tip itself.
     body : Body
     """
 
@@ -297,6 +252,9 @@ class EndPlace:
 
 def body_of(end: End, length: float) -> Body:
     """Return the symbol of what an end carries, as far as its supports let it move.
+
+    A block has the side √(6 J/m) of a square of that mass and rotary inertia; a point mass is a dot, and a
+    body without mass a wheel. What would be too small or too large to draw has the size of a symbol.
 
     Examples
     --------
