@@ -206,14 +206,18 @@ def check_against_determinant(rule: Rule, pair: Boundary, segments: int, mode: i
     if math.isnan(error):
         assert math.isnan(omega)
         return
+    # A bound on the distance to the root is a change of sign within it, which costs a fifth of a solution.
     with mp.workdps(digits(segments, mode)):
-        exact = exact_error(rule, pair, segments, mode, error)
-        scale = allowance(rule, segments, mode)
-        case = (rule.name, pair.name, segments, mode, error)
-        assert abs(error - exact) <= 1e-14, case
+        bound = 1e-14
         if mode <= segments / 10:
-            assert abs(error - exact) <= 1e-12 * abs(exact) + scale, case
-        assert abs(omega / (beam_root(pair, mode) ** 2 * (1 + exact)) - 1) <= 3e-14, case
+            bound = min(bound, 1e-12 * abs(error) + allowance(rule, segments, mode))
+        beta, case = beam_root(pair, mode), (rule.name, pair.name, segments, mode, error)
+        below, above = (
+            determinant(rule, pair, segments, ((beta / segments) ** 2 * (1 + mp.mpf(error) + d)) ** 2)
+            for d in (-mp.mpf(bound), mp.mpf(bound))
+        )
+        assert below * above < 0, case
+        assert abs(omega / (beta**2 * (1 + error)) - 1) <= 2e-14, case
 
 
 def allowance(rule: Rule, segments: int, mode: int) -> float:
@@ -231,7 +235,7 @@ def sweep(count: int, seed: int) -> None:
 
 
 def test_errors_to_twelve_digits_at_any_length() -> None:
-    sweep(120, seed=20)
+    sweep(200, seed=20)
 
 
 @pytest.mark.slow
