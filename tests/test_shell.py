@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import argparse
 import ast
+import contextlib
+import io
 import json
 import os
 import re
@@ -85,17 +87,27 @@ def test_help_and_errors_in_every_encoding(name: str, tmp_path: Path) -> None:
     assert ran.returncode == 2 and ran.stdout == b"" and b"Traceback" not in ran.stderr
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("name", ENCODINGS)
 @pytest.mark.parametrize("command", COMMANDS, ids=lambda command: command.name)
-def test_every_command_in_every_encoding(command: Any, name: str, tmp_path: Path) -> None:
+def test_every_command_in_every_encoding(
+    command: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
     arguments = [*shlex.split(command.example)[1:], *(["--force"] if command.name == "export" else [])]
-    folder = in_folder(tmp_path)
+    monkeypatch.chdir(in_folder(tmp_path))
     for call in (arguments, [*arguments, "--json"], [command.name, "--help"]):
-        ran = process(call, folder, settings=ENCODINGS[name])
-        expected = 1 if command.name == "audit" and "--help" not in call else 0
-        assert (ran.returncode, ran.stderr) == (expected, b""), call
-        assert "\\x" not in ran.stdout.decode(name if name != "C" else "ascii")
+        assert main(call) == int(command.name == "audit" and "--help" not in call), call
+        said = capsys.readouterr()
+        assert said.out and said.err == "", call
+        for encoding in ("utf-8", "cp1252", "latin-1", "cp437", "ascii", "utf-16", "koi8-r"):
+            stream = io.TextIOWrapper(io.BytesIO(), encoding, errors="strict")
+            if "--help" in call:
+                with contextlib.redirect_stdout(stream):
+                    assert main(call) == 0
+            else:
+                # What `main` writes its answer with.
+                shell.put(said.out, stream)
+            text = stream.buffer.getvalue().decode(encoding)
+            assert text and "\\x" not in text and ("--json" in call or "\\u" not in text), (call, encoding)
+    assert capsys.readouterr().err == ""
 
 
 def said_in(tree: ast.Module) -> set[str]:
@@ -112,16 +124,15 @@ def said_in(tree: ast.Module) -> set[str]:
     return {c for node in strings if isinstance(node.value, str) for c in node.value if ord(c) > 126}
 
 
-@pytest.mark.parametrize(
-    "encoding", ["ascii", "cp1252", "latin-1", "cp437", "koi8-r", "cp037", "shift_jis", "utf-16"]
-)
-def test_all_that_the_package_may_say_is_readable_in_every_encoding(encoding: str) -> None:
+def test_all_that_the_package_may_say_is_readable_in_every_encoding() -> None:
     paths = Path(beammodes.__file__).parent.rglob("*.py")
     said = set().union(*(said_in(ast.parse(path.read_text(encoding="utf-8"))) for path in paths))
     assert {"²", "ρ", "√"} <= said
-    for character in sorted(said):
-        plain = shell.readable(character, encoding)
-        assert plain == character or (plain.isascii() and "\\" not in plain and "?" not in plain)
+    for encoding in ("ascii", "cp1252", "latin-1", "cp437", "koi8-r", "cp037", "shift_jis", "utf-16"):
+        for character in sorted(said):
+            plain = shell.readable(character, encoding)
+            readable = plain.isascii() and "\\" not in plain and "?" not in plain
+            assert plain == character or readable, (encoding, character, plain)
 
 
 def test_what_no_encoding_holds_is_spelled_out() -> None:
@@ -271,21 +282,59 @@ def test_a_process_that_ignores_interrupts_is_not_interrupted(tmp_path: Path) ->
     assert (ran.returncode, ran.stderr) == (0, b"") and ran.stdout.startswith(b"hinge")
 
 
+FLAGS: list[list[str]] = [[], ["--json"], ["--help"]]
+
+
 @POSIX
 @pytest.mark.parametrize("command", COMMANDS, ids=lambda command: command.name)
-@pytest.mark.parametrize("flags", [[], ["--json"], ["--help"]])
-def test_every_command_without_a_reader_is_quiet(command: Any, flags: list[str], tmp_path: Path) -> None:
-    reading, writing = os.pipe()
-    os.close(reading)
-    calls = [*shlex.split(command.example)[1:], *flags, *(["--force"] if command.name == "export" else [])]
-    ran = process(calls, in_folder(tmp_path), stdout=writing)
-    os.close(writing)
-    assert (ran.returncode, ran.stderr) == (int(command.name == "audit" and flags != ["--help"]), b"")
+def test_every_command_without_a_reader_is_quiet(
+    command: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(in_folder(tmp_path))
+    for flags in FLAGS:
+        reading, writing = os.pipe()
+        os.close(reading)
+        call = [*shlex.split(command.example)[1:], *flags, *(["--force"] if command.name == "export" else [])]
+        with os.fdopen(writing, "w", encoding="utf-8") as stream:
+            monkeypatch.setattr(sys, "stdout", stream)
+            assert main(call) == int(command.name == "audit" and flags != ["--help"]), call
+    assert capsys.readouterr().err == ""
 
 
-@pytest.mark.skipif(not Path("/dev/full").exists(), reason="no device that is always full")
+@POSIX
+@pytest.mark.parametrize("name", ["springs", "audit"])
+def test_processes_without_a_reader_are_quiet(name: str, tmp_path: Path) -> None:
+    (command,) = (each for each in COMMANDS if each.name == name)
+    folder = in_folder(tmp_path)
+    for flags in FLAGS:
+        reading, writing = os.pipe()
+        os.close(reading)
+        ran = process([*shlex.split(command.example)[1:], *flags], folder, stdout=writing)
+        os.close(writing)
+        assert (ran.returncode, ran.stderr) == (int(name == "audit" and flags != ["--help"]), b"")
+
+
+FULL = pytest.mark.skipif(not Path("/dev/full").exists(), reason="no device that is always full")
+
+
+@FULL
 @pytest.mark.parametrize("command", COMMANDS, ids=lambda command: command.name)
-def test_every_command_on_a_full_disk_and_a_closed_stdout(command: Any, tmp_path: Path) -> None:
+def test_every_command_on_a_full_disk(
+    command: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(in_folder(tmp_path))
+    call = [*shlex.split(command.example)[1:], *(["--force"] if command.name == "export" else [])]
+    for arguments in (call, [command.name, "--help"]):
+        with open("/dev/full", "w", encoding="utf-8") as full:
+            monkeypatch.setattr(sys, "stdout", full)
+            assert main(arguments) == 2, arguments
+        assert "No space left" in one_line(capsys.readouterr().err.encode())
+
+
+@FULL
+@pytest.mark.parametrize("name", ["error", "export"])
+def test_processes_on_a_full_disk_and_a_closed_stdout(name: str, tmp_path: Path) -> None:
+    (command,) = (each for each in COMMANDS if each.name == name)
     call = shlex.split(command.example)[1:]
     more = ["--force"] if command.name == "export" else []
     folder = in_folder(tmp_path)
@@ -391,21 +440,43 @@ def one_call(command: Any, folder: Path) -> list[str]:
     return [str(folder / "beam.xml") if word == "beam.xml" else word for word in call]
 
 
-@pytest.mark.slow
+#: One of each kind: nothing, zero, signs, extremes, no number, several, other digits, what no terminal shows.
+SOME = ["", "0", "-1", "7.5", "1e-300", "1e300", "1000000000", "9" * 400, "nan", "inf", "None", "1,2"]
+SOME += ["½", "\udc80", "\x1b[31m"]
+
+
 @pytest.mark.parametrize("command", COMMANDS, ids=lambda command: command.name)
 def test_every_numeric_option_over_hostile_values(
     command: Any, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    folder = in_folder(tmp_path)
-    monkeypatch.chdir(folder)
-    call, options = one_call(command, folder), numeric_options(command)
+    assert set(SOME) <= set(HOSTILE)
+    over_values(SOME, command, tmp_path, capsys, monkeypatch)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("command", COMMANDS, ids=lambda command: command.name)
+def test_every_numeric_option_over_all_hostile_values(
+    command: Any, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
     assert len(HOSTILE) >= 62 and len(set(HOSTILE)) == len(HOSTILE)
+    over_values(HOSTILE, command, tmp_path, capsys, monkeypatch)
+
+
+def over_values(
+    values: list[str],
+    command: Any,
+    folder: Path,
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.chdir(in_folder(folder))
+    call, options = one_call(command, folder), numeric_options(command)
     assert options
     for option in options:
         kept = list(call)
         if option in kept:
             del kept[kept.index(option) : kept.index(option) + 2]
-        for value in HOSTILE:
+        for value in values:
             capsys.readouterr()
             code = main([*kept, f"{option}={value}"])
             out, err = capsys.readouterr()
