@@ -186,6 +186,9 @@ GOOD: dict[str, dict[str, Any]] = {
         "shear_ratio": 3.0,
     },
     "timoshenko": {"beam": bm.Beam.from_section(BAR, **MATERIAL), "boundary": "clamped-free", "modes": 2},
+    "derive_chain": {"chain": bm.Chain(BEAM, "clamped-free", 1)},
+    "derived_error_dataset": {"boundary": "clamped-free", "segments": [1], "modes": 1},
+    "wall_spring_weight": {},
     "wavenumber": {"boundary": "clamped-free", "mode": [1]},
 }
 

@@ -80,12 +80,12 @@ def accelerations(
     base: Array = STILL,
     damping: Damping | None = None,
 ) -> Array:
-    function = forward_dynamics(chain, load=load, damping=damping).acceleration
+    function = forward_dynamics(chain, load=load, damping=damping)
     return np.array(function(q, u, base).full()[:, 0])
 
 
 def assert_recursion_is_dense(chain: Chain, load: Load | None, seed: int = 0) -> None:
-    function = forward_dynamics(chain, load=load).acceleration
+    function = forward_dynamics(chain, load=load)
     for k in range(3):
         q, u = random_state(chain, 10 * seed + k)
         expected = dense_accelerations(chain, q, u, load, 0.0)
@@ -305,10 +305,10 @@ def test_damping_takes_the_power_of_rayleighs_function(boundary: str) -> None:
 def test_damping_ratios_of_the_linear_modes(boundary: str) -> None:
     # Textbook (Clough and Penzien, Dynamics of Structures, Rayleigh damping): ζ_n = α/(2 ω_n) + β ω_n/2.
     chain, alpha, beta = Chain(BEAM, boundary, 3), 0.4, 2e-3
-    dynamics = forward_dynamics(chain, damping=Damping(mass=alpha, stiffness=beta))
-    size = len(dynamics.coordinates)
+    acceleration = forward_dynamics(chain, damping=Damping(mass=alpha, stiffness=beta))
+    size = acceleration.size1_in(0)
     q, u = casadi.SX.sym("q", size), casadi.SX.sym("u", size)
-    force = dynamics.acceleration(q, u, STILL)
+    force = acceleration(q, u, STILL)
     slopes = casadi.Function("slopes", [q, u], [casadi.jacobian(force, q), casadi.jacobian(force, u)])
     stiff, damped = (part.full() for part in slopes(np.zeros(size), np.zeros(size)))
     roots = np.linalg.eigvals(np.block([[np.zeros((size, size)), np.eye(size)], [stiff, damped]]))
@@ -365,7 +365,7 @@ def test_a_damper_from_an_array_without_axes() -> None:
 
 def instructions(boundary: str, segments: int) -> int:
     chain = Chain(BEAM, boundary, segments)
-    return int(forward_dynamics(chain, load=Load(axial_force=1.0)).acceleration.n_instructions())
+    return int(forward_dynamics(chain, load=Load(axial_force=1.0)).n_instructions())
 
 
 def test_cost_grows_linearly_with_length() -> None:

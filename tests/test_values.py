@@ -75,6 +75,7 @@ FOUND: dict[str, Callable[[], Any]] = {
         UNIT, "clamped-free", 2, shear_stiffness=100.0, rotary_inertia_per_length=0.01
     ),
     "BentModel": lambda: bm.BentModel(bm.find_equilibrium(CHAIN, bm.Load(tip_moment=0.1))),
+    "DerivedChain": lambda: bm.derive_chain(bm.Chain(UNIT, "clamped-free", 2)),
     "Equilibrium": lambda: bm.find_equilibrium(CHAIN, bm.Load(tip_moment=0.1)),
     "Modes": lambda: bm.solve_modes(bm.linearize(CHAIN)),
     "match_springs": lambda: bm.match_springs("clamped-free", 3, 2),

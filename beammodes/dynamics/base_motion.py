@@ -46,7 +46,8 @@ class BaseMotion:
 
     Examples
     --------
-    >>> base = BaseMotion(y=harmonic(0.01, 3.0))
+    >>> import beammodes as bm
+    >>> base = bm.BaseMotion(y=bm.harmonic(0.01, 3.0))
     >>> base.at(np.array([0.0, 0.5]))[1].round(5)               # y: position, rate, acceleration
     array([[ 0.     ,  0.00997],
            [ 0.03   ,  0.00212],
@@ -121,7 +122,8 @@ def harmonic(amplitude: float, angular_frequency: float) -> Course:
 
     Examples
     --------
-    >>> [float(part[0]) for part in harmonic(2.0, 3.0)(np.zeros(1))]
+    >>> import beammodes as bm
+    >>> [float(part[0]) for part in bm.harmonic(2.0, 3.0)(np.zeros(1))]
     [0.0, 6.0, -0.0]
     """
     return _Harmonic(real("amplitude", amplitude), positive_real("angular_frequency", angular_frequency))
@@ -163,7 +165,8 @@ def spin_up(rate: float, duration: float) -> Course:
 
     Examples
     --------
-    >>> [float(part[0]) for part in spin_up(6.0, 15.0)(np.array([15.0]))]
+    >>> import beammodes as bm
+    >>> [float(part[0]) for part in bm.spin_up(6.0, 15.0)(np.array([15.0]))]
     [45.0, 6.0, 0.0]
     """
     return _SpinUp(real("rate", rate), positive_real("duration", duration))

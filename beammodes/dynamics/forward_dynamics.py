@@ -1,7 +1,21 @@
-"""Forward dynamics of a chain in CasADi, at a cost that grows linearly with its length.
+"""Accelerations of a chain in CasADi at a cost that grows linearly with its length: one sweep in, one out.
 
-Held right end. Its deflection is a closure with one multiplier, the force on the right tip across the beam.
-Accelerations are affine in it, so two sweeps find the force that keeps the tip with the base.
+Piece i, with its left tip at acceleration a_i, has its centre of mass c_i along it and its right tip l_i; t
+and n are its direction and normal. From the right tip inwards, the force that piece i takes from its left
+neighbour is
+
+    f_i = A_i a_i + b_i,      A_i = m I + A - h hᵀ/D,      b_i = h k/D - ω² (m c t + l A t) - F + b
+
+with A = A_{i+1}, b = b_{i+1} of all beyond it and
+
+    h = m c n + l A n,   D = J + m c² + l² n·A n,   k = τ + c n·F - l n·b + l² ω² n·A t,
+
+for the moment τ of its springs and the force F on its centre of mass; its angular acceleration is
+(k - h·a_i)/D. A piece that an end holds has the base's instead. At the left tip the base gives a_0, or the
+forces do where the end leaves a direction free. No mass matrix is formed.
+
+The deflection of a held right end is a closure with one multiplier, the force on the right tip across the
+beam. Accelerations are affine in it, so two sweeps find the force that keeps the tip with the base.
 """
 
 from __future__ import annotations
@@ -22,20 +36,11 @@ from beammodes.problem.loading import Load, checked_load
 from beammodes.progress import pause
 from beammodes.vibration.damping import Damping
 
-__all__ = [
-    "ChainState",
-    "ForwardDynamics",
-    "Sweep",
-    "Vector",
-    "base_vector",
-    "checked_system",
-    "forward_dynamics",
-]
-
-
-# A chain in motion with its base: which systems can move, and the state of every piece.
+__all__ = ["ChainState", "base_vector", "checked_system", "forward_dynamics"]
 
 Vector = tuple[Any, Any]
+# xx, xy, yy.
+Symmetric = tuple[Any, Any, Any]
 
 
 def base_vector(base: BaseMotion, time: ArrayLike) -> np.ndarray[Any, np.dtype[np.float64]]:
@@ -69,14 +74,10 @@ def checked_system(chain: Chain, load: Load | None, damping: Damping | None, bas
 
 @dataclass(frozen=True)
 class ChainState:
-    """Positions, angles and rates of every piece, those included that the base prescribes.
+    """Angles, rates and left tip of a chain from coordinates and base.
 
-    Attributes
-    ----------
-    angle, spin, gain : list
-        Angle and rate of every piece, and its angular acceleration where an end holds it, else None.
-    place, speed, acceleration : pair
-        Position and velocity of the left tip, and its acceleration where the base gives it, else None.
+    `gain` is the angular acceleration of pieces that an end holds, else None; `place`, `speed` and
+    `acceleration` are those of the left tip, the last None where it is free; `base` is that of `base_vector`.
     """
 
     angle: list[Any]
@@ -103,28 +104,7 @@ class ChainState:
         return cls(angle, spin, gain, place, speed, acceleration, base)
 
 
-# Accelerations of a chain at a cost that grows linearly with its length: one sweep in and one out.
-#
-# Piece i, with its left tip at acceleration a_i, has its centre of mass c_i along it and its right tip l_i; t
-# and n are its direction and normal. From the right tip inwards, the force that piece i takes from its left
-# neighbour is
-#
-#     f_i = A_i a_i + b_i,      A_i = m I + A - h hᵀ/D,      b_i = h k/D - ω² (m c t + l A t) - F + b
-#
-# with A = A_{i+1}, b = b_{i+1} of all beyond it and
-#
-#     h = m c n + l A n,   D = J + m c² + l² n·A n,   k = τ + c n·F - l n·b + l² ω² n·A t,
-#
-# for the moment τ of its springs and the force F on its centre of mass; its angular acceleration is
-# (k - h·a_i)/D. A piece that an end holds has the base's instead. At the left tip the base gives a_0, or
-# where
-# the end leaves a direction free the force does. No mass matrix is ever formed.
-
-# xx, xy, yy.
-Symmetric = tuple[Any, Any, Any]
-
-
-class Sweep:
+class _Sweep:
     """One sweep in and one out along a chain in a given state (module's equations)."""
 
     def __init__(self, chain: Chain, state: ChainState, load: Load, damping: Damping) -> None:
@@ -202,9 +182,7 @@ class Sweep:
             )
         return found, node[1]
 
-    def _carried(
-        self, i: int, a: tuple[Any, Any, Any], b: Vector
-    ) -> tuple[tuple[Any, Any, Any], Vector, Any]:
+    def _carried(self, i: int, a: Symmetric, b: Vector) -> tuple[Symmetric, Vector, Any]:
         """Return A_i, b_i (A as xx, xy, yy) and h, D, k of piece i, from those of all beyond it."""
         chain, (cosine, sine) = self.chain, self.tangent[i]
         mass, length, centre, inertia = (
@@ -237,28 +215,10 @@ class Sweep:
         return ax, ay
 
 
-@dataclass(frozen=True)
-class ForwardDynamics:
-    """Accelerations of a chain as a CasADi function, and what its states stand for.
-
-    Attributes
-    ----------
-    chain : Chain
-    coordinates : tuple of str
-        Names of q; see `coordinates.coordinate_names`. With a base that moves they are absolute.
-    acceleration : casadi.Function
-        q'' of (q, q', base), base being the nine numbers of `base_vector`.
-    """
-
-    chain: Chain
-    coordinates: tuple[str, ...]
-    acceleration: casadi.Function
-
-
 def forward_dynamics(
     chain: Chain, *, load: Load | None = None, damping: Damping | None = None, base: BaseMotion | None = None
-) -> ForwardDynamics:
-    """Return the compiled forward dynamics of a chain.
+) -> casadi.Function:
+    """Return the accelerations q'' of a chain as a function of (q, q', base), base as `base_vector` gives it.
 
         q'' = M(q)⁻¹ ((∂c/∂q)ᵀ λ - h(q, q') - s(q) - C q')
 
@@ -270,7 +230,7 @@ def forward_dynamics(
         Dead loads and gravity. A turning hub is a base that turns, not a spin rate.
     damping : Damping, optional
     base : BaseMotion, optional
-        What moves the left end; at rest by default. Its courses enter as the argument `base`.
+        What moves the left end, for the checks; its courses enter as an argument of the function.
 
     Raises
     ------
@@ -280,9 +240,8 @@ def forward_dynamics(
     Examples
     --------
     >>> from beammodes.problem.beam import Beam
-    >>> from beammodes.dynamics.forward_dynamics import base_vector
-    >>> dynamics = forward_dynamics(Chain(Beam.unit(), "clamped-free", segments=1))
-    >>> round(float(dynamics.acceleration(0.1, 0.0, base_vector(BaseMotion(), 0.0))), 9)    # -k θ/(m ell²/3)
+    >>> acceleration = forward_dynamics(Chain(Beam.unit(), "clamped-free", segments=1))
+    >>> round(float(acceleration(0.1, 0.0, base_vector(BaseMotion(), 0.0))), 9)    # -k θ/(m ell²/3)
     -0.9
     """
     checked_system(chain, load, damping, base)
@@ -301,23 +260,19 @@ def _can_be_kept(chain: Chain) -> bool:
 
 
 @lru_cache(maxsize=4)
-def _of_chain_alone(chain: Chain) -> ForwardDynamics:
+def _of_chain_alone(chain: Chain) -> casadi.Function:
     return _compiled(chain, None, None)
 
 
-def _compiled(chain: Chain, load: Load | None, damping: Damping | None) -> ForwardDynamics:
-    names = coordinate_names(chain)
-    q, u, course = (
-        casadi.SX.sym(name, size) for name, size in (("q", len(names)), ("u", len(names)), ("b", 9))
-    )
+def _compiled(chain: Chain, load: Load | None, damping: Damping | None) -> casadi.Function:
+    size = len(coordinate_names(chain))
+    q, u, course = (casadi.SX.sym(name, count) for name, count in (("q", size), ("u", size), ("b", 9)))
     state = ChainState.of(chain, casadi.vertsplit(q), casadi.vertsplit(u), casadi.vertsplit(course))
-    sweep = Sweep(chain, state, checked_load(load), damping or Damping())
+    sweep = _Sweep(chain, state, checked_load(load), damping or Damping())
     result = sweep.accelerations(casadi.SX(0))
     if chain.boundary.right.holds_deflection:
         # Affine in the multiplier: the force that leaves the tip with the base.
         nothing, unit = result, sweep.accelerations(casadi.SX(1))
         force = (course[5] - nothing[1]) / (unit[1] - nothing[1])
         result = ([x + force * (y - x) for x, y in zip(nothing[0], unit[0], strict=True)], None)
-    return ForwardDynamics(
-        chain, tuple(names), casadi.Function("acceleration", [q, u, course], [casadi.vertcat(*result[0])])
-    )
+    return casadi.Function("acceleration", [q, u, course], [casadi.vertcat(*result[0])])

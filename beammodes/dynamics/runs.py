@@ -1,4 +1,9 @@
-"""Runs of the integrators: in chunks, so that they can be watched, interrupted, and stopped."""
+"""Steps of integrators, compiled, and runs of them, in chunks that can be watched, interrupted and stopped.
+
+A state is (q, q'), of the midpoint rule (q, p). Chains whose right end is held are projected back onto their
+closure after each Runge-Kutta step, with the least change of q and of q'; the midpoint rule meets it by a
+multiplier. A stepper of another kind needs `steps` as `Stepper` has it, and a run in `runner`.
+"""
 
 from __future__ import annotations
 
@@ -22,29 +27,23 @@ from beammodes.vibration.damping import Damping
 from beammodes.vibration.integrators import INTEGRATORS
 
 __all__ = [
-    "MAX_PIECES",
     "Rate",
     "Run",
-    "Runner",
     "Stepper",
-    "closure",
     "implicit_midpoint",
-    "midpoint_run",
     "momentum_map",
     "projection",
     "runge_kutta",
-    "runge_kutta_run",
     "runner",
-    "variable_run",
 ]
 
+#: The midpoint rule refuses longer chains: each Newton iteration of a step solves a full system. A step takes
+#: about 0.4, 14 and 300 ms for 50, 200 and 500 pieces, where Runge-Kutta takes microseconds a piece.
+MAX_PIECES = 500
 
-# One step of an explicit Runge-Kutta method, compiled, from the stages that its record gives.
-#
-# A state is (q, q'). `Stepper.steps` maps it over many steps at once, so that a run spends its time in
-# compiled
-# code. Chains whose right end is held are projected back onto their closure after each Runge-Kutta step, with
-# the least change of q and of q'; the midpoint rule meets it by a multiplier.
+# Steps, and steps times numbers of a state, that one call of compiled code takes at most: short enough to be
+# watched and interrupted.
+_CHUNK, _NUMBERS = 2000, 50_000
 
 
 @dataclass(frozen=True)
@@ -104,9 +103,9 @@ def runge_kutta(
     array([0.9996, 0.9982])
     """
     method = INTEGRATORS[integrator]
-    dynamics = forward_dynamics(chain, load=load, damping=damping, base=base)
+    acceleration = forward_dynamics(chain, load=load, damping=damping, base=base)
     pause()
-    size = len(dynamics.coordinates)
+    size = acceleration.size1_in(0)
     # The last time is that of the new state's closure.
     nodes = [sum(row) for row in method.stages]
     times = tuple(sorted({*nodes, 1.0}))
@@ -119,7 +118,7 @@ def runge_kutta(
         x = state
         for weight, rate in zip(row, rates, strict=False):
             x = x + (step * weight) * rate if weight else x
-        rates.append(casadi.vertcat(x[size:], dynamics.acceleration(x[:size], x[size:], at[node])))
+        rates.append(casadi.vertcat(x[size:], acceleration(x[:size], x[size:], at[node])))
     # In multiples of the least weight, as the method is written in books: h/6 (k_1 + 2 k_2 + 2 k_3 + k_4).
     least = min(weight for weight in method.weights if weight)
     terms = [weight / least * rate for weight, rate in zip(method.weights, rates, strict=True) if weight]
@@ -129,7 +128,7 @@ def runge_kutta(
     return Stepper(casadi.Function("runge_kutta", [state, step, course], [new]), times)
 
 
-def closure(chain: Chain, q: Any, base: Any) -> Any:
+def _closure(chain: Chain, q: Any, base: Any) -> Any:
     """Return the right tip's deflection relative to the base, which a held end keeps at zero."""
     parts = casadi.vertsplit(q)
     state = ChainState.of(chain, parts, parts, casadi.vertsplit(base))
@@ -147,7 +146,7 @@ def projection(chain: Chain) -> casadi.Function:
     """
     size = len(coordinate_names(chain))
     q, u, base = (casadi.SX.sym(n, k) for n, k in (("q", size), ("u", size), ("base", 9)))
-    gap = closure(chain, q, base)
+    gap = _closure(chain, q, base)
     slope = casadi.jacobian(gap, q)
     # Bases under a held right end only shift, so the tip's velocity is the base's where the left tip's is.
     rate = slope @ u - (0 if chain.boundary.left.holds_deflection else base[4])
@@ -159,42 +158,36 @@ def projection(chain: Chain) -> casadi.Function:
     return casadi.Function("projection", [state, base], [casadi.vertcat(placed, moved)])
 
 
-# The implicit midpoint rule for a chain: symplectic also where the mass matrix depends on the shape.
-#
-# With the Lagrangian L = T - V, v = (q₁ - q₀)/h and all taken at the middle (q₀ + q₁)/2 of a step,
-#
-#     ∂L/∂q' = p₀ + h/2 (∂L/∂q - ∂R/∂q' + (∂c/∂q)ᵀ λ),     p₁ = 2 ∂L/∂q' - p₀,     c(q₁) = 0:
-#
-# the midpoint rule of Hamilton's equations in q and p = ∂L/∂q', derived from a discrete Lagrangian (J. E.
-# Marsden and M. West, Discrete mechanics and variational integrators, Acta Numerica 10 (2001), 357-514). R is
-# Rayleigh's dissipation function. A step keeps no energy exactly, but lets it wander within bounds that
-# shrink
-# with h².
-
-#: Longer chains are refused: each Newton iteration of a step solves a full system. A step takes about 0.4, 14
-#: and 300 ms for 50, 200 and 500 pieces, where a Runge-Kutta step takes microseconds a piece.
-MAX_PIECES = 500
-
-
 def implicit_midpoint(
     chain: Chain, *, load: Load | None = None, damping: Damping | None = None, base: BaseMotion | None = None
 ) -> Stepper:
-    """Return one step of the implicit midpoint rule, of states (q, p).
+    """Return one step of the implicit midpoint rule, of states (q, p), p = ∂L/∂q'.
+
+    With the Lagrangian L = T - V, Rayleigh's dissipation R, v = (q₁ - q₀)/h and all taken at (q₀ + q₁)/2,
+
+        ∂L/∂q' = p₀ + h/2 (∂L/∂q - ∂R/∂q' + (∂c/∂q)ᵀ λ),     p₁ = 2 ∂L/∂q' - p₀,     c(q₁) = 0.
+
+    It is symplectic also where the mass matrix depends on the shape: a step keeps no energy exactly, but lets
+    it wander within bounds that shrink with h².
 
     Parameters
     ----------
     chain, load, damping, base
-        As `forward_dynamics.forward_dynamics` takes them; at most 500 pieces.
+        As `forward_dynamics` takes them; at most 500 pieces.
 
     Raises
     ------
     TypeError, ValueError
         As `forward_dynamics` raises, or if the chain is too long.
 
+    References
+    ----------
+    J. E. Marsden and M. West, Discrete mechanics and variational integrators, Acta Numerica 10
+    (2001), 357-514.
+
     Examples
     --------
     >>> from beammodes.problem.beam import Beam
-    >>> import numpy as np
     >>> stepper = implicit_midpoint(Chain(Beam.unit(), "clamped-free", segments=1))
     >>> stepper.steps(np.array([1.0, 0.0]), 0.01, 0.0, 2, BaseMotion())[:, 0].round(4)
     array([0.9996, 0.9982])
@@ -213,7 +206,7 @@ def implicit_midpoint(
     between, after = q + step / 2 * v, q + step * v
     momentum, pull = _lagrangian_terms(chain, checked_load(load), damping or Damping(), between, v, middle)
     if held:
-        gap = closure(chain, between, middle)
+        gap = _closure(chain, between, middle)
         pull = pull + casadi.jacobian(gap, v).T / (step / 2) * force
     pause()
     units, moving = chain.units, size - len(tip_names(chain))
@@ -223,7 +216,7 @@ def implicit_midpoint(
     scale += [1 / (units.mass * units.length**2 * rate)] * moving
     residual = casadi.vertcat(
         casadi.DM(scale) * (momentum - p - step / 2 * pull),
-        *([closure(chain, after, late) / units.length] if held else []),
+        *([_closure(chain, after, late) / units.length] if held else []),
     )
     unknown, given = casadi.vertcat(v, force), casadi.vertcat(q, p, step, middle, late)
     system = casadi.Function("system", [unknown, given], [residual])
@@ -316,28 +309,12 @@ def _dissipation(chain: Chain, damping: Damping, state: ChainState, algebra: Alg
 
 #: Times, coordinates, speeds, and why the run stopped early, or nothing.
 Found = tuple[Floats, Floats, Floats, str]
-
-
 Runner = Callable[["Run", tuple[Floats, Floats], Progress], Found]
-
-
-# Steps, and steps times numbers of a state, that one call of compiled code takes at most: short enough to be
-# watched and interrupted.
-_CHUNK, _NUMBERS = 2000, 50_000
 
 
 @dataclass(frozen=True)
 class Run:
-    """What a run integrates, and how.
-
-    Attributes
-    ----------
-    duration, step, every, steps
-        Time in all and step [s], steps between outputs, steps in all.
-    tolerance : float
-        Relative, of variable-step methods.
-    integrator : str
-    """
+    """A motion to integrate: duration and step [s], steps between outputs and in all, relative tolerance."""
 
     chain: Chain
     load: Load
@@ -350,25 +327,14 @@ class Run:
     tolerance: float
     integrator: str = "rk4"
 
-    @property
-    def parts(self) -> dict[str, object]:
-        """The arguments of the compiled functions."""
-        return {"load": self.load, "damping": self.damping, "base": self.base}
-
 
 def runner(integrator: str) -> Runner:
-    """Return the function that runs an integrator of `simulate`, by its record.
-
-    Examples
-    --------
-    >>> runner("dop853").__name__
-    'variable_run'
-    """
-    runs = {"runge_kutta": runge_kutta_run, "midpoint": midpoint_run, "variable": variable_run}
+    """Return the function that runs an integrator of `simulate`, by its record."""
+    runs = {"runge_kutta": _runge_kutta_run, "midpoint": _midpoint_run, "variable": _variable_run}
     return runs[INTEGRATORS[integrator].run]
 
 
-def runge_kutta_run(run: Run, start: tuple[Floats, Floats], progress: Progress) -> Found:
+def _runge_kutta_run(run: Run, start: tuple[Floats, Floats], progress: Progress) -> Found:
     """Integrate by an explicit Runge-Kutta method of fixed step."""
     stepper = runge_kutta(
         run.chain, load=run.load, damping=run.damping, base=run.base, integrator=run.integrator
@@ -378,7 +344,7 @@ def runge_kutta_run(run: Run, start: tuple[Floats, Floats], progress: Progress) 
     return time, states[:, :size], states[:, size:], why
 
 
-def midpoint_run(run: Run, start: tuple[Floats, Floats], progress: Progress) -> Found:
+def _midpoint_run(run: Run, start: tuple[Floats, Floats], progress: Progress) -> Found:
     """Integrate by the implicit midpoint rule."""
     stepper = implicit_midpoint(run.chain, load=run.load, damping=run.damping, base=run.base)
     momentum, speed = momentum_map(run.chain, load=run.load)
@@ -431,10 +397,10 @@ class Rate:
 
     def __init__(self, run: Run, size: int) -> None:
         self.run, self.moves = run, run.base != BaseMotion()
-        dynamics = forward_dynamics(run.chain, load=run.load, damping=run.damping, base=run.base)
+        acceleration = forward_dynamics(run.chain, load=run.load, damping=run.damping, base=run.base)
         self.q, self.u, self.found, self.base = (np.zeros(n) for n in (size, size, size, 9))
         # Compiled code reads and writes these arrays; it lives no longer than the buffer does.
-        self.buffer, self.evaluate = dynamics.acceleration.buffer()
+        self.buffer, self.evaluate = acceleration.buffer()
         for k, argument in enumerate((self.q, self.u, self.base)):
             self.buffer.set_arg(k, argument.data)
         self.buffer.set_res(0, self.found.data)
@@ -450,7 +416,7 @@ class Rate:
         return np.concatenate([self.u, self.found])
 
 
-def variable_run(run: Run, start: tuple[Floats, Floats], progress: Progress) -> Found:
+def _variable_run(run: Run, start: tuple[Floats, Floats], progress: Progress) -> Found:
     """Integrate by a Runge-Kutta pair of SciPy, which chooses its steps."""
     size, why = len(start[0]), ""
     kept, times = [np.concatenate(start)], [0.0]

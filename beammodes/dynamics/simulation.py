@@ -35,15 +35,35 @@ __all__ = [
     "DivergedWarning",
     "UnsavedMotion",
     "UnstableStepWarning",
-    "initial_state",
     "mode_start",
-    "motion_dataset",
     "simulate",
 ]
 
+#: Of variable-step ones the step is the largest one and the one of output: the report's recipe.
+MOTION_INTEGRATORS: tuple[str, ...] = tuple(name for name, record in INTEGRATORS.items() if record.run)
+#: How many output times a run has unless told otherwise.
+OUTPUTS = 1000
+#: A motion that takes more memory is refused [bytes].
+MAX_MEMORY = 4 * 2**30
+# Numbers of 8 bytes that are held for each output time: for each piece, and for all of them. A
+# motion of 60 segments was measured to take 19 for each segment while its dataset is made.
+_FOR_SEGMENT, _FOR_TIME = 20, 40
 
-# What a motion starts from: a chain at rest with its base, in the shape of a mode, or as given.
-
+_NAMES = {
+    "angle": ("angle of each rigid segment", "rad"),
+    "angular_velocity": ("rate of each segment's angle", "rad/s"),
+    "x": ("position of each node along the beam at rest", "m"),
+    "y": ("position of each node across it", "m"),
+    "tip_deflection": ("right tip's distance from the line of the base", "m"),
+    "kinetic_energy": ("kinetic energy", "J"),
+    "potential_energy": ("energy of springs, supports and loads", "J"),
+    "energy": ("kinetic and potential energy", "J"),
+    "momentum_x": ("momentum along x", "N s"),
+    "momentum_y": ("momentum along y", "N s"),
+    "angular_momentum": ("angular momentum about the origin", "N m s"),
+    "q": ("generalized coordinates", "m, rad"),
+    "u": ("generalized speeds", "m/s, rad/s"),
+}
 
 Start = tuple[Floats, Floats]
 
@@ -68,8 +88,8 @@ def mode_start(chain: Chain, mode: int, amplitude: float, *, load: Load | None =
 
     Examples
     --------
-    >>> from beammodes.problem.beam import Beam
-    >>> mode_start(Chain(Beam.unit(), "clamped-free", segments=2), 1, 0.1)[0].round(4)
+    >>> import beammodes as bm
+    >>> bm.mode_start(bm.Chain(bm.Beam.unit(), "clamped-free", segments=2), 1, 0.1)[0].round(4)
     array([0.0558, 0.1   ])
     """
     model = linearize(chain, load=load)
@@ -84,7 +104,7 @@ def mode_start(chain: Chain, mode: int, amplitude: float, *, load: Load | None =
     return _onto(chain, start, BaseMotion()) if chain.boundary.right.holds_deflection else start
 
 
-def initial_state(chain: Chain, initial: Any, base: BaseMotion) -> Start:
+def _initial_state(chain: Chain, initial: Any, base: BaseMotion) -> Start:
     """Return the first state, on the closure of a chain whose right end is held."""
     course, names = base.at(0.0), coordinate_names(chain)
     rest = [{"x_0": course[0, k], "y_0": course[1, k]} for k in (0, 1)]
@@ -117,26 +137,7 @@ def _onto(chain: Chain, start: Start, base: BaseMotion) -> Start:
     return state[: len(start[0])], state[len(start[0]) :]
 
 
-# A computed motion as a labelled table: angles, positions, energies and momenta over time.
-
-_NAMES = {
-    "angle": ("angle of each rigid segment", "rad"),
-    "angular_velocity": ("rate of each segment's angle", "rad/s"),
-    "x": ("position of each node along the beam at rest", "m"),
-    "y": ("position of each node across it", "m"),
-    "tip_deflection": ("right tip's distance from the line of the base", "m"),
-    "kinetic_energy": ("kinetic energy", "J"),
-    "potential_energy": ("energy of springs, supports and loads", "J"),
-    "energy": ("kinetic and potential energy", "J"),
-    "momentum_x": ("momentum along x", "N s"),
-    "momentum_y": ("momentum along y", "N s"),
-    "angular_momentum": ("angular momentum about the origin", "N m s"),
-    "q": ("generalized coordinates", "m, rad"),
-    "u": ("generalized speeds", "m/s, rad/s"),
-}
-
-
-def motion_dataset(
+def _motion_dataset(
     chain: Chain,
     time: Floats,
     q: Floats,
@@ -249,23 +250,6 @@ def _momenta(
     }
 
 
-#: Of variable-step ones the step is the largest one and the one of output: the report's recipe.
-MOTION_INTEGRATORS: tuple[str, ...] = tuple(name for name, record in INTEGRATORS.items() if record.run)
-
-
-#: How many output times a run has unless told otherwise.
-OUTPUTS = 1000
-
-
-#: A motion that takes more memory is refused [bytes].
-MAX_MEMORY = 4 * 2**30
-
-
-# Numbers of 8 bytes that are held for each output time: for each piece, and for all of them. A
-# motion of 60 segments was measured to take 19 for each segment while its dataset is made.
-_FOR_SEGMENT, _FOR_TIME = 20, 40
-
-
 class DivergedWarning(UserWarning):
     """A motion left the finite numbers: the step was too long, or the chain unstable."""
 
@@ -366,10 +350,9 @@ def simulate(
 
     Examples
     --------
-    >>> from beammodes.dynamics.simulation import mode_start
-    >>> from beammodes.problem.beam import Beam
-    >>> chain = Chain(Beam.unit(), "clamped-free", segments=4)
-    >>> motion = simulate(chain, duration=1.0, initial=mode_start(chain, 1, 0.01))
+    >>> import beammodes as bm
+    >>> chain = bm.Chain(bm.Beam.unit(), "clamped-free", segments=4)
+    >>> motion = bm.simulate(chain, duration=1.0, initial=bm.mode_start(chain, 1, 0.01))
     >>> bool(abs(motion.energy / motion.energy[0] - 1).max() < 1e-6)
     True
     """
@@ -404,13 +387,13 @@ def simulate(
                 f"step must be at most {limit:.6g} s for {kind} to be stable on this chain, got {step:.6g} s"
             )
             warnings.warn(f"{message}: the energy will grow", UnstableStepWarning, stacklevel=2)
-    start = initial_state(chain, initial, ground)
+    start = _initial_state(chain, initial, ground)
     steps = math.ceil(span / longest - 1e-9)
     run = Run(chain, given, ground, damping or Damping(), span, longest, every, steps, float(tolerance), kind)
     with held():
         time, q, u, why = runner(kind)(run, start, told)
         attributes = {"integrator": kind, "step": longest, "complete": int(not why), "stopped": why}
-        result = motion_dataset(chain, time, q, u, load=given, base=ground, attributes=attributes)
+        result = _motion_dataset(chain, time, q, u, load=given, base=ground, attributes=attributes)
         if path is not None:
             _save(result, path)
     if why.startswith("non-finite"):

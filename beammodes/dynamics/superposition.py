@@ -91,10 +91,9 @@ def modal_response(
 
     Examples
     --------
-    >>> from beammodes.dynamics.base_motion import harmonic
-    >>> motion = modal_response(
-    ...     Beam.unit(), "clamped-free", 3, time=[0.0, 0.5, 1.0], base=BaseMotion(y=harmonic(0.01, 2.0))
-    ... )
+    >>> import beammodes as bm
+    >>> base = bm.BaseMotion(y=bm.harmonic(0.01, 2.0))
+    >>> motion = bm.modal_response(bm.Beam.unit(), "clamped-free", 3, time=[0.0, 0.5, 1.0], base=base)
     >>> motion.tip_deflection.values.round(6) + 0.0
     array([0.      , 0.002054, 0.008309])
     """

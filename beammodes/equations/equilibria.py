@@ -154,12 +154,12 @@ def find_equilibrium(
 
     Examples
     --------
-    >>> from beammodes.problem.beam import Beam
-    >>> chain = Chain(Beam.unit(), "clamped-free", segments=50)
-    >>> rolled = find_equilibrium(chain, Load(tip_moment=2 * np.pi))        # into a full circle
+    >>> import beammodes as bm
+    >>> chain = bm.Chain(bm.Beam.unit(), "clamped-free", segments=50)
+    >>> rolled = bm.find_equilibrium(chain, bm.Load(tip_moment=2 * np.pi))        # into a full circle
     >>> bool(np.abs(rolled.nodes[-1]).max() < 1e-12)
     True
-    >>> buckled = find_equilibrium(chain, Load(axial_force=-10 * np.pi**2 / 4))
+    >>> buckled = bm.find_equilibrium(chain, bm.Load(axial_force=-10 * np.pi**2 / 4))
     >>> round(float(np.degrees(buckled.angle[-1])), 2), buckled.nodes[-1].round(4), buckled.is_stable
     (176.8, array([-0.5967,  0.4026]), True)
     """

@@ -113,8 +113,8 @@ def compile_equations(chain: Chain, *, load: Load | None = None) -> CompiledEqua
 
     Examples
     --------
-    >>> from beammodes.problem.beam import Beam
-    >>> compiled = compile_equations(Chain(Beam.unit(), "clamped-free", segments=2))
+    >>> import beammodes as bm
+    >>> compiled = bm.compile_equations(bm.Chain(bm.Beam.unit(), "clamped-free", segments=2))
     >>> compiled.linearize().mass_matrix
     array([[0.16666667, 0.0625    ],
            [0.0625    , 0.04166667]])

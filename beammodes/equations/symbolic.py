@@ -170,8 +170,8 @@ def equations_of_motion(
 
     Examples
     --------
-    >>> from beammodes.problem.beam import Beam
-    >>> equations = equations_of_motion(Chain(Beam.unit(), "clamped-free", segments=2))
+    >>> import beammodes as bm
+    >>> equations = bm.equations_of_motion(bm.Chain(bm.Beam.unit(), "clamped-free", segments=2))
     >>> equations.mass_matrix[0, 1]
     ell**2*m*cos(theta_1 - theta_2)/2
     >>> equations.linearize().stiffness_matrix[0, 0]
@@ -198,8 +198,8 @@ def symbolic_energies(chain: Chain, *, load: Load | None = None, symbols: bool |
 
     Examples
     --------
-    >>> from beammodes.problem.beam import Beam
-    >>> symbolic_energies(Chain(Beam.unit(), "clamped-free", segments=1)).potential
+    >>> import beammodes as bm
+    >>> bm.symbolic_energies(bm.Chain(bm.Beam.unit(), "clamped-free", segments=1)).potential
     3*EI*theta_1**2/(2*ell)
     """
     names = coordinate_names(_checked(chain))

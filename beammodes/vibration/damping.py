@@ -66,8 +66,8 @@ class Damping:
 
     Examples
     --------
-    >>> from beammodes.problem.beam import Beam
-    >>> Damping(stiffness=0.01).joint_damping(Chain(Beam.unit(), "clamped-free", segments=1))
+    >>> import beammodes as bm
+    >>> bm.Damping(stiffness=0.01).joint_damping(bm.Chain(bm.Beam.unit(), "clamped-free", segments=1))
     array([0.03])
     """
 
@@ -230,10 +230,10 @@ def joint_dampers(chain: Chain, ratio: float, *, mode: int = 1) -> Damping:
 
     Examples
     --------
-    >>> from beammodes.problem.beam import Beam
-    >>> chain = Chain(Beam.unit(), "clamped-free", segments=4)
-    >>> damping = joint_dampers(chain, 0.01)
-    >>> damped_modes(chain, damping).damping_ratio.values.round(4)
+    >>> import beammodes as bm
+    >>> chain = bm.Chain(bm.Beam.unit(), "clamped-free", segments=4)
+    >>> damping = bm.joint_dampers(chain, 0.01)
+    >>> bm.damped_modes(chain, damping).damping_ratio.values.round(4)
     array([0.01  , 0.0585, 0.1536, 0.2662])
     """
     check_damped(chain, Damping())
@@ -272,9 +272,9 @@ def damped_modes(chain: Chain, damping: Damping) -> xarray.Dataset:
 
     Examples
     --------
-    >>> from beammodes.problem.beam import Beam
-    >>> chain = Chain(Beam.unit(), "clamped-free", segments=4)
-    >>> tip = damped_modes(chain, Damping(joint=(0.0, 0.0, 0.0, 0.1)))             # one damper, at one hinge
+    >>> import beammodes as bm
+    >>> chain = bm.Chain(bm.Beam.unit(), "clamped-free", segments=4)
+    >>> tip = bm.damped_modes(chain, bm.Damping(joint=(0.0, 0.0, 0.0, 0.1)))       # at one hinge
     >>> tip.damping_ratio.values.round(4)
     array([4.000e-04, 3.000e-02, 1.039e-01, 7.022e-01])
     """

@@ -69,6 +69,7 @@ class Integrator:
 
     Examples
     --------
+    >>> import beammodes as bm
     >>> find_integrator("MuJoCo RK4").name, find_integrator("Drake discrete").damping
     ('rk4', 'implicit')
     """

@@ -180,8 +180,8 @@ class LinearModel:
 
     Examples
     --------
-    >>> from beammodes.problem.beam import Beam
-    >>> model = linearize(Chain(Beam.unit(), "pinned-pinned", segments=4))
+    >>> import beammodes as bm
+    >>> model = bm.linearize(bm.Chain(bm.Beam.unit(), "pinned-pinned", segments=4))
     >>> model.coordinates
     ('y_1', 'y_2', 'y_3')
     >>> (24 * model.mass_matrix).round(12)
@@ -274,10 +274,9 @@ class BentModel:
 
     Examples
     --------
-    >>> from beammodes.problem.beam import Beam
-    >>> from beammodes.equations.equilibria import find_equilibrium
-    >>> chain = Chain(Beam.unit(), "clamped-free", segments=2)
-    >>> linearize(chain, at=find_equilibrium(chain, None)).mass_matrix
+    >>> import beammodes as bm
+    >>> chain = bm.Chain(bm.Beam.unit(), "clamped-free", segments=2)
+    >>> bm.linearize(chain, at=bm.find_equilibrium(chain, None)).mass_matrix
     array([[0.16666667, 0.0625    ],
            [0.0625    , 0.04166667]])
     """
@@ -390,16 +389,15 @@ def linearize(
 
     Examples
     --------
-    >>> from beammodes.problem.beam import Beam
-    >>> chain = Chain(Beam.unit(), "clamped-free", segments=2)
-    >>> linearize(chain).stiffness_matrix
+    >>> import beammodes as bm
+    >>> chain = bm.Chain(bm.Beam.unit(), "clamped-free", segments=2)
+    >>> bm.linearize(chain).stiffness_matrix
     array([[ 51.2, -16. ],
            [-16. ,   8. ]])
 
     About the shape that it takes under its own weight, in angles:
 
-    >>> from beammodes.equations.equilibria import find_equilibrium
-    >>> linearize(chain, at=find_equilibrium(chain, Load(gravity=20.0))).stiffness_matrix.round(6)
+    >>> bm.linearize(chain, at=bm.find_equilibrium(chain, bm.Load(gravity=20.0))).stiffness_matrix.round(6)
     array([[13.071977, -2.      ],
            [-2.      ,  4.416262]])
     """

@@ -87,10 +87,9 @@ def solve_modes(model: LinearModel | BentModel, modes: int | None = None) -> Mod
 
     Examples
     --------
-    >>> from beammodes.problem.beam import Beam
-    >>> from beammodes.chains.chain import Chain
-    >>> from beammodes.vibration.linear import linearize
-    >>> solve_modes(linearize(Chain(Beam.unit(), "clamped-free", segments=6)), modes=2).angular_frequency
+    >>> import beammodes as bm
+    >>> chain = bm.Chain(bm.Beam.unit(), "clamped-free", segments=6)
+    >>> bm.solve_modes(bm.linearize(chain), modes=2).angular_frequency
     array([ 3.50364768, 21.28034888])
     """
     if not isinstance(model, LinearModel | BentModel):

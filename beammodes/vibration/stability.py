@@ -85,7 +85,8 @@ def published_time_step(beam: Beam, modes: int) -> float:
 
     Examples
     --------
-    >>> published_time_step(Beam.unit(), modes=3)
+    >>> import beammodes as bm
+    >>> bm.published_time_step(bm.Beam.unit(), modes=3)
     0.066
     """
     if not isinstance(beam, Beam):
@@ -141,10 +142,11 @@ def stable_time_step(
 
     Examples
     --------
-    >>> chain = Chain(Beam(4.0, 1e-3, 0.026), "pinned-free(mass=0.75)", segments=20)
-    >>> round(stable_time_step(chain, "MuJoCo Euler"), 4)
+    >>> import beammodes as bm
+    >>> chain = bm.Chain(bm.Beam(4.0, 1e-3, 0.026), "pinned-free(mass=0.75)", segments=20)
+    >>> round(bm.stable_time_step(chain, "MuJoCo Euler"), 4)
     0.0596
-    >>> round(stable_time_step(chain, "MuJoCo Euler", load=Load(gravity=(9.81, 0.0))), 4)   # it hangs
+    >>> round(bm.stable_time_step(chain, "MuJoCo Euler", load=bm.Load(gravity=(9.81, 0.0))), 4)   # it hangs
     0.0066
     """
     record = fixed_step_integrator(integrator)
