@@ -1,4 +1,4 @@
-"""Argument checks whose messages name the argument, its value and what is allowed; values as text."""
+"""Checks of arguments, whose messages name argument, value and what is allowed; values as text."""
 
 from __future__ import annotations
 

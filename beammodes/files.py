@@ -1,4 +1,4 @@
-"""Files, ordinary ones only: read in bounds; written whole or not at all, and checked before the work."""
+"""Ordinary files: read up to a size; written whole or not at all, at places checked before the work."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ _NO_LINKS = {errno.EPERM, errno.ENOTSUP, errno.EOPNOTSUPP, errno.ENOSYS, errno.E
 
 
 def file_target(path: object, *, new: bool = False) -> Path:
-    """Return where a file is to be written; what cannot be is found out before the work, not after it.
+    """Return the place where a file is to be written, checked before the work and not after it.
 
     A symbolic link to an ordinary file stands for that file: the link stays, and the file is replaced. A link
     that leads nowhere is refused.
@@ -168,7 +168,7 @@ def ordinary_bytes(path: str | os.PathLike[str], most: int) -> bytes:
 
 
 def _mode(place: Path) -> int | None:
-    """Return type and permissions of what is there, links not followed, or None."""
+    """Return type and permissions of a file, links not followed, or None if there is none."""
     try:
         return place.lstat().st_mode
     except FileNotFoundError:

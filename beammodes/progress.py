@@ -1,4 +1,4 @@
-"""Long work: a line that shows how far it is, and Ctrl-C that loses nothing of what is finished."""
+"""Progress of long work: a line that shows it, and Ctrl-C that loses nothing of what is finished."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ _PERIOD = 0.1  # seconds between two lines: more would slow the work down
 
 @dataclass
 class ProgressLine:
-    """A line that says how much is done, how fast, and how long the rest will take.
+    """A line with the amount done, its rate and the time that the rest will take.
 
     Parameters
     ----------

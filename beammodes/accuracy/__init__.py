@@ -1,1 +1,1 @@
-"""How wrong a chain is: frequencies, deflections, shapes, buckling loads; and what to choose."""
+"""Errors of chains: frequencies, deflections, mode shapes, buckling loads; and advice on what to choose."""

@@ -1,4 +1,4 @@
-"""Advice: which rule, how many segments, which springs and which step a wanted accuracy costs least with."""
+"""Advice: the rule, segments, springs and time step that reach a wanted accuracy at the least cost."""
 
 from __future__ import annotations
 
@@ -69,7 +69,7 @@ class Recommendation:
         Largest of `theory_errors` of the wanted modes, which no number of segments lowers: a chain tends to
         Euler and Bernoulli's beam, having no shear. NaN where the beam's section is not known.
     remarks : tuple of str
-        What to know about the error of the least accurate mode; see `error_remarks`.
+        On the error of the least accurate mode; see `error_remarks`.
     """
 
     rule: str
@@ -115,10 +115,9 @@ def recommend(
     modes : int
     beam : Beam, optional
         For springs, steps and numbers of ends in its units; without one all are multiples of EI/L,
-        √(ρA L⁴/EI),
-        ρA L and so on. Of one that varies, or has a rotary inertia, each chain is solved beside the exact
-        beam, and N is sought up to 1000, all up to 30, then in steps of a tenth; "from this N on" is then
-        looked at up to 3 N.
+        √(ρA L⁴/EI), ρA L and so on. Of one that varies, or has a rotary inertia, each chain is solved beside
+        the exact beam, and N is sought up to 1000, all up to 30, then in steps of a tenth; "from this N on"
+        is then looked at up to 3 N.
     rules : iterable of rules, optional
         All of `RULES` by default; one that cannot meet the tolerance with 10,000 segments is left out.
     integrator : str
@@ -173,7 +172,7 @@ def _layouts(rules: Iterable[AnyRule]) -> list[Layout]:
 
 
 class _Judge(NamedTuple):
-    """What tells errors of chains of one beam, and how many segments keep them in bounds."""
+    """Errors of chains of one beam, and the number of segments that keeps them within a tolerance."""
 
     beam: Beam
     boundary: Boundary
@@ -183,7 +182,7 @@ class _Judge(NamedTuple):
 
     @classmethod
     def of(cls, beam: Beam, boundary: Boundary, tolerance: float, modes: int) -> _Judge:
-        """Return it for the first modes of a beam."""
+        """Return the judge of the first modes of a beam."""
         limit = small_fraction("tolerance", tolerance)
         exact = euler_bernoulli(beam, boundary, whole_number("modes", modes))
         theory = exact.theory_error[~np.isnan(exact.theory_error)]
@@ -192,7 +191,7 @@ class _Judge(NamedTuple):
 
     @property
     def modes(self) -> int:
-        """How many modes are wanted."""
+        """The number of modes wanted."""
         return len(self.exact)
 
     def errors(self, record: Layout, segments: int) -> Floats:
@@ -213,7 +212,7 @@ class _Judge(NamedTuple):
         return errors
 
     def remarks(self, record: Layout, segments: int) -> tuple[str, ...]:
-        """Return what to know about the error of the least accurate mode; nothing of a beam that varies."""
+        """Return remarks on the error of the least accurate mode; none for a beam that varies."""
         if not self.beam.is_uniform or self.beam.has_rotary_inertia:
             return ()
         worst = int(np.argmax(np.abs(self.errors(record, segments)))) + 1

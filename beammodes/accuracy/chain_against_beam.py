@@ -1,4 +1,4 @@
-"""A chain's errors against its own beam, and what Euler-Bernoulli theory itself leaves out of that beam."""
+"""Errors of a chain against its own beam, and errors of Euler-Bernoulli theory against a real beam."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ _LEAST_TOLD = 1e-3
 
 
 class SlendernessWarning(UserWarning):
-    """The beam is so stout that Euler-Bernoulli theory errs more on it than the chain errs on the theory."""
+    """Warning of a stout beam: Euler-Bernoulli theory errs more on it than the chain on the theory."""
 
 
 def chain_errors(chain: Chain, modes: int = 3, *, load: Load | None = None) -> Floats:

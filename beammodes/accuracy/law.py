@@ -1,4 +1,4 @@
-"""The law of the error: what a rule's frequencies are wrong by, in closed form, as N grows.
+"""The law of the error: the leading term, in closed form, of a rule's frequency errors as N grows.
 
 A beam's flexibility is the integral of f = M²/EI along it; a chain's is the sum of w_j ell f(x_j) over its
 hinges. By Rayleigh's principle a small change of flexibility changes a frequency by

@@ -1,4 +1,4 @@
-"""What to know about one error: where a rule does worse than its order promises, and what does better."""
+"""Remarks on one error: where a rule does worse than its order promises, and which does better."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ def error_remarks(
     load: Load | None = None,
     beam: Beam | None = None,
 ) -> tuple[str, ...]:
-    """Return what a reader of one `frequency_error` should know, one plain sentence each.
+    """Return remarks on one `frequency_error`, one sentence each.
 
     A rule can turn from best to worst: where its end corrections do not fit into a short chain, near the
     chain's last modes, under load, which leaves every rule order 2 at best, and where springs would not be

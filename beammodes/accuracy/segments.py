@@ -1,4 +1,4 @@
-"""How many segments keep errors within a tolerance, for every larger number of them too."""
+"""The number of segments from which on errors stay within a tolerance."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ Fails = Callable[[Counts], NDArray[np.bool_]]
 
 
 class ToleranceOutOfReach(ValueError):
-    """No chain that is looked at stays within the tolerance."""
+    """Error: no chain that is looked at stays within the tolerance."""
 
 
 def segments_needed(

@@ -1,4 +1,4 @@
-"""Mode shapes of the chain beside the beam's: how alike they are, and how far apart at most.
+"""Mode shapes of the chain against the beam's: their modal assurance and largest deviation.
 
 A chain may have a frequency right and its shape wrong. Shapes are compared at the chain's nodes, where both
 are defined, each node weighed with its share of the mass: half of each piece that it ends. Nodes that a piece
@@ -87,7 +87,7 @@ def shape_dataset(
     rule: AnyRule | Iterable[AnyRule] = "mitiguy",
     beam: Beam | None = None,
 ) -> xarray.Dataset:
-    """Return how far chains' mode shapes u are from the beam's φ, as one labelled table.
+    """Return deviations of chains' mode shapes u from the beam's φ as one labelled table.
 
     1 - MAC = |u - φ (φᵀMu) / (φᵀMφ)|² / |u|²,  |v|² = vᵀMv;    max |c u - φ| / max |φ|,  c = (uᵀMφ) / (uᵀMu)
 

@@ -1,4 +1,4 @@
-"""Static deflections of the beam and of the chain: what a rule that suits frequencies does to statics.
+"""Static deflections of the beam and of the chain, and their errors.
 
 Both are seen with the firmer end at x = 0 and the *tip*, the less firm end, at x = L; deflections, forces and
 distributed load point up, rotations and moments are counter-clockwise. Loads are of unit size.
@@ -58,10 +58,8 @@ __all__ = [
 
 Loads = tuple[Fraction, Fraction, Fraction]
 
-
 # The power of a length in the rotation that a load causes; deflections have one more.
 LENGTHS = MappingProxyType({"tip_force": 1, "tip_moment": 0, "uniform_load": 2})
-
 
 #: The loads: a force or a moment at the tip, or a load spread evenly over the whole length.
 LOADS: tuple[str, ...] = tuple(LENGTHS)
@@ -161,7 +159,7 @@ def at_tip(boundary: Boundary, deflection: Number, rotation: Number, midspan: Nu
 
 
 def beam_statics(beam: Beam, boundary: BoundaryLike, load: str) -> Statics:
-    """Return how an Euler-Bernoulli beam responds to a load of unit size.
+    """Return the response of an Euler-Bernoulli beam to a load of unit size.
 
     (EI y'')'' = q,  two conditions at each end: y or -(EI y'')', and y' or EI y''
 
@@ -207,7 +205,7 @@ def beam_statics(beam: Beam, boundary: BoundaryLike, load: str) -> Statics:
 
 
 def chain_statics(chain: Chain, load: str) -> Statics:
-    """Return how a chain responds to a small load of unit size.
+    """Return the response of a chain to a small load of unit size.
 
     y(x) = θ₀ x + Σ M_j (x - x_j) / k_j  over the hinges left of x
 
@@ -435,7 +433,7 @@ def static_dataset(
 
 
 def chain_static_errors(chain: Chain, load: str) -> list[float]:
-    """Return the error of each of `STATIC_QUANTITIES` of a rule's chain, rounded once from its exact value.
+    """Return the errors of `STATIC_QUANTITIES` of a rule's chain, each rounded once from its exact value.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""How well a real beam's frequencies are known, and how many segments are enough for that.
+"""The spread of a real beam's frequencies with its tolerances, and the segments that are enough for it.
 
 Materials and dimensions have tolerances. Shear, damping and the give of real supports are other reasons why a
 beam's frequencies differ from computed ones; they are not counted here.
@@ -47,7 +47,7 @@ _MATERIAL = ("elastic_modulus", "density", "length")
 
 @dataclass(frozen=True, slots=True)
 class Tolerance:
-    """How far a number may be from its nominal value, as a fraction of it.
+    """Tolerance of a number, as a fraction of its nominal value.
 
     Parameters
     ----------
@@ -111,7 +111,7 @@ def frequency_spread(
     quantiles: Iterable[float] = (0.025, 0.5, 0.975),
     progress: Progress | bool | None = False,
 ) -> xarray.Dataset:
-    """Return how widely the exact frequencies of a uniform beam spread with its material and dimensions.
+    """Return the spread of a uniform beam's exact frequencies with its material and dimensions.
 
         ω = K √(EI/ρA) / L²,    (σ_ω/ω)² ≈ Σ (∂ln ω/∂ln p)² (σ_p/p)²
 
@@ -277,7 +277,7 @@ def _estimates(
 
 @dataclass(frozen=True)
 class EnoughSegments:
-    """How many segments keep a chain's error inside the spread of the beam itself; `str` says it.
+    """Number of segments that keeps a chain's error inside the spread of its beam; `str` says it.
 
     Attributes
     ----------

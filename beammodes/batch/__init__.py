@@ -1,1 +1,1 @@
-"""Studies: many chains declared at once, computed in chunks on one core, several or a cluster, and kept."""
+"""Studies: many chains declared at once, computed in chunks on one core, many or a cluster, and stored."""

@@ -1,4 +1,4 @@
-"""A block of a study's points, as beams, ends, loads and chains; what several quantities need, found once."""
+"""A block of a study's points as beams, ends, loads and chains, and results that several quantities share."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from beammodes.accuracy.beam_units import NUMBERS, in_beam_units, load_in_beam_units, with_numbers
 from beammodes.accuracy.errors import errors_in_multiples, exact_frequencies
-from beammodes.batch.study_axes import SECTIONS, dimensions_of
+from beammodes.batch.study_axes import dimensions_of
 from beammodes.chains.chain import Chain
 from beammodes.chains.rules import AnyRule
 from beammodes.checks import shown
@@ -22,9 +22,9 @@ from beammodes.numerics.arrays import Floats
 from beammodes.problem.beam import Beam
 from beammodes.problem.ends import Boundary
 from beammodes.problem.loading import Load
+from beammodes.problem.sections import SECTIONS
 
 __all__ = ["MATERIAL", "UNIFORM_BEAM", "Case", "Cases"]
-
 
 #: What counts as the answer that a point has none. A TypeError, a NameError and their like are faults of a
 #: function's text, not of a point, and stop the study.
@@ -139,7 +139,7 @@ class Cases:
 
     @property
     def shape(self) -> tuple[int, int]:
-        """How many cases and modes."""
+        """The numbers of cases and modes."""
         return len(self), self.mode.shape[1]
 
     def each(self, function: Callable[[Case], float]) -> Floats:
@@ -204,7 +204,7 @@ class Cases:
 
     @contextmanager
     def _answering(self, places: Iterable[int], case: Case | None = None) -> Iterator[None]:
-        """Let an error count as the answer that these cases have none, and remember what it said."""
+        """Turn an error that counts as no answer into a reason why these cases have none."""
         try:
             yield
         except NO_ANSWER as error:

@@ -1,4 +1,4 @@
-"""Who computes the chunks: this process, others on this machine, or whatever else runs functions."""
+"""Executors of chunks: this process, worker processes, a cluster, or any other that runs functions."""
 
 from __future__ import annotations
 
@@ -34,7 +34,6 @@ _LOOK = 0.5
 # Chunks handed out at a time: enough for hundreds of workers, few enough to hold in memory.
 _WINDOW = 512
 
-
 #: Tells this process, and forks of it, from others, also on other machines.
 _THIS_PROCESS = secrets.token_hex(16)
 
@@ -43,7 +42,7 @@ Task = tuple[int, Cases]
 
 @dataclass
 class _Workers(Executor):
-    """Processes of our own."""
+    """Worker processes that this file has started."""
 
     pool: Executor
 
@@ -190,7 +189,7 @@ def _finished(pending: dict[Future[Evaluated], int]) -> Iterator[tuple[int, Eval
 
 
 def evaluate(cases: Cases, quantities: Iterable[Quantity]) -> Evaluated:
-    """Return the quantities of a chunk, on one BLAS thread: several would share sums out differently."""
+    """Return the quantities of a chunk, computed on one BLAS thread, so that sums have one order."""
     with one_thread():
         return _evaluated(cases, quantities)
 

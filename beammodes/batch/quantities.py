@@ -1,4 +1,4 @@
-"""The quantities that a study may compute: one record each in `QUANTITIES`, or a user's own function."""
+"""Quantities that a study computes: one record each in `QUANTITIES`, or a user's own function."""
 
 from __future__ import annotations
 
@@ -23,7 +23,6 @@ from beammodes.numerics.arrays import Floats
 from beammodes.vibration.stability import highest_angular_frequency, stable_time_step
 
 __all__ = ["DIMENSIONS", "QUANTITIES", "REASON", "Quantity", "quantities_of"]
-
 
 #: More quantities of one study are a mistake.
 _MAX_QUANTITIES = 1000

@@ -1,4 +1,4 @@
-"""What tells a user's function from another of its name: the code that runs, not a file's text."""
+"""The identity of a user's function: a digest of the code that runs, not of a file's text."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ _FLAGS = 0xFFFF
 
 
 def running_code(function: types.FunctionType) -> dict[str, str]:
-    """Return what a function consists of as it runs here: names, and digests or versions of what they mean.
+    """Return digests of the code and values that a function consists of as it runs here, by name.
 
     Covered are the function's bytecode, constants, defaults and closure, and the same of every function,
     method and class of the user's that it names, wherever they were typed; the values of the global names
@@ -81,7 +81,7 @@ def _hashed(parts: Iterable[str]) -> str:
 
 @dataclass
 class _Gathered:
-    """What was met so far: descriptions by name, versions of libraries, and the objects, kept alive."""
+    """Descriptions by name, versions of libraries, and the objects met so far, kept alive."""
 
     parts: dict[str, list[str]] = field(default_factory=dict)
     versions: dict[str, str] = field(default_factory=dict)

@@ -1,4 +1,4 @@
-"""The folder of a study: its definition, and a file for each finished chunk.
+"""A study stored in a folder: its definition, and a file for each finished chunk.
 
 A chunk's file is written beside its place and moved there in one step, so it is whole or not there, whenever
 the machine or the process stops. Its name carries the digest of its bytes: a file damaged later is found out
@@ -38,7 +38,6 @@ __all__ = [
     "locked",
     "made_ready",
 ]
-
 
 _DEFINITION, _LOCK = "study.json", "study.lock"
 _CHUNK = re.compile(r"chunk-(\d{9,})-([0-9a-f]{16})\.nc")
@@ -116,11 +115,11 @@ class Evaluated:
 
 
 class BadChunk(Exception):
-    """A file under a chunk's name that is not this chunk; says what it is."""
+    """Error: a file under a chunk's name is not this chunk; the message says what it is."""
 
 
 class ForeignChunk(BadChunk):
-    """A sound file of another study, or of another chunk."""
+    """Error: a sound file is of another study, or of another chunk."""
 
 
 @dataclass(frozen=True)
@@ -245,7 +244,7 @@ class Store:
 
 
 def made_ready(folder: Path) -> None:
-    """Make a study's folder, and write nothing into one of other things.
+    """Make a study's folder, unless it has something else in it.
 
     Raises
     ------
@@ -266,7 +265,7 @@ def made_ready(folder: Path) -> None:
 
 
 def difference(kept: Mapping[str, Any], wanted: Mapping[str, Any]) -> str:
-    """Return what differs first between two definitions, in words, or nothing.
+    """Return the first difference between two definitions in words, "" if there is none.
 
     Examples
     --------

@@ -20,10 +20,11 @@ from beammodes.batch.cases import MATERIAL, UNIFORM_BEAM, Cases
 from beammodes.batch.executors import computed, executor_of
 from beammodes.batch.quantities import QUANTITIES, REASON, Quantity, quantities_of
 from beammodes.batch.store import BadChunk, Evaluated, Store, definition_digest, locked, made_ready
-from beammodes.batch.study_axes import AXES, SECTIONS, Axis, axis_values, dimensions_of
+from beammodes.batch.study_axes import AXES, Axis, axis_values, dimensions_of
 from beammodes.checks import choice, shown, whole_number
 from beammodes.numerics.arrays import Floats
 from beammodes.numerics.distributions import MAX_SEED, Normal, Uniform
+from beammodes.problem.sections import SECTIONS
 from beammodes.progress import Progress, ProgressLine, progress_of
 from beammodes.version import __version__
 
@@ -32,11 +33,9 @@ if TYPE_CHECKING:
 
 __all__ = ["Study", "open_study"]
 
-
 #: Points of one chunk, and numbers: enough for the closed form to run at its speed, or few where each takes
 #: milliseconds.
 _CLOSED_FORM_CHUNK, _SOLVED_CHUNK = (5000, 25_000), (100, 500)
-
 
 #: More points are surely a mistake: at a microsecond each they would take a month.
 _MAX_CASES = 10**12
@@ -209,17 +208,17 @@ class Study:
 
     @property
     def size(self) -> int:
-        """How many cases there are, not counting modes."""
+        """The number of cases, not counting modes."""
         return math.prod(size for name, size in self.shape.items() if name != "mode")
 
     @property
     def chunks(self) -> int:
-        """How many chunks there are."""
+        """The number of chunks."""
         return -(-self.size // self.chunk)
 
     @property
     def definition(self) -> dict[str, Any]:
-        """What defines the study and its numbers, in plain values, the package's version among them."""
+        """The definition of the study in plain values, the package's version among them."""
         return {
             "beammodes": __version__,
             "axes": {axis.name: axis.definition() for axis in self.axes},
@@ -304,7 +303,7 @@ class Study:
 
 
 def open_study(path: str | Path) -> xarray.Dataset:
-    """Return what is finished of a stored study, also while it is being computed.
+    """Return the finished part of a stored study, also while it is being computed.
 
     Parameters
     ----------

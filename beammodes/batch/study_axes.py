@@ -1,4 +1,4 @@
-"""What a study may vary: the names, how a value of each is read and written, and its unit."""
+"""The axes of a study: names, units, and reading and writing of their values."""
 
 from __future__ import annotations
 
@@ -24,37 +24,23 @@ from beammodes.closed_form.uniform import MAX_MODE, MAX_SEGMENTS
 from beammodes.numerics.distributions import Distribution, Normal, Uniform, draw
 from beammodes.problem.ends import Boundary
 from beammodes.problem.loading import PLANES, Load
-from beammodes.problem.sections import Box, Circle, ISection, Rectangle, Tube
+from beammodes.problem.sections import SECTIONS
 from beammodes.vibration.integrators import INTEGRATORS
 
 __all__ = [
     "AXES",
-    "SECTIONS",
     "Axis",
     "AxisKind",
     "axis_values",
     "dimensions_of",
 ]
 
-
-#: The sections of given dimensions, by name.
-SECTIONS: Mapping[str, Callable[..., Any]] = MappingProxyType(
-    {
-        "rectangle": Rectangle,
-        "circle": Circle,
-        "tube": Tube,
-        "box": Box,
-        "i_section": ISection,
-    }
-)
-
-
 _ANY_ENDS = Boundary.of("free-free")
 
 
 @dataclass(frozen=True)
 class AxisKind:
-    """How values of an axis are read, and what they are called.
+    """A kind of axis: the reading of its values, their name and units.
 
     Attributes
     ----------
@@ -76,7 +62,7 @@ class AxisKind:
 
     @property
     def is_number(self) -> bool:
-        """Whether values are real numbers, which may have a distribution."""
+        """True if values are real numbers, which may have a distribution."""
         return bool(self.units)
 
 
@@ -119,7 +105,6 @@ _BEAM = {
     "density": "kg / m^3",
     **{name: "m" for section in SECTIONS for name in dimensions_of(section)},
 }
-
 
 #: Everything that may be an axis.
 AXES: Mapping[str, AxisKind] = MappingProxyType(
@@ -177,7 +162,7 @@ class Axis:
 
     @property
     def size(self) -> int:
-        """How many values there are."""
+        """The number of values."""
         return self.count if self.distribution else len(self.values)
 
     def at(self, index: NDArray[np.intp]) -> NDArray[Any]:
@@ -194,7 +179,7 @@ class Axis:
         return [value.name if isinstance(value, Boundary | Layout) else value for value in self.values]
 
     def definition(self) -> dict[str, Any]:
-        """Return what defines the axis, in plain values for a file."""
+        """Return the definition of the axis in plain values for a file."""
         shared: dict[str, Any] = {"dimension": self.dimension}
         if self.distribution:
             kind, numbers = type(self.distribution).__name__, vars(self.distribution)
@@ -254,7 +239,7 @@ def _items(name: str, value: Any, kind: AxisKind) -> list[Any]:
 
 
 def _written(rule: Layout) -> str:
-    """Return what tells a rule of the user's own from others of its name: nothing for a registered one."""
+    """Return a digest of a rule of the user's own, "" for a registered one."""
     if RULES.get(rule.name) == rule:
         return ""
     # Arrays with all their numbers and digits: by default long ones are cut short.

@@ -1,4 +1,4 @@
-"""Distributions of numbers, and samples of them that do not depend on what else is drawn, or by whom.
+"""Distributions of numbers, and samples that depend on seed, name and place alone.
 
 Sample i is a function of seed, name and i alone: a counter-based generator (Philox, J. K. Salmon et al.,
 Parallel random numbers: as easy as 1, 2, 3, SC 2011) is asked for its i-th block. So chunks, processes and a

@@ -16,12 +16,15 @@ from __future__ import annotations
 
 import math
 from abc import ABC, abstractmethod
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from types import MappingProxyType
 from typing import Any, Protocol
 
 from beammodes.checks import positive_real, real, shown
 
 __all__ = [
+    "SECTIONS",
     "Box",
     "Circle",
     "GivenSection",
@@ -470,3 +473,9 @@ def from_sectionproperties(section: Any, *, length_unit: float = 1.0) -> GivenSe
             f"beside {shown(level)} and {shown(upright)}: turn it until that vanishes"
         )
     return GivenSection(float(area) * unit**2, float(level) * unit**4, float(upright) * unit**4)
+
+
+#: The sections of given dimensions, by the names that studies give them.
+SECTIONS: Mapping[str, Callable[..., Shape]] = MappingProxyType(
+    {"rectangle": Rectangle, "circle": Circle, "tube": Tube, "box": Box, "i_section": ISection}
+)
