@@ -16,9 +16,16 @@ from numpy.typing import NDArray
 from beammodes.chains.chain import Chain
 from beammodes.chains.rules import RULES, Rule, Weight
 from beammodes.closed_form import supported_chain
-from beammodes.closed_form.carried_planes import block_of, carried, closed, row_of_rods
 from beammodes.closed_form.dispersion import chain_frequency
-from beammodes.closed_form.supported_chain import joined, shortened, supported_chain_frequencies
+from beammodes.closed_form.supported_chain import (
+    block_of,
+    carried,
+    closed,
+    joined,
+    row_of_rods,
+    shortened,
+    supported_chain_frequencies,
+)
 from beammodes.numerics.counted_roots import ROOT_DIGITS, Sample, ordered_roots
 from beammodes.problem.beam import Beam
 from beammodes.problem.ends import BOUNDARIES, Boundary, End

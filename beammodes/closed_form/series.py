@@ -13,7 +13,7 @@ from beammodes.numerics.arrays import Floats
 
 __all__ = [
     "SERIES_TERMS",
-    "Table",
+    "SeriesTable",
     "binomial",
     "enough_powers",
     "in_powers_of_s",
@@ -107,7 +107,7 @@ def enough_powers(s: Any) -> Floats:
     return powers_of(s, min(needed, SERIES_TERMS))
 
 
-class Table(NamedTuple):
+class SeriesTable(NamedTuple):
     """Power series in s: coefficients (rows, terms) from each row's leading power on, and those powers."""
 
     coefficients: Floats
@@ -115,7 +115,7 @@ class Table(NamedTuple):
     most: int
 
     @classmethod
-    def of(cls, rows: NDArray[Any]) -> Table:
+    def of(cls, rows: NDArray[Any]) -> SeriesTable:
         """Round exact series, shape (rows, terms), to floats."""
         leading = np.array([next((k for k, c in enumerate(row) if c), 0) for row in rows], dtype=np.intp)
         shifted = [[*row[k:], *[Fraction(0)] * k] for row, k in zip(rows, leading, strict=True)]

@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from beammodes.chains.rules import Rule
 from beammodes.problem.ends import Boundary, End
 
-__all__ = ["Poly", "State", "admitted", "characteristic_polynomial", "expanded", "is_hinged", "term"]
+__all__ = ["ExactState", "Poly", "admitted", "characteristic_polynomial", "expanded", "is_hinged", "term"]
 
 _HALF, _ONE = Fraction(1, 2), Fraction(1)
 
@@ -44,7 +44,7 @@ class Poly(dict[tuple[int, int, int], Fraction]):
         return product
 
 
-State = tuple[Poly, Poly, Poly, Poly]
+ExactState = tuple[Poly, Poly, Poly, Poly]
 
 
 def term(value: Fraction | int, x: int = 0, d: int = 0, u: int = 0) -> Poly:
@@ -61,7 +61,7 @@ def term(value: Fraction | int, x: int = 0, d: int = 0, u: int = 0) -> Poly:
 _OMEGA_SQUARED = term(16, 2, -1)
 
 
-def _across_rod(state: State, length: Fraction, inertia: Fraction) -> State:
+def _across_rod(state: ExactState, length: Fraction, inertia: Fraction) -> ExactState:
     """Carry a state over a rigid rod of mass |length|; a negative length carries it back.
 
     Momentum: V₁ - V₀ = ω² l (y₀ + y₁)/2 and M₁ - M₀ = l (V₀ + V₁)/2 - ω² r l³ θ.
@@ -73,7 +73,7 @@ def _across_rod(state: State, length: Fraction, inertia: Fraction) -> State:
     return far, slope, moment + (shear + shear_far) * term(length / 2) + turned, shear_far
 
 
-def _across_hinge(state: State, weight: Poly) -> State:
+def _across_hinge(state: ExactState, weight: Poly) -> ExactState:
     y, slope, moment, shear = state
     return y, slope + weight * moment, moment, shear
 
@@ -87,7 +87,7 @@ def _held(end: End) -> tuple[int, int]:
     return 0 if end.holds_deflection else 3, 1 if end.holds_rotation else 2
 
 
-def _unit_state(index: int) -> State:
+def _unit_state(index: int) -> ExactState:
     y, slope, moment, shear = (term(int(index == i)) for i in range(4))
     return y, slope, moment, shear
 
@@ -97,7 +97,7 @@ def is_hinged(rule: Rule, end: End) -> bool:
     return rule.stub == _HALF or end.holds_rotation
 
 
-def admitted(rule: Rule, end: End, *, back: bool) -> list[State]:
+def admitted(rule: Rule, end: End, *, back: bool) -> list[ExactState]:
     """Return v₁, v₂ in the middle of the last corrected hinge, or carried back from there.
 
     The two quantities that the end leaves free are carried over its stub and its corrected hinges; and, if
@@ -111,7 +111,7 @@ def admitted(rule: Rule, end: End, *, back: bool) -> list[State]:
     return [_carried(state, weights, rule, back=back) for state in states]
 
 
-def _carried(state: State, weights: Sequence[Poly], rule: Rule, *, back: bool) -> State:
+def _carried(state: ExactState, weights: Sequence[Poly], rule: Rule, *, back: bool) -> ExactState:
     inertia = rule.rotary_inertia
     state = _across_rod(state, rule.stub, inertia)
     for weight in weights[:-1]:

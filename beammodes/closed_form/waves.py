@@ -33,7 +33,7 @@ from numpy.typing import NDArray
 from beammodes.chains.rules import Rule
 from beammodes.closed_form.series import (
     SERIES_TERMS,
-    Table,
+    SeriesTable,
     binomial,
     in_powers_of_s,
     integral,
@@ -41,7 +41,7 @@ from beammodes.closed_form.series import (
     product,
     quotient,
 )
-from beammodes.closed_form.transfer import Poly, State, admitted, expanded, is_hinged, term
+from beammodes.closed_form.transfer import ExactState, Poly, admitted, expanded, is_hinged, term
 from beammodes.numerics.arrays import Floats
 from beammodes.problem.ends import End
 
@@ -75,7 +75,7 @@ _R2 = term(1, d=1) + term(1, x=1)
 _T2 = term(1) + term(-1, x=1)
 
 
-_AT_HINGE: dict[str, State] = {
+_AT_HINGE: dict[str, ExactState] = {
     "c": (term(1), term(0), term(-4, x=1), term(0)),
     "s": (term(0), term(1), term(0), term(-4, x=1, d=-1)),
     "C": (term(1), term(0), term(4, x=1, d=-1), term(0)),
@@ -83,7 +83,7 @@ _AT_HINGE: dict[str, State] = {
 }
 
 
-_AT_HALF: dict[str, State] = {
+_AT_HALF: dict[str, ExactState] = {
     "c": (term(1), term(-2, x=1), term(-4, x=1), term(8, x=2, d=-1)),
     "s": (term(1), term(2) * _T2, term(-4, x=1), term(-8, x=1, d=-1) * _T2),
     "C": (term(1), term(2, x=1, d=-1), term(4, x=1, d=-1), term(8, x=2, d=-1)),
@@ -339,7 +339,7 @@ def parts(end: EndWaves, powers: Floats, u: Any) -> Parts:
 
 
 @lru_cache(maxsize=1024)
-def _end_table(end: EndWaves) -> Table:
+def _end_table(end: EndWaves) -> SeriesTable:
     """Return the rows num, den, den₊ - den, num₊, f cs - cs⁰ den, for each power of u in turn.
 
     den + i num is the pair (sin, cos) of the decaying exponential over the beam's, den₊ + i num₊ that of
@@ -359,17 +359,17 @@ def _end_table(end: EndWaves) -> Table:
         scale = product(scale, binomial(-p, -2 * quarter))
     scaled = product(cos_sin, scale)
     rows = np.array([num, den, den2 - den, num2, scaled - cos_sin0 * den])
-    return Table.of(np.concatenate([rows[:, u] for u in range(c.shape[0])]))
+    return SeriesTable.of(np.concatenate([rows[:, u] for u in range(c.shape[0])]))
 
 
 @lru_cache(maxsize=1024)
-def inside(end: EndWaves) -> Table:
+def inside(end: EndWaves) -> SeriesTable:
     """Return `_inside_table`; an end is looked up faster than a fraction."""
     return _inside_table(end.p)
 
 
 @lru_cache(maxsize=64)
-def _inside_table(p: Fraction) -> Table:
+def _inside_table(p: Fraction) -> SeriesTable:
     """Return the rows ω/q² - 1 and χ/q - 1.
 
     q = 2 ∫ ds/√(1 - s²), χ = 2 ∫ ds/((1 - p s²) √(1 + (1 - p) s²)), ω = 4 s²/√(1 - p s²).
@@ -379,4 +379,4 @@ def _inside_table(p: Fraction) -> Table:
     chi_over_2s = integral(product(binomial(-p, minus_one), binomial(1 - p, minus_half)))
     one = binomial(0, minus_one)
     omega = quotient(quotient(binomial(-p, minus_half), q_over_2s), q_over_2s) - one
-    return Table.of(np.array([omega, quotient(chi_over_2s, q_over_2s) - one])[:, :SERIES_TERMS])
+    return SeriesTable.of(np.array([omega, quotient(chi_over_2s, q_over_2s) - one])[:, :SERIES_TERMS])

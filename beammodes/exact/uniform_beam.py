@@ -26,7 +26,7 @@ from beammodes.numerics.long_decimals import as_decimal, cosine_and_sine, decay,
 from beammodes.problem.beam import Beam
 from beammodes.problem.ends import Boundary, End
 
-__all__ = ["BeamMode", "Section", "UnitBeam", "UnitEnd"]
+__all__ = ["BeamMode", "BeamState", "UnitBeam", "UnitEnd"]
 
 _HALF, _ONE, _NONE = Decimal("0.5"), Decimal(1), Decimal(0)
 # Roots of a freed beam are poles of its stiffness: there cancellation takes twice the digits of a root.
@@ -70,7 +70,7 @@ class UnitEnd(NamedTuple):
         return self.translational - square * self.mass, coupled, turning
 
 
-class Section(NamedTuple):
+class BeamState(NamedTuple):
     """Deflection, rotation, moment and force at one place of the beam."""
 
     deflection: Decimal
@@ -294,7 +294,7 @@ class UnitBeam:
                 found.append(BeamMode(self, square, decaying, [v / unit for v in share], ends))
         return found
 
-    def waves(self, square: Decimal, x: Decimal, decaying: bool) -> list[Section]:
+    def waves(self, square: Decimal, x: Decimal, decaying: bool) -> list[BeamState]:
         """Return the states at x of four waves: two of the high exponent, two of the low one.
 
         The high ones decay from either end or, where that would make them alike, are cosh and sinh.
@@ -303,18 +303,21 @@ class UnitBeam:
         turn = square / g
         if decaying:
             sizes = ((-1, decay(p * x)), (1, decay(p * (1 - x))))
-            waves = [Section(y, side * turn / p * y, turn * y, -side * square / p * y) for side, y in sizes]
+            waves = [BeamState(y, side * turn / p * y, turn * y, -side * square / p * y) for side, y in sizes]
         else:
             c, s = _growing(p, x) if high > 0 else _turning(p, x)
-            waves = [Section(c, turn * s, turn * c, -square * s), Section(ratio * s, c / g, high * s / g, -c)]
+            waves = [
+                BeamState(c, turn * s, turn * c, -square * s),
+                BeamState(ratio * s, c / g, high * s / g, -c),
+            ]
         c, s = _turning(q, x)
         return [
             *waves,
-            Section(c, -g * s, -g * c, -square * s),
-            Section(low * s, -g * c, -g * low * s, -square * c),
+            BeamState(c, -g * s, -g * c, -square * s),
+            BeamState(low * s, -g * c, -g * low * s, -square * c),
         ]
 
-    def _conditions(self, square: Decimal, ends: list[list[Section]]) -> list[list[Decimal]]:
+    def _conditions(self, square: Decimal, ends: list[list[BeamState]]) -> list[list[Decimal]]:
         """Return the two conditions of both ends on the four waves, whose states there are given."""
         rows = []
         for end, waves, side in ((self.left, ends[0], 1), (self.right, ends[1], -1)):
@@ -327,7 +330,7 @@ class UnitBeam:
             rows += [[state[i] for state in inward] if end.holds[i] else released[i] for i in (0, 1)]
         return rows
 
-    def _modal_product(self, square: Decimal, ends: list[list[Section]], decaying: bool) -> _Product:
+    def _modal_product(self, square: Decimal, ends: list[list[BeamState]], decaying: bool) -> _Product:
         """Return the modal mass of two motions, each given by its share of the waves.
 
         Of the beam it is ∫ y₁y₂ + r² θ₁θ₂ dx, whose integrand is the derivative of
@@ -336,7 +339,7 @@ class UnitBeam:
         step = square * _STEP
         rates = [
             [
-                Section(*((b - a) / step for a, b in zip(*pair, strict=True)))
+                BeamState(*((b - a) / step for a, b in zip(*pair, strict=True)))
                 for pair in zip(waves, self.waves(square + step, place, decaying), strict=True)
             ]
             for place, waves in zip((_NONE, _ONE), ends, strict=True)
@@ -369,22 +372,22 @@ class BeamMode:
     square: Decimal
     decaying: bool
     share: list[Decimal]
-    ends: list[list[Section]]
+    ends: list[list[BeamState]]
 
     @property
     def digits(self) -> int:
         """Digits with which `at` is right far beyond a double's last place."""
         return 40 + self.beam.digits(self.square) // 2
 
-    def at(self, x: Decimal) -> Section:
+    def at(self, x: Decimal) -> BeamState:
         """Return the state at x in 0..1, in the context's digits."""
         return mixed(self.share, self.beam.waves(self.square, x, self.decaying))
 
 
-def mixed(share: list[Decimal], waves: list[Section]) -> Section:
+def mixed(share: list[Decimal], waves: list[BeamState]) -> BeamState:
     """Return the state of a sum of waves."""
     columns = zip(*waves, strict=True)
-    return Section(*(sum((c * v for c, v in zip(share, part, strict=True)), _NONE) for part in columns))
+    return BeamState(*(sum((c * v for c, v in zip(share, part, strict=True)), _NONE) for part in columns))
 
 
 def _pinned_count(wave: Decimal) -> int:
