@@ -114,7 +114,7 @@ def frequencies(chain: Chain, modes: int = 3) -> Array:
 @pytest.mark.parametrize("ends", ENDS)
 @pytest.mark.parametrize("rule", LAYOUTS)
 @pytest.mark.parametrize("segments", [4, 7])
-@pytest.mark.parametrize("share", [0.5, 0.75, 1.0, 1.2, 1.5])
+@pytest.mark.parametrize("share", [0.5, 1.0, 1.2])
 def test_a_chain_of_another_length_is_said_to_be_so(
     ends: str, rule: str, segments: int, share: float, tmp_path: Path
 ) -> None:
@@ -225,7 +225,7 @@ def test_solids_at_either_end_are_told_from_the_beam(
         hinge = first if i == 0 else '<joint axis="0 1 0" stiffness="10"/>'
         text = f'<body pos="{0.2 * (i > 0)} 0 0">{hinge}{ROD[rod]}{TIPS[tip] if i == 3 else ""}{text}</body>'
     path = written(tmp_path, world(BASES[base].format(text)))
-    for share in (0.6, 1.0, 1.4):
+    for share in (0.6, 1.4):
         found = audit_file(path, Beam(0.8 * share, STIFFNESS, DENSITY))
         assert found.length_mismatch == pytest.approx(1 / share - 1, abs=1e-6)
         assert found.segments == 4

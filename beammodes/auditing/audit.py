@@ -1,4 +1,4 @@
-"""Audits of chains that somebody else made: their errors, the layout they follow, springs that are better."""
+"""Audits of given chains: their errors, the rule that they follow, and better springs."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from beammodes.accuracy.chain_against_beam import stout_remark
-from beammodes.auditing.judged_pieces import SOLVED, UNKNOWN, Columns, Found, JudgedPieces
+from beammodes.auditing.judged_pieces import SOLVED, UNKNOWN, Columns, JudgedPieces
 from beammodes.chains.chain import Chain
 from beammodes.chains.rules import RULES
 from beammodes.checks import percent, row_shown, shown, small_fraction
@@ -86,7 +86,7 @@ class StepVerdict:
 
     @property
     def is_stable(self) -> bool:
-        """Whether the file's step is below the limit."""
+        """True if the file's step is below the limit."""
         return self.timestep < self.limit
 
     def __str__(self) -> str:
@@ -179,12 +179,12 @@ class Audit:
 
     @property
     def meets(self) -> bool:
-        """Whether all modes exist and their errors are within the tolerance."""
+        """True if all modes exist and their errors are within the tolerance."""
         return bool((np.abs(self.errors) <= self.tolerance).all())
 
     @property
     def swings(self) -> tuple[bool, ...]:
-        """Whether each mode swings, not creeps back."""
+        """True for each mode that swings, and does not creep back."""
         return tuple((self.damping_ratio < 1).tolist())
 
     @property
@@ -326,14 +326,13 @@ def audit_chain(
     judged = JudgedPieces.of(
         beam, Boundary.of(boundary), columns, joint_stiffness, modes, armature=armature, damping=damping
     )
-    errors = judged.errors(judged.springs)
+    errors = judged.own_errors
     if (1 + errors < 1e-6).any() or (errors > 1e6).any():
         raise ValueError(
             f"beam must be in the units of the chain, got {shown(beam)}: its frequencies and the chain's are "
             "a million times apart"
         )
-    layouts = judged.layouts()
-    rules = judged.followed(layouts)
+    rules = judged.rules
     return Audit(
         boundary=judged.boundary,
         angular_frequency=judged.exact * (1 + errors),
@@ -345,12 +344,12 @@ def audit_chain(
         mass_mismatch=float(judged.mass.sum() / (beam.mean_mass_per_length * beam.length) - 1),
         rotary_inertia_mismatch=judged.rotary_inertia_mismatch,
         centre_mismatch=judged.centre_mismatch,
-        segments=(rules or layouts)[0][1] if layouts else None,
+        segments=judged.likeliest[0][1] if judged.likeliest else None,
         layout=rules[0][0].name if rules else UNKNOWN,
         order=judged.order(rules[0][0]) if rules else None,
-        remark=judged.remark(layouts, rules, errors[0]),
+        remark=judged.remark(),
         matter=tuple(judged.mismatches()),
-        suggestions=tuple(_better(judged, rules or layouts, errors)),
+        suggestions=tuple(_better(judged)),
         tolerance=limit,
         joint_stiffness=judged.springs,
         hinge_names=tuple(f"hinge {i + 1}" for i in range(len(judged.springs))),
@@ -361,29 +360,30 @@ def audit_chain(
 # Suggestions: other springs for the chain's hinges, or hinges elsewhere, and what each buys.
 
 
-def _better(judged: JudgedPieces, layouts: list[Found], now: Floats) -> Iterator[Suggestion]:
+def _better(judged: JudgedPieces) -> Iterator[Suggestion]:
     """Yield what lowers the error of the first mode and of at least half of the modes; same hinges first."""
     makers = (_corrected, _tuned, _moved, _hinged_bodies)
-    for found in (suggestion for make in makers for suggestion in make(judged, layouts)):
-        smaller = np.abs(found.errors) < np.abs(now)
-        missing = np.isnan(found.errors) | np.isnan(now)
+    for found in (suggestion for make in makers for suggestion in make(judged)):
+        smaller = np.abs(found.errors) < np.abs(judged.own_errors)
+        missing = np.isnan(found.errors) | np.isnan(judged.own_errors)
         if smaller[0] and 2 * smaller.sum() >= (~missing).sum():
             yield found
 
 
-def _corrected(judged: JudgedPieces, layouts: list[Found]) -> Iterator[Suggestion]:
+def _corrected(judged: JudgedPieces) -> Iterator[Suggestion]:
     """Yield the springs of the corrected rule with these hinges, unless the chain has them."""
-    if not layouts or not len(judged.springs):
+    if not judged.likeliest or not len(judged.springs):
         return
-    count, rule = layouts[0][1], RULES[_CORRECTED[float(layouts[0][0].stub)]]
+    own, count = judged.likeliest[0]
+    rule = RULES[_CORRECTED[float(own.stub)]]
     weights = np.array(rule.hinge_weights(judged.rule_boundary, count), dtype=np.float64)
     if weights.min() > 0 and judged.departure(rule, count) > _SAME_SPRING:
         yield _for_same_hinges(judged, rule.name, judged.unit(count) / weights)
 
 
-def _tuned(judged: JudgedPieces, _: list[Found]) -> Iterator[Suggestion]:
+def _tuned(judged: JudgedPieces) -> Iterator[Suggestion]:
     """Yield the springs with the first one from the held end changed, if mode 1 can so be exact."""
-    if not len(judged.springs) or abs(judged.errors(judged.springs, 1)[0]) <= _EXACT:
+    if not len(judged.springs) or abs(judged.own_errors[0]) <= _EXACT:
         return
     at = -1 if judged.bends == (False, True) else 0
     few = len(judged.springs) <= MAX_DENSE and not np.any(judged.armature)
@@ -434,32 +434,29 @@ def _by_search(judged: JudgedPieces, at: int) -> float:
     return 0.0 if end is None else float(judged.springs[at] * np.exp(brentq(error, 0.0, end, xtol=1e-14)))
 
 
-def _moved(judged: JudgedPieces, layouts: list[Found]) -> Iterator[Suggestion]:
+def _moved(judged: JudgedPieces) -> Iterator[Suggestion]:
     """Yield the rule with hinges at the walls, of as many rods, unless the hinges are there already."""
-    stubless = any(rule.stub == 0 for rule, _ in layouts)
+    stubless = any(rule.stub == 0 for rule, _ in judged.likeliest)
     # What armature would cost at other hinges is not known.
     if not stubless and any(judged.bends) and not np.any(judged.armature):
-        yield from _by_rule(judged, layouts, judged.rule_boundary, _MOVED)
+        yield from _by_rule(judged, judged.rule_boundary, _MOVED)
 
 
-def _hinged_bodies(judged: JudgedPieces, layouts: list[Found]) -> Iterator[Suggestion]:
+def _hinged_bodies(judged: JudgedPieces) -> Iterator[Suggestion]:
     """Yield the rule with a hinge between the beam and each body that is rigid with the last segment."""
     ends = (judged.rule_boundary.left, judged.rule_boundary.right)
     if any(end.statics == "carried" for end in ends) and not np.any(judged.armature):
         boundary = Boundary(*(replace(end, on_segment=False) for end in ends))
-        yield from _by_rule(judged, layouts, boundary, _HINGED)
+        yield from _by_rule(judged, boundary, _HINGED)
 
 
-def _by_rule(
-    judged: JudgedPieces, layouts: list[Found], boundary: Boundary, name: str
-) -> Iterator[Suggestion]:
+def _by_rule(judged: JudgedPieces, boundary: Boundary, name: str) -> Iterator[Suggestion]:
     rods = int(np.count_nonzero(judged.length))
+    count = judged.likeliest[0][1] if judged.likeliest else rods
     try:
-        chain = Chain(judged.beam, boundary, layouts[0][1] if layouts else rods, _MOVED)
+        chain = Chain(judged.beam, boundary, count, _MOVED)
     except ValueError:
         # Too few rods for the rule's springs to be positive.
         return
-    errors = np.full(len(judged.exact), np.nan)
-    found = solve_modes(linearize(chain), len(errors)).angular_frequency
-    errors[: len(found)] = found / judged.exact[: len(found)] - 1
+    errors = judged.against_exact(solve_modes(linearize(chain), len(judged.exact)).angular_frequency)
     yield Suggestion(name, True, chain.hinge_position, chain.joint_stiffness, errors)

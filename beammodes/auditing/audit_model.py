@@ -82,7 +82,7 @@ class _Read:
     step: FileStep | None = None
     gravity: tuple[float, float] = (0.0, 0.0)
     plane: str = ""
-    #: How far the plane's springs are from the beam's.
+    #: Difference of the plane's springs from EI/ell, as a logarithm.
     distance: float = 0.0
 
 
@@ -427,6 +427,6 @@ def _labelled(lines: Sequence[HingeLine]) -> dict[str, HingeLine]:
 
 
 def _distance(line: HingeLine, beam: Beam) -> float:
-    """Return how far a plane's springs are from EI/ell, as a logarithm."""
+    """Return the difference of a plane's springs from EI/ell, as a logarithm."""
     stiffness = float(np.median([hinge.stiffness for hinge in line.hinges]))
     return abs(math.log(stiffness * (line.spacing or beam.length) / beam.mean_bending_stiffness))

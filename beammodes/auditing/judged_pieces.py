@@ -28,7 +28,7 @@ from beammodes.vibration.linear import linearize
 from beammodes.vibration.modes import MAX_DENSE, solve_modes
 from beammodes.vibration.stability import modal_time_step, stable_time_step, taut_load
 
-__all__ = ["SOLVED", "UNKNOWN", "Columns", "Found", "JudgedPieces", "longest_step"]
+__all__ = ["SOLVED", "UNKNOWN", "Columns", "JudgedPieces", "longest_step"]
 
 #: The name of a layout whose hinges or springs are those of no rule.
 UNKNOWN = "no known layout"
@@ -39,7 +39,7 @@ Found = tuple[Rule, int]
 
 #: Relative difference up to which hinges, springs and rods are those of a rule: files round their numbers.
 _SAME = 1e-3
-#: How near J/(m l²) is to that of masses at two tips where these are meant.
+#: Largest difference of J/(m l²) from that of masses at two tips where these are meant.
 _KIND = 0.01
 #: Less is the rounding of numbers in files, and of frequencies that are solved for.
 _ROUNDING, SOLVED = 1e-5, 1e-10
@@ -76,7 +76,7 @@ def _with_armature(
 
 
 def _of_coordinates(chain: Chain, column: Floats | None) -> Floats:
-    """Return numbers of hinges without those of hinges that a chain has put in series with its supports."""
+    """Return a chain's numbers of its hinges; refuse any if a hinge is in series with a support's spring."""
     count = chain.pieces - 1
     if column is None or not np.any(column):
         return np.zeros(count)
@@ -86,17 +86,6 @@ def _of_coordinates(chain: Chain, column: Floats | None) -> Floats:
             "support's spring"
         )
     return column
-
-
-def _damping_ratios(chain: Chain, armature: Floats, damping: Floats, count: int) -> Floats:
-    """Return ζ of the first pairs of eigenvalues, by size; a pair of 1 and more does not swing."""
-    if len(damping) <= MAX_DENSE:
-        modal = _with_armature(chain, armature, damping)
-        return damped_pairs(damped_eigenvalues(modal.angular_frequency, modal.coupling))[1][:count]
-    # All modes of a long chain are too many: each mode by itself, as light damping leaves it.
-    modes = solve_modes(linearize(chain), count)
-    turns = np.diff(modes.rotation, axis=1) ** 2
-    return np.asarray(turns @ _of_coordinates(chain, damping) / (2 * modes.angular_frequency))
 
 
 def longest_step(chain: Chain, armature: Floats, damping: Floats, step: FileStep, load: Load) -> float:
@@ -176,7 +165,7 @@ class JudgedPieces:
 
     @property
     def bends(self) -> tuple[bool, bool]:
-        """Whether the left and the right end can bend the beam."""
+        """True for the left and for the right end if it can bend the beam."""
         left, right = (
             end.statics in ("clamped", "guided")
             for end in (self.rule_boundary.left, self.rule_boundary.right)
@@ -191,17 +180,28 @@ class JudgedPieces:
 
     def errors(self, springs: Floats, modes: int | None = None) -> Floats:
         """Return the relative errors of the frequencies with these springs, NaN for missing modes."""
-        chain, errors = self.chain(springs), np.full(len(self.exact), np.nan)
+        chain = self.chain(springs)
         if np.any(self.armature):
-            omega = _with_armature(chain, self.armature).angular_frequency[: len(errors)]
-        else:
-            omega = solve_modes(linearize(chain), modes or len(errors)).angular_frequency
-        errors[: len(omega)] = omega / self.exact[: len(omega)] - 1
+            return self.against_exact(_with_armature(chain, self.armature).angular_frequency)
+        return self.against_exact(solve_modes(linearize(chain), modes or len(self.exact)).angular_frequency)
+
+    def against_exact(self, omega: Floats) -> Floats:
+        """Return the relative errors of frequencies, NaN for missing modes."""
+        errors = np.full(len(self.exact), np.nan)
+        count = min(len(omega), len(errors))
+        errors[:count] = omega[:count] / self.exact[:count] - 1
         return errors
+
+    @cached_property
+    def own_errors(self) -> Floats:
+        """Errors of the chain as it is."""
+        return self.errors(self.springs)
 
     @cached_property
     def errors_without_armature(self) -> Floats:
         """Errors of the chain with its springs, if its hinges had no inertia of their own."""
+        if not np.any(self.armature):
+            return self.own_errors
         return replace(self, armature=np.zeros_like(self.armature)).errors(self.springs)
 
     @cached_property
@@ -215,25 +215,42 @@ class JudgedPieces:
 
     @cached_property
     def damping_ratio(self) -> Floats:
-        """ζ of each mode by its hinges' dampers; NaN for missing modes."""
+        """ζ of the first pairs of eigenvalues, by size; 1 and more does not swing; NaN for missing modes."""
         if not np.any(self.damping):
-            return np.where(np.isnan(self.errors(self.springs)), np.nan, 0.0)
-        found = _damping_ratios(self.chain(self.springs), self.armature, self.damping, len(self.exact))
-        return np.append(found, np.full(len(self.exact) - len(found), np.nan))
+            return np.where(np.isnan(self.own_errors), np.nan, 0.0)
+        chain, count = self.chain(self.springs), len(self.exact)
+        if len(self.damping) <= MAX_DENSE:
+            modal = _with_armature(chain, self.armature, self.damping)
+            found = damped_pairs(damped_eigenvalues(modal.angular_frequency, modal.coupling))[1][:count]
+        else:
+            # All modes of a long chain are too many: each mode by itself, as light damping leaves it.
+            modes = solve_modes(linearize(chain), count)
+            turns = np.diff(modes.rotation, axis=1) ** 2
+            found = turns @ _of_coordinates(chain, self.damping) / (2 * modes.angular_frequency)
+        return np.append(found, np.full(count - len(found), np.nan))
 
     # The rule.
 
     @cached_property
-    def rule_boundary(self) -> Boundary:
-        """The ends by which a rule is told: a body without a hinge of its own is on the last segment."""
+    def _told(self) -> tuple[Boundary, list[Found]]:
+        """The ends by which a rule is told, and the rules with this chain's hinges, each with its N."""
+        found = self._layouts(self.boundary)
+        if found:
+            return self.boundary, found
+        # A body without a hinge of its own is on the last segment.
         ends = (self.boundary.left, self.boundary.right)
-        if self._layouts(self.boundary):
-            return self.boundary
-        return Boundary(*(end if end.holds_rotation else replace(end, on_segment=True) for end in ends))
+        carried = Boundary(*(end if end.holds_rotation else replace(end, on_segment=True) for end in ends))
+        return carried, self._layouts(carried)
 
+    @property
+    def rule_boundary(self) -> Boundary:
+        """The ends by which a rule is told."""
+        return self._told[0]
+
+    @property
     def layouts(self) -> list[Found]:
-        """Return the rules that put hinges where this chain has them, each with its N."""
-        return self._layouts(self.rule_boundary)
+        """The rules that put hinges where this chain has them, each with its N."""
+        return self._told[1]
 
     def _layouts(self, boundary: Boundary) -> list[Found]:
         pieces, total = len(self.length), self.length.sum()
@@ -245,14 +262,20 @@ class JudgedPieces:
                     found.append((rule, count))
         return found
 
-    def followed(self, layouts: list[Found]) -> list[Found]:
-        """Return those of the layouts whose springs these are; of several, those with the same rods."""
-        off = [self.departure(rule, count) for rule, count in layouts]
+    @cached_property
+    def rules(self) -> list[Found]:
+        """The layouts whose springs these are; of several, those with the same rods."""
+        off = [self.departure(rule, count) for rule, count in self.layouts]
         least = min([*off, _SAME])
-        rules = [found for found, part in zip(layouts, off, strict=True) if part <= least + 1e-12]
+        rules = [found for found, part in zip(self.layouts, off, strict=True) if part <= least + 1e-12]
         # Rules that differ in the rods' rotary inertia only: the one whose rods are nearer.
         nearer = [found for found in rules if float(found[0].rotary_inertia) == self._rod_ratio]
         return (nearer if self._is_uniform else []) or rules
+
+    @property
+    def likeliest(self) -> list[Found]:
+        """The rules, or the layouts if the springs are of no rule."""
+        return self.rules or self.layouts
 
     def departure(self, rule: Rule, count: int) -> float:
         """Return the largest relative difference of a spring from the rule's."""
@@ -327,7 +350,7 @@ class JudgedPieces:
 
     @property
     def _is_uniform(self) -> bool:
-        """Whether the mass is that of a uniform beam, each piece's centre of mass at its middle."""
+        """True if the mass is that of a uniform beam, each piece's centre of mass at its middle."""
         return self.share_mismatch <= _SAME and self.centre_mismatch <= _SAME
 
     @cached_property
@@ -337,7 +360,7 @@ class JudgedPieces:
 
     @cached_property
     def _has_section(self) -> bool:
-        """Whether all pieces have the rotary inertia of rods, with the same positive rest per mass if any."""
+        """True if all pieces have the rotary inertia of rods, with the same positive rest per mass if any."""
         rest, rounding = self._rest, _SAME * self._rod_ratio * self.length[self._moving] ** 2
         even = (
             np.abs(rest - np.median(rest)) <= rounding + _SAME * abs(np.median(rest)) if len(rest) else rest
@@ -346,15 +369,16 @@ class JudgedPieces:
 
     # Words.
 
-    def remark(self, layouts: list[Found], rules: list[Found], error: float) -> str:
+    def remark(self) -> str:
         """Return the layout in one sentence."""
-        if not layouts:
+        if not self.layouts:
             return f"{UNKNOWN}: hinges are not where a rule with equal segments puts them"
-        where = self._where((rules or layouts)[0][0])
-        said = percent(error, 2, rounding=SOLVED)
+        rules, error = self.rules, float(self.own_errors[0])
+        rule, count = self.likeliest[0]
+        where, said = self._where(rule), percent(error, 2, rounding=SOLVED)
         if not rules:
-            return f"{where}, with springs of no rule: {UNKNOWN}, {said} at N = {layouts[0][1]}"
-        (rule, count), order = rules[0], self.order(rules[0][0])
+            return f"{where}, with springs of no rule: {UNKNOWN}, {said} at N = {count}"
+        order = self.order(rule)
         falls = "falls only as 1/N" if order == 1 else f"falls as 1/N{'⁰¹²³⁴⁵⁶⁷⁸⁹'[order]}"
         same = ", ".join(other.name for other, _ in rules[1:])
         text = f"{where}: {rule.name}{f' (here the same as {same})' if same else ''}"

@@ -26,7 +26,7 @@ class EndedChain:
 
     @property
     def unevenness(self) -> float:
-        """How much mass and inertia of the pieces is not that of rods like the middle one, in its own."""
+        """The mass and inertia of the pieces beyond rods like the middle one, in units of its own."""
         longest = max(self.pieces, key=lambda piece: piece.length)
         rods = [piece for piece in self.pieces[1:-1] if piece.length] or [longest]
         middle = rods[len(rods) // 2]
@@ -80,7 +80,7 @@ def _supports(end: End) -> tuple[float, float]:
 
 
 def _fits(supports: tuple[float, float], end: End) -> bool:
-    """Return whether an end's word and springs can be what supports a chain there."""
+    """Return True if an end's word and springs can be what supports a chain there."""
     (across, turning), (own_across, own_turning) = supports, _supports(end)
     alike = across == own_across or abs(across - own_across) <= _SAME * across < math.inf
     if turning in (0.0, math.inf):

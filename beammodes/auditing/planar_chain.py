@@ -91,7 +91,7 @@ class PlanarChain:
     near_hinge : Spring or None
         The hinge behind `near`, for its damping and armature.
     assumed : tuple of str
-        The assumptions in reading it so.
+        Sentences on what was assumed in reading it so.
     segment : Piece or None
         A segment, where no piece between two hinges shows one.
     """
@@ -106,7 +106,7 @@ class PlanarChain:
 
 
 def held_piece(length: float, others: Sequence[Piece] = ()) -> Piece:
-    """Return a piece that does not turn, as heavy for its length as others: of no file's own numbers."""
+    """Return a piece that does not turn, as heavy for its length as others; the file says nothing of it."""
     rods = [piece.mass / piece.length for piece in others[:-1] or others if piece.length]
     mass = length * float(np.median(rods)) if rods else 0.0
     return Piece(length, mass, length / 2, mass * length**2 / 12)

@@ -61,7 +61,7 @@ def read_sdf(root: XmlElement) -> Model:
 
 
 def _is_old(root: XmlElement) -> bool:
-    """Return whether axes are in the model's frame: before SDFormat 1.5."""
+    """Return True if axes are in the model's frame: before SDFormat 1.5."""
     version = root.attributes.get("version", "").split(".")
     return version[0] == "1" and version[1:2] != [] and version[1] in ("0", "1", "2", "3", "4")
 

@@ -31,8 +31,8 @@ __all__ = [
 
 #: Sine of the angle up to which two axes are parallel.
 _PARALLEL = 1e-6
-#: How far off the line hinges and centres of mass may be, in mean distances between hinges; the error in a
-#: frequency is of the order of its square.
+#: Largest distance of hinges and centres of mass from the line, in mean distances between hinges; the error
+#: in a frequency is of the order of its square.
 OFF_LINE = 1e-4
 #: Shares of mass and length that segments of one chain have in common, as files round them.
 _SEGMENT = 1e-2
@@ -108,7 +108,7 @@ class HingePath:
         return [hinge for group in self.groups if (hinge := _hinge(group, axis)) is not None]
 
     def has_body(self, name: str) -> bool:
-        """Return whether a body of that name moves with the chain."""
+        """Return True if a body of that name moves with the chain."""
         return any(body.name == name for group in self.groups for body in group.bodies)
 
 
@@ -216,13 +216,13 @@ def with_inner_motors_held(model: Model) -> tuple[Model, list[str]]:
 
 
 def _is_sprung(group: Group) -> bool:
-    """Return whether a group is on hinges only, at least one with a spring, or on a ball with one."""
+    """Return True if a group is on hinges only, at least one with a spring, or on a ball with one."""
     hinges = bool(group.joints) and all(joint.kind == "hinge" for joint in group.joints)
     return _is_ball(group) or (hinges and any(joint.stiffness for joint in group.joints))
 
 
 def _is_ball(group: Group) -> bool:
-    """Return whether a group is on a ball alone, whose spring resists bending about all axes alike."""
+    """Return True if a group is on a ball alone, whose spring resists bending about all axes alike."""
     return len(group.joints) == 1 and group.joints[0].kind == "ball" and group.joints[0].stiffness > 0
 
 
@@ -348,7 +348,7 @@ def lone_segment(group: Group, line: HingeLine) -> tuple[float, Inertial] | None
 
 
 def _moves_alone(root: Group) -> bool:
-    """Return whether what carries the chain moves on the ground, and nothing else moves on it.
+    """Return True if what carries the chain moves on the ground, and nothing else moves on it.
 
     What is part of a larger mechanism is judged as if it were held, and the audit says so.
     """
