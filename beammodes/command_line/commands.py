@@ -698,7 +698,7 @@ def _damping(options: argparse.Namespace, chain: Any) -> Any:
 
 
 def _within(flag: str, value: Any) -> float:
-    """Return a positive number that is no slip: beyond these, squares leave the range of floats."""
+    """Return a positive number whose square stays in the range of floats."""
     found = positive_real(flag, value)
     if not 1e-100 <= found <= 1e100:
         raise ValueError(f"{flag} must be from 1e-100 to 1e100, got {shown(value)}")
@@ -716,7 +716,7 @@ def _system(options: argparse.Namespace) -> str:
 
 
 def _units(options: argparse.Namespace) -> Mapping[str, Any]:
-    """Return the names of the answer's units: as declared, by their kind, or as multiples."""
+    """Return the names of the answer's units."""
     if options.units is not None:
         return DECLARED[_system(options)]
     return GIVEN if options.length is not None else OWN
@@ -737,7 +737,7 @@ def _units_note(options: argparse.Namespace) -> list[str]:
 
 
 def _numbers_note(options: argparse.Namespace) -> str:
-    """Say in which units numbers of ends and axial force count, if there are any without a beam."""
+    """Return a note on the units of numbers of ends and of the axial force that are given without a beam."""
     from beammodes.problem.ends import Boundary
 
     numbered = not Boundary.of(options.boundary).is_plain or bool(getattr(options, "axial_force", None))

@@ -46,7 +46,7 @@ DEFAULT_RULE = "mitiguy"
 
 @dataclass(frozen=True)
 class Command:
-    """One command.
+    """A command of the command line.
 
     Attributes
     ----------
@@ -192,7 +192,7 @@ def _vector(text: str) -> float | str | tuple[float | str, ...]:
 
 
 def option(flag: str, text: str | Callable[[], str], **settings: Any) -> Option:
-    """Return an option of its help, or a function that returns it, and what else `add_argument` takes."""
+    """Return an option with its help, or a function that returns it, and its other settings of argparse."""
     return flag, {"help": text, **settings}
 
 

@@ -67,7 +67,7 @@ codecs.register_error("beammodes.plain", _plainly)
 
 
 def readable(text: str, encoding: str | None) -> str:
-    """Return text of which an encoding can hold all; what it lacks is spelled in ASCII.
+    """Return text that an encoding can hold; characters that it lacks are spelled in ASCII.
 
     Examples
     --------
@@ -83,7 +83,7 @@ def readable(text: str, encoding: str | None) -> str:
 
 
 class Unwritable(Exception):
-    """Nothing more can be written to stdout; the message says why, none if the reader has left."""
+    """Standard output takes nothing more; the message says why, and is empty if the reader has left."""
 
 
 def put(text: str, stream: TextIO | None) -> None:
@@ -106,7 +106,7 @@ def put(text: str, stream: TextIO | None) -> None:
 
 
 def tell(message: str) -> None:
-    """Write one line to stderr; where even that fails, the exit code must say it."""
+    """Write one line to stderr; where that fails, only the exit code tells."""
     try:
         put(f"beammodes: {' '.join(message.splitlines())}\n", sys.stderr)
     except Unwritable:
@@ -114,7 +114,7 @@ def tell(message: str) -> None:
 
 
 def _leave(stream: TextIO | None) -> None:
-    """Send what is still kept for a stream to nowhere: Python would complain when it closes it."""
+    """Discard what a stream still holds: Python would complain when it closes it."""
     try:
         nowhere = os.open(os.devnull, os.O_WRONLY)
         os.dup2(nowhere, stream.fileno()) if stream is not None else None
@@ -196,17 +196,17 @@ _TYPED = {
 
 
 class Interrupts:
-    """Ctrl-C while the command line runs: the first stops the work, and none is forgotten.
+    """Ctrl-C while the command line runs: the first stops the work.
 
-    The second is let go by, since the first is being seen to; the third ends the process at once, in case a
-    compiled library has swallowed the first.
+    The second is ignored while the work stops. The third ends the process at once, in case a compiled library
+    has swallowed the first.
     """
 
     count = 0
     _listening = False
 
     def listen(self) -> None:
-        """Take Ctrl-C from now on; other threads than the main one cannot, and need not."""
+        """Take Ctrl-C from now on; only the main thread can."""
         if threading.current_thread() is threading.main_thread():
             self._listening = signal.getsignal(signal.SIGINT) is not signal.SIG_IGN
             if self._listening:
@@ -214,7 +214,7 @@ class Interrupts:
             sys.unraisablehook = self._unraisable
 
     def ignore(self) -> None:
-        """Let nothing more come in between: what is left to do takes no time."""
+        """Ignore Ctrl-C from now on: what is left to do takes no time."""
         if self._listening:
             signal.signal(signal.SIGINT, signal.SIG_IGN)
 

@@ -1,4 +1,4 @@
-"""A chain as a CSV file, a row for every piece: for any other tool, and to read back without loss."""
+"""A chain as a CSV file, a row for every piece, which is read back without loss."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ _NAMES = {
 }
 _COLUMNS = ("piece", *_NAMES.values())
 _ENDS = "# supports:"
-#: What is larger is no chain; within these a file is read and judged in seconds.
+#: Larger files are refused; within these limits one is read and judged in seconds.
 _MOST_BYTES, _MOST_ROWS, _LONGEST_LINE = 16 * 2**20, 100_100, 10_000
 #: Products of numbers in between neither overflow nor underflow.
 _SMALLEST, _LARGEST = 1e-100, 1e30
@@ -81,12 +81,11 @@ def read_chain_csv(path: str | os.PathLike[str]) -> Chain:
     Examples
     --------
     >>> import tempfile
-    >>> from beammodes.problem.beam import Beam
-    >>> from beammodes.exporters.export import export_chain
-    >>> chain = Chain(Beam(1.2, 85.0, 0.62), "clamped-free", segments=7)
+    >>> import beammodes as bm
+    >>> chain = bm.Chain(bm.Beam(1.2, 85.0, 0.62), "clamped-free", segments=7)
     >>> with tempfile.TemporaryDirectory() as folder:
-    ...     written = export_chain(chain, f"{folder}/beam.csv")
-    ...     again = read_chain_csv(f"{folder}/beam.csv")
+    ...     written = bm.export_chain(chain, f"{folder}/beam.csv")
+    ...     again = bm.read_chain_csv(f"{folder}/beam.csv")
     >>> again.length.tolist() == chain.length.tolist(), again.boundary
     (True, Boundary('clamped-free'))
     """

@@ -214,7 +214,7 @@ def _held_step(tree: Tree, letter: str, longest: float, pull: Floats, *, tendons
 
 
 def _matrices(tree: Tree, letter: str, pull: Floats) -> tuple[Floats, Floats, Floats, Floats, Floats | None]:
-    """Return M, K, D of the joints, D of the ties, and the row of what is held, in one plane's joints."""
+    """Return M, K, D of the joints, D of the ties and the row that is held, in the joints of one plane."""
     slide, hinge = AXES[letter]
     starts = np.cumsum([body.position for body in tree.bodies])
     own = [

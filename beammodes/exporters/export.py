@@ -107,10 +107,10 @@ def export_chain(
     Examples
     --------
     >>> import tempfile
-    >>> from beammodes.problem.beam import Beam
-    >>> chain = Chain(Beam(1.2, 85.0, 0.62), "clamped-free", segments=8, rule="gregory")
+    >>> import beammodes as bm
+    >>> chain = bm.Chain(bm.Beam(1.2, 85.0, 0.62), "clamped-free", segments=8, rule="gregory")
     >>> with tempfile.TemporaryDirectory() as folder:
-    ...     [path.name for path in export_chain(chain, f"{folder}/beam.urdf")]
+    ...     [path.name for path in bm.export_chain(chain, f"{folder}/beam.urdf")]
     ['beam.urdf', 'beam.springs.yaml']
     """
     if not isinstance(chain, Chain):

@@ -1,4 +1,4 @@
-"""What the head of an exported file says about the chain."""
+"""Facts on a chain for the head of an exported file: frequencies, their errors, damping ratios, units."""
 
 from __future__ import annotations
 
@@ -34,10 +34,11 @@ def facts_about(
     *,
     turned: bool = False,
 ) -> list[str]:
-    """Return lines on a chain, its first frequencies and their errors, also about its rest under a load.
+    """Return lines on a chain: its beam, ends and rule, its first frequencies and their errors.
 
-    Dampers keep their forces under a load, not their ratio: a chain that hangs is stiffer, and less damped.
-    `turned` tells that the file begins at the right end.
+    With a `load` also the frequencies about the shape at rest under it. Dampers keep their forces there, not
+    their ratio: a chain that hangs is stiffer, and less damped. `turned` means that the file begins at the
+    right end.
 
     Examples
     --------
@@ -82,7 +83,7 @@ def facts_about(
 
 
 def _under(chain: Chain, damping: Damping | None, load: Load | None) -> tuple[str, ...]:
-    """Return lines on the first modes about the shape that a load gives the chain."""
+    """Return lines on the first modes about the shape at rest under a load."""
     unknown = f"natural frequencies under {load}: others than these, and not known here: "
     if chain.pieces > _MAX_RESTING:
         return (f"{unknown}the chain has more than {_MAX_RESTING} pieces",)
@@ -121,7 +122,7 @@ def damped_modes(
 
 
 def one_line(text: str) -> str:
-    """Return `text` as every format's comments can carry it: printable, on one line.
+    """Return `text` printable and on one line, without the `--` that ends comments in XML.
 
     Examples
     --------

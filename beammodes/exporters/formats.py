@@ -29,7 +29,7 @@ __all__ = ["FORMATS", "MAX_NESTED", "Format", "Model"]
 
 @dataclass(frozen=True)
 class Model:
-    """All that a file says.
+    """The content of a file.
 
     Attributes
     ----------
@@ -84,7 +84,7 @@ class Format:
     because : str
         The reason for that limit.
     ties : bool
-        Whether it can support both ends.
+        It can support both ends.
     """
 
     name: str
@@ -141,7 +141,7 @@ def _comment(model: Model, *notes: str) -> list[str]:
 
 
 def _thickness(tree: Tree) -> float:
-    """Return how thick bodies are drawn."""
+    """Return the thickness in which bodies are drawn."""
     return math.fsum(body.length for body in tree.bodies) / 100
 
 

@@ -56,7 +56,7 @@ class _Plane:
 
     @property
     def held(self) -> tuple[bool, ...]:
-        """Whether supports hold the near deflection and angle, and the far ones."""
+        """True for each of the near deflection and angle and the far ones that a support holds."""
         return tuple(stiffness == math.inf for end in (self.near, self.far) for stiffness, _ in end)
 
     @property
@@ -162,7 +162,7 @@ class Tree:
 
 @dataclass(frozen=True)
 class Link:
-    """A body, or one that only passes a joint on, with exactly one joint; None welds it to its parent."""
+    """A body with its one joint to its parent, None for a weld; a nearly massless one between two joints."""
 
     parent: str
     position: float
@@ -204,7 +204,7 @@ def planar_tree(
 
 
 def bending_planes(tree: Tree) -> str:
-    """Return in words where a tree bends, for the head of its file."""
+    """Return the planes in which a tree bends, in words."""
     about = {joint.axis for body in tree.bodies for joint in body.joints if joint.kind == "hinge"}
     return "the x-z and x-y planes" if len(about) == 2 else "the x-z plane only"
 
@@ -269,7 +269,7 @@ def _bodies(planes: Sequence[_Plane], joints: Sequence[tuple[Joint, ...]], name:
 
 
 def _inertia(about: Sequence[float], plane: _Plane, i: int) -> tuple[float, float, float]:
-    """Return the inertia about x, y, z; that about the beam's axis moves nothing and is small."""
+    """Return the inertia about x, y, z; about the beam's axis, where nothing turns, it is small."""
     mass, centre = plane.mass[i], plane.centre[i]
     # A piece that turns has inertia or a mass off its hinge; one that does not may have any inertia.
     floor = (

@@ -217,7 +217,7 @@ def animate(
     width: float = 4.8,
     dpi: float = 100,
 ) -> Path | FuncAnimation:
-    """Film a computed motion: rods as lines, hinges as dots, and what the tip has left behind it.
+    """Film a computed motion: rods as lines, hinges as dots, and the trace of the tip.
 
     Parameters
     ----------
@@ -233,7 +233,7 @@ def animate(
     base : BaseMotion, optional
         The one that carries the chain. The picture then shifts and turns with it; by default it stands still.
     trace : float [s], optional
-        How far back, in time of the motion, the tip's path is drawn; a tenth of the motion by default.
+        Time of the motion over which the tip's path is drawn back; a tenth of the motion by default.
     width, dpi : float [in, dots/in]
         Of the picture; its height follows from the motion.
 
@@ -254,15 +254,12 @@ def animate(
 
     Examples
     --------
-    >>> from beammodes.problem.beam import Beam
-    >>> from beammodes.chains.chain import Chain
-    >>> from beammodes.dynamics.simulation import mode_start
-    >>> from beammodes.dynamics.simulation import simulate
-    >>> chain = Chain(Beam.unit(), "clamped-free", segments=4)
-    >>> motion = simulate(chain, duration=1.0, initial=mode_start(chain, 1, 0.5))
     >>> import tempfile
-    >>> folder = Path(tempfile.mkdtemp())
-    >>> animate(motion, folder / "beam.gif", fps=5).stat().st_size > 1000
+    >>> import beammodes as bm
+    >>> chain = bm.Chain(bm.Beam.unit(), "clamped-free", segments=4)
+    >>> motion = bm.simulate(chain, duration=1.0, initial=bm.mode_start(chain, 1, 0.5))
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     bm.animate(motion, f"{folder}/beam.gif", fps=5).stat().st_size > 1000
     True
     """
     from matplotlib import rc_context

@@ -69,8 +69,8 @@ def draw_chain(
 ) -> None:
     """Draw a chain of rigid segments as the report's Figures 3 and 5 do.
 
-    Rods are blue, hinges circles, their springs orange spirals; dark what is welded to the ground, green the
-    springs of elastic supports; a wall holds deflection and rotation, a triangle the deflection, a plate on
+    Rods are blue, hinges circles, their springs orange spirals; what is welded to the ground is dark, springs
+    of elastic supports are green; a wall holds deflection and rotation, a triangle the deflection, a plate on
     rollers the rotation. Bodies are blocks of the size that their mass and rotary inertia give; dots are
     point masses, at the hinges too where a rule gathers its masses there.
 
@@ -93,7 +93,7 @@ def draw_chain(
         writes none. Supports' springs, then, are in EI/L and EI/L³, or in N m/rad and N/m. The numbers of a
         chain from pieces are those given. Of more than 12 hinges, equal neighbours share a label.
     ends : bool
-        Whether supports and bodies are drawn.
+        Draw supports and bodies.
     size : float [pt]
         Of the labels.
 
@@ -105,9 +105,9 @@ def draw_chain(
     Examples
     --------
     >>> from matplotlib.figure import Figure
-    >>> from beammodes.problem.beam import Beam
+    >>> import beammodes as bm
     >>> ax = Figure().subplots()
-    >>> draw_chain(Chain(Beam.unit(), "clamped-free", segments=4), ax)
+    >>> bm.draw_chain(bm.Chain(bm.Beam.unit(), "clamped-free", segments=4), ax)
     >>> [text.get_text() for text in ax.texts]
     ['24/11', '1', '1', '1']
     """
@@ -373,7 +373,7 @@ def _elastic(value: Number, unit: str) -> str:
 
 
 def _runs(texts: list[str]) -> list[tuple[int, str]]:
-    """Return each run of equal neighbours as the hinge in its middle and how often it says what."""
+    """Return the middle hinge and the label of each run of equal neighbours, such as '3 × 1'."""
     runs, first = [], 0
     for text, same in itertools.groupby(texts):
         count = len(list(same))

@@ -251,7 +251,7 @@ class EndPlace:
 
 
 def body_of(end: End, length: float) -> Body:
-    """Return the symbol of what an end carries, as far as its supports let it move.
+    """Return the symbol of the body on an end, as far as its supports let it move.
 
     A block has the side √(6 J/m) of a square of that mass and rotary inertia; a point mass is a dot, and a
     body without mass a wheel. What would be too small or too large to draw has the size of a symbol.
@@ -295,7 +295,7 @@ def draw_body(ax: Axes, place: EndPlace) -> None:
 
 
 def draw_support(ax: Axes, stiffness: Point, place: EndPlace) -> None:
-    """Draw what ties an end to the ground: a wall, a pin or a slide, and springs where they give.
+    """Draw an end's support: a wall, a pin or a slide, and springs where it gives.
 
     `stiffness` holds K_t and K_r, inf where the end is held.
     """
@@ -321,7 +321,7 @@ def draw_support(ax: Axes, stiffness: Point, place: EndPlace) -> None:
 
 
 def _draw_turning_spring(ax: Axes, place: EndPlace, *, grounded: bool) -> None:
-    """Draw a spiral about the tip, and what ties it to the ground under a pin or to a slide's plate."""
+    """Draw a spiral about the tip, and a line from it to the ground under a pin or to a slide's plate."""
     inner = place.radius * (1.2 if place.hinged else 0.3)
     outward = 0.0 if place.side > 0 else math.pi
     start = -math.pi / 2 if grounded else outward
