@@ -87,7 +87,7 @@ _NAMES = {
     "chains.chain": "Chain",
     "chains.rods": "MissedFeatureWarning",
     "chains.rules": "Layout RULES Rule Weight axially_corrected",
-    "closed_form.dispersion": "chain_frequency",
+    "closed_form.chain_frequencies": "chain_frequency",
     "dynamics.base_motion": "BaseMotion harmonic spin_up",
     "dynamics.simulation": "DivergedWarning UnsavedMotion UnstableStepWarning mode_start simulate",
     "dynamics.superposition": "modal_response",
@@ -161,7 +161,7 @@ if TYPE_CHECKING:
     from beammodes.chains.rules import Rule as Rule
     from beammodes.chains.rules import Weight as Weight
     from beammodes.chains.rules import axially_corrected as axially_corrected
-    from beammodes.closed_form.dispersion import chain_frequency as chain_frequency
+    from beammodes.closed_form.chain_frequencies import chain_frequency as chain_frequency
     from beammodes.dynamics.base_motion import BaseMotion as BaseMotion
     from beammodes.dynamics.base_motion import harmonic as harmonic
     from beammodes.dynamics.base_motion import spin_up as spin_up

@@ -129,7 +129,7 @@ def _from_squares(squares: Array, segments: int) -> Array:
 
 
 def _closed_form(segments: int) -> Array:
-    from beammodes.closed_form.dispersion import chain_frequency
+    from beammodes.closed_form.chain_frequencies import chain_frequency
 
     return np.asarray(chain_frequency("clamped-free", segments, np.arange(1, _FIRST + 1)))
 

@@ -12,9 +12,9 @@ import numpy as np
 import pytest
 
 from beammodes.chains.rules import RULES, Rule, Weight
-from beammodes.closed_form.discretization import relative_error
-from beammodes.closed_form.dispersion import chain_frequency
-from beammodes.closed_form.uniform import MAX_SEGMENTS
+from beammodes.closed_form.chain_frequencies import chain_frequency
+from beammodes.closed_form.frequency_error import relative_error
+from beammodes.closed_form.uniform_chains import MAX_SEGMENTS
 from beammodes.problem.ends import BOUNDARIES, Boundary, End
 
 HALF = Fraction(1, 2)

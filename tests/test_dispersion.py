@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 from beammodes.accuracy.law import error_law
 from beammodes.chains.chain import Chain
 from beammodes.chains.rules import RULES, Rule, Weight
-from beammodes.closed_form.discretization import relative_error
-from beammodes.closed_form.dispersion import chain_frequency
+from beammodes.closed_form.chain_frequencies import chain_frequency
+from beammodes.closed_form.frequency_error import relative_error
 from beammodes.exact.exact_beam import wavenumber
 from beammodes.problem.beam import Beam
 from beammodes.problem.ends import BOUNDARIES, Boundary

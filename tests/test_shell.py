@@ -238,7 +238,7 @@ def interrupted(ran: subprocess.CompletedProcess[bytes]) -> None:
         "argparse",
         "numpy",
         "numpy.linalg",
-        "beammodes.closed_form.uniform",
+        "beammodes.closed_form.uniform_chains",
         "beammodes.problem.ends",
     ],
 )

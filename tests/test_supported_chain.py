@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from beammodes.chains.chain import Chain
 from beammodes.chains.rules import RULES, Rule, Weight
 from beammodes.closed_form import supported_chain
-from beammodes.closed_form.dispersion import chain_frequency
+from beammodes.closed_form.chain_frequencies import chain_frequency
 from beammodes.closed_form.supported_chain import (
     block_of,
     carried,

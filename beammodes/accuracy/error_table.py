@@ -13,7 +13,7 @@ from beammodes.accuracy.errors import MAX_MODES, errors_in_multiples, exact_freq
 from beammodes.chains.chain import Chain
 from beammodes.chains.rules import AnyRule, Layout, layout_of
 from beammodes.checks import bounded, choice, shown, whole_number
-from beammodes.closed_form.uniform import MAX_SEGMENTS
+from beammodes.closed_form.uniform_chains import MAX_SEGMENTS
 from beammodes.numerics.arrays import Floats
 from beammodes.problem.beam import Beam
 from beammodes.problem.ends import Boundary, BoundaryLike, is_pair

@@ -11,7 +11,7 @@ from beammodes.accuracy.beam_units import looked_up
 from beammodes.accuracy.errors import errors_in_multiples
 from beammodes.chains.rules import AnyRule, AxiallyCorrected, Rule, RuleMaker, layout_of
 from beammodes.checks import shown, small_fraction, whole_number
-from beammodes.closed_form.uniform import MAX_SEGMENTS
+from beammodes.closed_form.uniform_chains import MAX_SEGMENTS
 from beammodes.problem.beam import Beam
 from beammodes.problem.ends import Boundary, BoundaryLike
 from beammodes.problem.loading import Load

@@ -20,7 +20,7 @@ from beammodes.accuracy.error_table import listed, stands_alone
 from beammodes.accuracy.statics import LOADS
 from beammodes.chains.rules import RULES, Layout, layout_of
 from beammodes.checks import choice, positive_real, shown, whole_number
-from beammodes.closed_form.uniform import MAX_MODE, MAX_SEGMENTS
+from beammodes.closed_form.uniform_chains import MAX_MODE, MAX_SEGMENTS
 from beammodes.numerics.distributions import Distribution, Normal, Uniform, draw
 from beammodes.problem.ends import Boundary
 from beammodes.problem.loading import PLANES, Load

@@ -85,7 +85,7 @@ __all__ = [
 _ZERO, _ONE, _HALF = Decimal(0), Decimal(1), Fraction(1, 2)
 # Unmodified hinges between the two ends' corrections: the cut is at one of them.
 _BETWEEN = 6
-# As `dispersion` has it for plain ends.
+# As `chain_frequencies` has it for plain ends.
 _MOST_SEGMENTS = 10**9
 # Digits beyond those that small and large numbers cost.
 _DIGITS = 50

@@ -31,7 +31,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from beammodes.chains.rules import Rule
-from beammodes.closed_form.series import (
+from beammodes.closed_form.exact_states import ExactState, Poly, admitted, expanded, is_hinged, term
+from beammodes.closed_form.power_series import (
     SERIES_TERMS,
     SeriesTable,
     binomial,
@@ -41,7 +42,6 @@ from beammodes.closed_form.series import (
     product,
     quotient,
 )
-from beammodes.closed_form.transfer import ExactState, Poly, admitted, expanded, is_hinged, term
 from beammodes.numerics.arrays import Floats
 from beammodes.problem.ends import End
 
@@ -141,7 +141,7 @@ class EndWaves:
 
     @cached_property
     def half(self) -> bool:
-        """True if `series` counts from the middle of a segment."""
+        """True if `power_series` counts from the middle of a segment."""
         return self.rule.stub == _HALF
 
     @cached_property
@@ -208,7 +208,7 @@ class EndWaves:
 
     @cached_property
     def beam(self) -> Minors:
-        """The exact beam's determinants, scaled as `series` (and, up to a power of s, `minors`) is."""
+        """The exact beam's determinants, scaled as `power_series` (and, up to a power of s, `minors`) is."""
         return Minors(*(float(value) for value in self.series[:, 0, 0]))
 
 
@@ -259,7 +259,7 @@ def phase(end: EndWaves, minors: Minors, q: Any, middle: float = 0.0) -> Any:
 
 
 def exchange(kappa: Any, decay: Any, left: Minors, right: Minors) -> Any:
-    """Return X of the equation at the head of `dispersion`; E = e^(-decay).
+    """Return X of the equation at the head of `chain_frequencies`; E = e^(-decay).
 
     It is Laplace's expansion, by the left end's two rows, of the determinant
 

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import beammodes as bm
-from beammodes.closed_form.dispersion import chain_frequency
+from beammodes.closed_form.chain_frequencies import chain_frequency
 from beammodes.vibration.integrators import stability_limit
 
 __all__ = ["LONGEST", "MODES", "SEGMENTS", "TOLERANCES", "atlas", "segments_for"]

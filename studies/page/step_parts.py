@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 import beammodes as bm
-from beammodes.closed_form.dispersion import chain_frequency
+from beammodes.closed_form.chain_frequencies import chain_frequency
 from beammodes.vibration.integrators import accuracy_limit, amplification, stability_limit
 from beammodes.vibration.stability import ROARK_CLAMPED_CLAMPED, published_constants
 from studies import c_table, figure_1, step_size

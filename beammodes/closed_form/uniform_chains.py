@@ -25,8 +25,8 @@ __all__ = [
     "Boundaries",
     "Rules",
     "UniformChains",
+    "chains_of",
     "looked_up",
-    "uniform_chains",
 ]
 
 
@@ -128,7 +128,7 @@ class UniformChains:
         return found
 
     def in_band(self, segments: Floats, mode: Floats) -> NDArray[np.bool_]:
-        """Say which modes `dispersion.shift` can give.
+        """Say which modes `chain_frequencies.shift` can give.
 
         Those of chains that are long enough, but for the last few.
         """
@@ -169,13 +169,13 @@ class UniformChains:
 
 
 @lru_cache(maxsize=1024)
-def uniform_chains(rule: Rule, code: int) -> UniformChains:
+def chains_of(rule: Rule, code: int) -> UniformChains:
     """Return the chains of a pair of ends, an index into `ends.BOUNDARIES`, under `rule`.
 
     Examples
     --------
     >>> from beammodes.chains.rules import rule_named
-    >>> uniform_chains(rule_named("rigid_stub"), 3).surplus             # clamped-free: N - 1 hinges
+    >>> chains_of(rule_named("rigid_stub"), 3).surplus             # clamped-free: N - 1 hinges
     -1
     """
     return UniformChains(code, rule)
@@ -187,7 +187,7 @@ def uniform_chains(rule: Rule, code: int) -> UniformChains:
 MAX_SEGMENTS = 10**9
 
 
-#: Largest mode number, that of `wavenumbers.wavenumber`.
+#: Largest mode number, that of `exact_beam.wavenumber`.
 MAX_MODE = 10**12
 
 
@@ -215,7 +215,7 @@ def looked_up(
     codes, (records, chosen) = _boundary_codes(boundary), _rule_codes(rule)
     n, m = whole_numbers("segments", segments, most=MAX_SEGMENTS), whole_numbers("mode", mode, most=MAX_MODE)
     if not (codes.ndim or chosen.ndim or n.ndim or m.ndim):
-        chains, one = uniform_chains(records[0], int(codes)), (float(n), float(m))
+        chains, one = chains_of(records[0], int(codes)), (float(n), float(m))
         return float(np.squeeze(kernel(chains, *one))) if chains.exists(*one) else math.nan
     try:
         codes, n, m, chosen = np.broadcast_arrays(codes, n, m, chosen)
@@ -225,7 +225,7 @@ def looked_up(
         raise ValueError(message) from None
     result = np.full(codes.size, np.nan)
     for which, code, at in _groups(chosen.ravel(), codes.ravel()):
-        chains = uniform_chains(records[which], code)
+        chains = chains_of(records[which], code)
         size, number = n.ravel()[at].astype(np.float64), m.ravel()[at].astype(np.float64)
         found = np.flatnonzero(chains.exists(size, number))
         if len(found):

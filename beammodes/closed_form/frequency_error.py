@@ -5,7 +5,7 @@ difference of frequencies is formed. With κ = qN = β + δ, and ω = q² (1 + g
 
     e = (1 + g(q)) (1 + δ/β)² - 1,
 
-where δ solves the difference of two equations, the chain's at κ less the beam's at β (see `dispersion`):
+where δ solves the difference of two equations, the chain's at κ less the beam's at β:
 
     δ + Φ(q) - Φ⁰ = ± [arcsin X - arcsin X⁰],
 
@@ -28,9 +28,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from beammodes.closed_form.dispersion import frequencies
-from beammodes.closed_form.series import enough_powers
-from beammodes.closed_form.uniform import Boundaries, Rules, UniformChains, looked_up
+from beammodes.closed_form.chain_frequencies import frequencies
+from beammodes.closed_form.power_series import enough_powers
+from beammodes.closed_form.uniform_chains import Boundaries, Rules, UniformChains, looked_up
 from beammodes.closed_form.waves import Parts, amplitude, inside, parts
 from beammodes.exact.exact_beam import wavenumber_of_code
 from beammodes.numerics.arrays import Floats
@@ -78,7 +78,7 @@ def relative_error(
 
     Source
     ------
-    Derived here: the head of this module, `dispersion` and `waves`.
+    Derived here: the head of this module, `chain_frequencies` and `waves`.
 
     Examples
     --------
@@ -169,7 +169,7 @@ class _Difference:
         return total - sign * _arcsin_change(beam, change)
 
     def _exchange(self, delta: Any, powers: Floats, left: Parts, right: Parts) -> tuple[Any, Any]:
-        """Return X⁰ and X - X⁰, X = E² Im(e^(iκ) z₊ z₊') + E (cs dg' + dg cs'), as `reflection.exchange`."""
+        """Return X⁰ and X - X⁰, X = E² Im(e^(iκ) z₊ z₊') + E (cs dg' + dg cs'), as `waves.exchange`."""
         a, b = self.chains.left.beam, self.chains.right.beam
         # dg = 2 cs for the beam's ends, and for the chain's as scaled: cs dg' + dg cs' = 4 cs cs'.
         scale = 4.0 / (amplitude(a) * amplitude(b))

@@ -5,7 +5,7 @@ With the waves of `waves`, κ = qN and E = e^(-χN), both ends together give one
     sin(κ + Φ) = X,    X = E² ρ sin(κ + Φ₊) + E h,
 
 where Φ(q) is the sum of the phases at which the two ends reflect a wave, and X, small except for the lowest
-modes, is what the two ends' exponentials do to each other (`reflection.exchange`). The exact beam satisfies
+modes, is what the two ends' exponentials do to each other (`waves.exchange`). The exact beam satisfies
 the same equation with constants Φ⁰, so its mode n, at β + Φ⁰ ≈ kπ, says which k belongs to n.
 
 Why no mode is taken for its neighbour: κ + Φ grows with q (that sets the shortest chain treated so), so the
@@ -26,8 +26,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from beammodes.closed_form.transfer import characteristic_polynomial
-from beammodes.closed_form.uniform import Boundaries, Rules, UniformChains, looked_up
+from beammodes.closed_form.exact_states import characteristic_polynomial
+from beammodes.closed_form.uniform_chains import Boundaries, Rules, UniformChains, looked_up
 from beammodes.closed_form.waves import exchange
 from beammodes.numerics.arrays import Floats
 from beammodes.numerics.roots import NotFollowed, increasing_root, polynomial_roots, sign_changes
