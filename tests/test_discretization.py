@@ -13,7 +13,7 @@ import pytest
 
 from beammodes.chains.rules import RULES, Rule, Weight
 from beammodes.closed_form.chain_frequencies import chain_frequency
-from beammodes.closed_form.frequency_error import relative_error
+from beammodes.closed_form.relative_errors import relative_error
 from beammodes.closed_form.uniform_chains import MAX_SEGMENTS
 from beammodes.problem.ends import BOUNDARIES, Boundary, End
 

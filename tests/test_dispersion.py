@@ -16,7 +16,7 @@ from beammodes.accuracy.law import error_law
 from beammodes.chains.chain import Chain
 from beammodes.chains.rules import RULES, Rule, Weight
 from beammodes.closed_form.chain_frequencies import chain_frequency
-from beammodes.closed_form.frequency_error import relative_error
+from beammodes.closed_form.relative_errors import relative_error
 from beammodes.exact.exact_beam import wavenumber
 from beammodes.problem.beam import Beam
 from beammodes.problem.ends import BOUNDARIES, Boundary

@@ -14,7 +14,7 @@ import sympy
 from beammodes.accuracy.law import _slope_energy, error_law, interior_coefficient, law_holds_from
 from beammodes.chains.chain import Chain
 from beammodes.chains.rules import MAX_END_WEIGHTS, RULES, Weight
-from beammodes.closed_form.frequency_error import relative_error
+from beammodes.closed_form.relative_errors import relative_error
 from beammodes.exact.beam_theory import euler_bernoulli
 from beammodes.exact.exact_beam import wavenumber
 from beammodes.problem.beam import Beam

@@ -18,7 +18,7 @@ from hypothesis import strategies as st
 
 import beammodes as bm
 from beammodes.chains.rules import RULES, Rule, Weight, end_defects, hinges_at_nodes, rule_named
-from beammodes.closed_form.frequency_error import relative_error
+from beammodes.closed_form.relative_errors import relative_error
 from beammodes.problem.ends import BOUNDARIES, ENDS, Boundary
 
 PAIRS = [f"{a}-{b}" for a in ENDS for b in ENDS]
