@@ -1,4 +1,4 @@
-"""How many digits each formulation leaves of a chain's first frequency, against 50-digit arithmetic.
+"""Rounding errors of a chain's first frequency in several formulations, against 50-digit arithmetic.
 
 The figure shows rounding, which differs between machines and versions of BLAS: only its trend is meant to be
 reproduced, and it is not compared with figures drawn elsewhere.
@@ -138,7 +138,7 @@ def _errors(segments: int, listed: int) -> dict[str, float]:
 
 
 def data(progress: Progress) -> xarray.Dataset:
-    """Relative errors of the first frequency, the largest at N, N + 1 and N + 2, over method and N.
+    """Return relative errors of the first frequency, the largest at N, N + 1 and N + 2, over method and N.
 
     The chain's formulations are held against the chain's true frequency. Hermite elements, and the chain
     itself ("discretization"), are held against the beam's.
@@ -156,7 +156,7 @@ def data(progress: Progress) -> xarray.Dataset:
 
 
 def draw(table: xarray.Dataset, figure: Figure) -> None:
-    """Every formulation's error against N, on logarithmic axes."""
+    """Draw every formulation's error against N, on logarithmic axes."""
     ax = figure.subplots()
     ax.set(xscale="log", yscale="log", xlim=(3, 2e7), ylim=(3e-17, 3))
     ax.set(xlabel="number of segments N", ylabel="relative error of the first frequency")

@@ -47,7 +47,7 @@ def pinned_shape(beam: bm.Beam, force: float, at: float, x: ArrayLike, derivativ
 
 
 def data(progress: Progress) -> xarray.Dataset:
-    """Mode shapes, sums of them, and the sums' largest error, over the largest value of the shape itself."""
+    """Return mode shapes, sums of them, and the sums' largest errors over the shape's largest value."""
     x = np.linspace(0.0, 1.0, 201)
     beam = plain_modes(BEAM, BOUNDARY, MODES)
     q = plucked(beam, 1.0, AT)
@@ -80,7 +80,7 @@ def data(progress: Progress) -> xarray.Dataset:
 
 
 def draw(table: xarray.Dataset, figure: Figure) -> None:
-    """The report's three sketches, sums of one to three modes, and the error of longer sums."""
+    """Draw the report's three sketches, sums of one to three modes, and the error of longer sums."""
     grid = figure.add_gridspec(6, 3, width_ratios=[0.75, 1, 1.15])
     for row in range(DRAWN):
         _mode(table, row + 1, figure.add_subplot(grid[2 * row : 2 * row + 2, 0]))

@@ -1,4 +1,4 @@
-"""What an axial force does to chains: it takes every rule's order, and a changed spring gives it back."""
+"""Chains under an axial force: every rule falls to order 2; corrected springs restore most of it."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ LABELS: dict[str, dict[str, tuple[str, float, Literal["above", "below"]]]] = {
 
 
 def data(progress: Progress) -> xarray.Dataset:
-    """Errors at half the buckling load; ω² against the force; and errors of the buckling load itself."""
+    """Return errors at half the buckling load, ω² against the force, and errors of the buckling load."""
     error = np.full((len(BOUNDARIES), len(CASES), len(SEGMENTS)), np.nan)
     for i, pair in enumerate(BOUNDARIES):
         for j, case in enumerate(CASES):
@@ -84,7 +84,7 @@ def _error(pair: str, case: str, segments: int) -> float:
 
 
 def _squares(structure: str) -> tuple[list[float], list[float]]:
-    """Forces in buckling loads, and ω² over that without force: of the beam, or of short chains."""
+    """Return forces in buckling loads, and ω² over that without force: of the beam, or of short chains."""
     beam, pair = bm.Beam.unit(), BOUNDARIES[0]
     unit, still = buckling_load(beam, pair), bm.euler_bernoulli(beam, pair, 1).angular_frequency[0]
     # Corrected springs belong to one force each: there is no one chain that buckles.
@@ -107,7 +107,7 @@ def _squares(structure: str) -> tuple[list[float], list[float]]:
 
 
 def draw(table: xarray.Dataset, figure: Figure) -> None:
-    """Four panels: ω² against force, the buckling load's error, and errors at half the load for two pairs."""
+    """Draw ω² against force, the buckling load's error, and errors at half the load for two pairs."""
     figure.get_layout_engine().set(hspace=0.06, wspace=0.04)
     panels = figure.subplots(2, 2)
     _draw_forces(panels[0, 0], table)

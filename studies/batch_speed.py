@@ -1,4 +1,4 @@
-"""What a study costs in one process, in several, and on a Dask cluster, and what 10⁹ points need."""
+"""The cost of a study in one process, in several and on a Dask cluster, and of 10⁹ points."""
 
 from __future__ import annotations
 

@@ -86,7 +86,7 @@ def same_equations(segments: int = 3) -> float:
 
 
 def deriving(ours: Sequence[int] = (12, 32), theirs: Sequence[int] = (12,)) -> str:
-    """Nonlinear equations and their linearization in symbols, against sympy.physics.mechanics."""
+    """Return the times of deriving and linearizing, here and by sympy.physics.mechanics."""
     difference = same_equations()
     if not difference < 1e-10:
         raise ArithmeticError(f"this project's equations and Kane's differ by {difference:.1e}")
@@ -118,7 +118,7 @@ def _derive_by_kane(segments: int) -> None:
 
 
 def solving(counts: Sequence[int] = SEGMENTS, names: Sequence[str] = tuple(METHODS)) -> str:
-    """First three frequencies: time and largest relative error of every method at every N."""
+    """Return time and largest relative error of three frequencies, by every method at every N."""
     rows = []
     for name in names:
         row, last = [name], None

@@ -18,7 +18,7 @@ RULES = ("mitiguy", "gregory", MATCHED)
 
 
 def data(progress: Progress) -> xarray.Dataset:
-    """Errors for N = 1..20, three modes; matched springs need a chain that has three."""
+    """Return errors for N = 1..20, three modes; matched springs need a chain that has three."""
     parts = []
     for i, rule in enumerate(RULES):
         parts.append(bm.error_dataset(boundary=list(FIGURES), segments=range(1, 21), modes=MODES, rule=rule))
@@ -28,7 +28,7 @@ def data(progress: Progress) -> xarray.Dataset:
 
 
 def draw(table: xarray.Dataset, figure: Figure) -> None:
-    """Percent error against N, one row a figure of the report, one column a mode."""
+    """Draw percent error against N, one row a figure of the report, one column a mode."""
     panels = figure.subplots(len(FIGURES), MODES, sharex=True, sharey=True)
     for row, (boundary, name) in zip(panels, FIGURES.items(), strict=True):
         for ax, mode in zip(row, table.mode.values, strict=True):

@@ -59,7 +59,7 @@ def step_constants(
 
 
 def data(progress: Progress) -> xarray.Dataset:
-    """The report's constants beside exact ones, and 2√2/ω_max of chains with the report's springs."""
+    """Return the report's constants beside exact ones, and 2√2/ω_max of chains with the report's springs."""
     modes = len(REPORT)
     omega = np.full((len(BOUNDARIES), len(SEGMENTS)), np.nan)
     for j, count in enumerate(SEGMENTS):
@@ -94,7 +94,7 @@ def _markdown(table: xarray.Dataset) -> dict[str, str]:
 
 
 def draw(table: xarray.Dataset, figure: Figure) -> None:
-    """The report's C and the two corrections, on one pair of logarithmic axes."""
+    """Draw the report's C and the two corrections, on one pair of logarithmic axes."""
     ax = figure.subplots()
     plot_step_constants(*_parts(table), ax)
     ax.set_xlim(0.9, 40)

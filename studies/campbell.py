@@ -42,7 +42,7 @@ LOOK = {"flap": COLOURS[0], "lag": COLOURS[1]}
 
 
 def data(progress: Progress) -> xarray.Dataset:
-    """Frequencies over √(EI/ρAL⁴) by plane and spin rate, of the beam and of chains; errors over N."""
+    """Return frequencies over √(EI/ρAL⁴) by plane and spin rate, of the beam and of chains; errors over N."""
     exact = np.empty((len(PLANES), MODES, len(SPIN)))
     chain = np.full((len(PLANES), MODES, len(SPIN), len(SEGMENTS)), np.nan)
     for i, plane in enumerate(PLANES):
@@ -82,7 +82,7 @@ def _of_chain(rule: str, segments: int, load: bm.Load) -> NDArray[np.float64]:
 
 
 def draw(table: xarray.Dataset, figure: Figure) -> None:
-    """The diagram, and beside it the error of the first flap mode against N."""
+    """Draw the diagram, and beside it the error of the first flap mode against N."""
     left, right = figure.subplots(1, 2, width_ratios=[1.3, 1])
     revolutions, errors = _diagram(table, left), _errors(table, right)
     label_along(left, revolutions)

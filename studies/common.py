@@ -1,4 +1,4 @@
-"""What several studies share: largest errors, finite elements, mode shapes, motions, axes of pictures."""
+"""Functions that several studies share: largest errors, finite elements, mode shapes, motions, axes."""
 
 from __future__ import annotations
 

@@ -31,7 +31,7 @@ _SHOWN = 30
 
 @cache
 def kinds() -> Mapping[str, Mapping[str, Kind]]:
-    """Return, by table and column, how numbers are compared that do not share a relative 1e-8."""
+    """Return the kinds of the columns that are not compared within a relative 1e-8, by table and column."""
     return {
         f"{name}{ending}": sheet.kinds
         for name, study in every_study().items()

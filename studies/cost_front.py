@@ -1,4 +1,4 @@
-"""What accuracy costs: largest error of three modes against the work of simulating the chain."""
+"""The cost of accuracy: largest error of three modes against the work of simulating the chain."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ def front(price: NDArray[np.float64], error: NDArray[np.float64]) -> NDArray[np.
 
 
 def data(progress: Progress) -> xarray.Dataset:
-    """Cost and largest error by rule and N, and which points are on the front of all registered rules."""
+    """Return cost and largest error by rule and N, and which points are on the front of all rules."""
     rules = (*bm.RULES, MATCHED)
     price, error = (np.full((len(rules), len(SEGMENTS)), np.nan) for _ in range(2))
     for i, rule in enumerate(rules):
@@ -77,7 +77,7 @@ def data(progress: Progress) -> xarray.Dataset:
 
 
 def draw(table: xarray.Dataset, figure: Figure) -> None:
-    """One line a rule, the front of all of them behind."""
+    """Draw a line for each rule over the front of all of them."""
     ax = figure.subplots()
     ax.set(xscale="log", yscale="log", xlim=(45, 2e7), ylim=(1e-3, 100))
     ax.set_yticks([10.0**k for k in range(-3, 3)], [f"{10.0**k:.12g} %" for k in range(-3, 3)])

@@ -47,7 +47,7 @@ CLAMPED_LABELS["rigid_stub_corrected"] = (330, "below")
 
 
 def data(progress: Progress) -> xarray.Dataset:
-    """Largest errors by boundary, method and N, and the segments that the marked methods need."""
+    """Return largest errors by boundary, method and N, and the segments that the marked methods need."""
     methods = (*bm.RULES, ELEMENTS, MATCHED.name)
     error = np.full((len(BOUNDARIES), len(methods), len(SEGMENTS)), np.nan)
     needed = np.zeros((len(BOUNDARIES), len(MARKED), len(TOLERANCES)), dtype=int)
@@ -80,7 +80,7 @@ def data(progress: Progress) -> xarray.Dataset:
 
 
 def draw(table: xarray.Dataset, figure: Figure) -> None:
-    """Error against N on logarithmic axes, one panel a boundary."""
+    """Draw error against N on logarithmic axes, one panel a boundary."""
     panels = figure.subplots(1, 2, sharex=True, sharey=True)
     for ax, boundary in zip(panels, BOUNDARIES, strict=True):
         ax.set(xscale="log", yscale="log", xlim=(2.5, 1600), ylim=(1e-4, 100))

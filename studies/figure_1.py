@@ -42,7 +42,7 @@ LOOKS = {
 
 
 def data(progress: Progress) -> xarray.Dataset:
-    """Tip deflections of chains and of sums of modes, on either body."""
+    """Return tip deflections of chains and of sums of modes, on either body."""
     tables = []
     for i, (base, duration, every) in enumerate(MOTIONS.values()):
         time = np.arange(round(duration / every) + 1) * every
@@ -65,7 +65,7 @@ def data(progress: Progress) -> xarray.Dataset:
 
 
 def draw(table: xarray.Dataset, figure: Figure) -> None:
-    """The two systems above, the motion of their beams' tips below."""
+    """Draw the two systems above, the motion of their beams' tips below."""
     panels = figure.subplots(2, 2, height_ratios=[1, 2.9])
     _slider(panels[0, 0])
     _rotor(panels[0, 1])

@@ -49,7 +49,7 @@ TWO_PLACES: tuple[Places, ...] = (
 
 
 def data(progress: Progress, boundary: bm.Boundary, wall: str) -> xarray.Dataset:
-    """Errors for N = 1..20 on free bodies and on fixed walls; mode shapes for N = 4 on free bodies."""
+    """Return errors for N = 1..20 on free bodies and on fixed walls; mode shapes for N = 4 on free bodies."""
     tables = []
     for i, pair in enumerate((boundary, wall)):
         table = bm.error_dataset(boundary=[pair], segments=range(1, 21), modes=MODES, rule=RULES)
@@ -67,7 +67,7 @@ def draw(
     bodies: str,
     places: tuple[Places, ...],
 ) -> None:
-    """The chain, its first modes over the beam's, and their errors against N."""
+    """Draw the chain, its first modes over the beam's, and their errors against N."""
     figure.get_layout_engine().set(wspace=0.06)
     chain = bm.Chain(bm.Beam.unit(), boundary, DRAWN)
     grid = figure.add_gridspec(3, MODES, height_ratios=[0.75, 1.25, 2.5])

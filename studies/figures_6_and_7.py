@@ -23,12 +23,12 @@ COLUMNS = (
 
 
 def data(progress: Progress, boundary: str = "clamped-free") -> xarray.Dataset:
-    """Errors for N = 1..20 through the symbolic derivation; N = 1 between two walls has no elastic mode."""
+    """Return errors for N = 1..20 by the symbolic derivation; N = 1 between walls has no elastic mode."""
     return derived_error_dataset(boundary, segments=range(1, 21), modes=3, progress=progress)
 
 
 def draw(table: xarray.Dataset, figure: Figure) -> None:
-    """Signed errors on linear axes, as the report has them, and their size on logarithmic ones."""
+    """Draw signed errors on linear axes, as the report has them, and their size on logarithmic ones."""
     linear, logarithmic = figure.subplots(1, 2)
     plot_errors(table, linear)
     linear.set_xlim(0, 20.5)

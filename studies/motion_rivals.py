@@ -105,7 +105,7 @@ def state_of(segments: int) -> tuple[Array, Array]:
 
 
 def moving(counts: Sequence[int] = (8, 50, 200, 1000)) -> str:
-    """One right-hand side by every method at every N, and how many times as long as the first it takes."""
+    """Return the time of one right-hand side by every method at every N, and over the first method's."""
     columns: list[list[str]] = []
     worst = 0.0
     for segments in counts:

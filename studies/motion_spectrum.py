@@ -48,7 +48,7 @@ def peak(omega: NDArray[np.float64], amplitude: NDArray[np.float64], low: float,
 
 
 def data(progress: Progress) -> xarray.Dataset:
-    """Spectrum of the tip after a knock beside the eigenfrequencies; frequency against amplitude."""
+    """Return the tip's spectrum after a knock beside the eigenfrequencies, and shifts by amplitude."""
     total = 1 + len(MOST) * len(BENT)
     chain = bm.Chain(BEAM, BOUNDARY, SEGMENTS, RULE)
     knock = np.zeros(SEGMENTS)
@@ -98,7 +98,7 @@ def shifts(segments: int, mode: int, sizes: NDArray[np.float64]) -> NDArray[np.f
 
 
 def draw(table: xarray.Dataset, figure: Figure) -> None:
-    """The spectrum with lines where peaks belong, and the frequencies of the bent chain beside it."""
+    """Draw the spectrum with lines where peaks belong, and the frequencies of the bent chain beside it."""
     left, right = figure.subplots(1, 2, width_ratios=[1.5, 1])
     _spectrum(table, left)
     _shift(table, right)

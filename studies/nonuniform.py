@@ -69,7 +69,7 @@ PANELS: tuple[tuple[str, int, str, tuple[Place, ...]], ...] = (
 
 
 def data(progress: Progress) -> xarray.Dataset:
-    """Errors of the first frequency by case, rule and N; and those of three modes of the catheter."""
+    """Return errors of the first frequency by case, rule and N; and those of three modes of the catheter."""
     segments = np.unique(np.concatenate([counts for _, counts in CASES.values()]))
     error = np.full((len(CASES), len(RULES), len(segments)), np.nan)
     for i, (beam, counts) in enumerate(CASES.values()):
@@ -100,7 +100,7 @@ def data(progress: Progress) -> xarray.Dataset:
 
 
 def draw(table: xarray.Dataset, figure: Figure) -> None:
-    """Three panels of |error| against N, over sketches of the stiffness and of the rods."""
+    """Draw |error| against N in three panels, over sketches of the stiffness and of the rods."""
     panels = figure.subplots(2, 3, sharex="row", sharey="row", height_ratios=(1, 3.6))
     named = []
     for (sketch, ax), (name, count, note, places) in zip(panels.T, PANELS, strict=True):

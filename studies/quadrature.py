@@ -19,7 +19,7 @@ SHOWN = ("naive", "double_wall", "gregory", "rigid_stub", "half_stub", "half_stu
 
 
 def data(progress: Progress) -> xarray.Dataset:
-    """Hinges, weights and f = φ''² at the hinges, for six segments in mode 1; and f along the beam."""
+    """Return hinges, weights and f = φ''² at the hinges, for six segments in mode 1; and f along the beam."""
     beam = bm.euler_bernoulli(bm.Beam.unit(), BOUNDARY, 1)
     position = np.full((len(SHOWN), SEGMENTS + 1), np.nan)
     weight = position.copy()
@@ -47,7 +47,7 @@ def data(progress: Progress) -> xarray.Dataset:
 
 
 def draw(table: xarray.Dataset, figure: Figure) -> None:
-    """Six rules: the curve is what the beam integrates, the bars are what the chain adds up."""
+    """Draw, for six rules, the curve that the beam integrates and the bars that the chain adds up."""
     panels = figure.subplots(2, 3, sharex=True, sharey=True)
     for ax, name in zip(panels.flat, SHOWN, strict=True):
         _panel(table, name, ax)

@@ -206,14 +206,14 @@ def _pinocchio_mass(segments: int) -> Array:
 
 
 def _stiffness_first(mass: Array) -> Array:
-    """ω² of (K, M) in joint angles: what one writes first."""
+    """Solve (K, M) in joint angles for ω², as one would write it first."""
     stiffness = np.diag(joint_stiffness(len(mass)))
     squares = scipy.linalg.eigh(stiffness, mass, eigvals_only=True, subset_by_index=[0, _FIRST - 1])
     return _from_squares(squares, len(mass))
 
 
 def _mass_first(mass: Array) -> Array:
-    """1/ω² of (M, K) in joint angles, which keeps the lowest modes' digits."""
+    """Solve (M, K) in joint angles for 1/ω², which keeps the lowest modes' digits."""
     stiffness, highest = np.diag(joint_stiffness(len(mass))), [len(mass) - _FIRST, len(mass) - 1]
     inverse = scipy.linalg.eigh(mass, stiffness, eigvals_only=True, subset_by_index=highest)
     return _from_squares(1 / inverse, len(mass))

@@ -33,7 +33,7 @@ class Panel(NamedTuple):
 
 
 def sections() -> dict[str, list[Panel]]:
-    """What is drawn, by heading."""
+    """Return the panels by heading."""
     chains = [bm.Chain(UNIT, "clamped-free", DRAWN, rule) for rule in bm.RULES]
     rules = [
         Panel(chain, name, f"order {rule.declared_order(chain.boundary)}")
@@ -91,7 +91,7 @@ def _falling(chain: bm.Chain) -> xarray.Dataset:
 
 
 def data(progress: Progress) -> xarray.Dataset:
-    """Where the nodes of each chain are, the angles of its pieces, and its springs in its own units."""
+    """Return each chain's nodes, the angles of its pieces, and its springs in its own units."""
     panels = [panel for section in sections().values() for panel in section]
     parts = []
     for i, panel in enumerate(panels):
@@ -108,7 +108,7 @@ def data(progress: Progress) -> xarray.Dataset:
 
 
 def draw(table: xarray.Dataset, figure: Figure) -> None:
-    """Four headings, and under each its chains in three columns, of one scale but where they bend far."""
+    """Draw each group's chains in three columns, of one scale except where they bend far."""
     groups, i = sections(), 0
     parts = figure.subfigures(len(groups), 1, height_ratios=[3.9, 2.7, 2.7, 2.3])
     for part, (heading, panels) in zip(parts, groups.items(), strict=True):

@@ -1,4 +1,4 @@
-"""How many segments 1 % in the first three modes needs: every boundary, every rule."""
+"""Segments needed for 1 % in the first three modes, for every pair of ends and every rule."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ LIMITS = (3, 200)
 
 
 def data(progress: Progress) -> xarray.Dataset:
-    """Segments by boundary and rule, and the first rule in the row that lays out the same chains."""
+    """Return segments by boundary and rule, and the first rule in the row that lays out the same chains."""
     needed, same = [], []
     for i, pair in enumerate(bm.BOUNDARIES):
         chains = [_chain(pair, rule) for rule in ORDER]
@@ -78,7 +78,7 @@ def _shortest_matched(pair: bm.Boundary) -> int:
 
 
 def draw(table: xarray.Dataset, figure: Figure) -> None:
-    """The map, its scale beside it."""
+    """Draw the map, its scale beside it."""
     ax = figure.subplots()
     plot_number_map(table.segments_needed, table.same_chain_as, ax, limits=LIMITS)
     names = [str(name).replace("_", "_\n").replace("(", "\n(") for name in table.rule.values]

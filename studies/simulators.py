@@ -1,4 +1,4 @@
-"""What your tool lays out at a clamped end, how wrong that is, and what mends it: one row a simulator."""
+"""Each simulator's layout at a clamped end, its error, and the springs that correct it."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ POWERS = {1: "", 2: "²", 3: "³", 4: "⁴"}
 
 
 def data(progress: Progress) -> xarray.Dataset:
-    """Errors of a cantilever's first frequency, and the springs nearest the wall at N = 10, by tool."""
+    """Return errors of a cantilever's first frequency by tool, and the springs near the wall at N = 10."""
     segments = np.union1d(SEGMENTS, MARKED)
     error = np.empty((len(TOOLS), len(VERSIONS), len(segments)))
     spring = np.full((len(TOOLS), len(VERSIONS), DRAWN), "", dtype=object)
@@ -48,7 +48,7 @@ def data(progress: Progress) -> xarray.Dataset:
 
 
 def draw(table: xarray.Dataset, figure: Figure) -> None:
-    """A picture of each layout near the wall, and its error against N before and after."""
+    """Draw a picture of each layout near the wall, and its error against N before and after."""
     panels = figure.subplots(len(TOOLS), 2, width_ratios=(1.45, 1), squeeze=False)
     for tool, (left, right) in zip(TOOLS, panels, strict=True):
         one = table.sel(tool=tool.name)
@@ -80,7 +80,7 @@ def _layout(tool: Tool, one: xarray.Dataset, ax: Axes) -> None:
 
 
 def _rods(tool: Tool, hinges: NDArray[np.float64], ax: Axes) -> None:
-    """Rods or point masses on bars, the part that the wall holds in grey, and hinges."""
+    """Draw rods or point masses on bars, the part that the wall holds in grey, and hinges."""
     thick = 1.5 if tool.masses == "points" else 5
     ax.plot([tool.stub, END], [0, 0], color=AS_IS, linewidth=thick, solid_capstyle="butt")
     ax.plot([0, tool.stub], [0, 0], color=GREY, linewidth=max(thick, 3), solid_capstyle="butt")
@@ -92,7 +92,7 @@ def _rods(tool: Tool, hinges: NDArray[np.float64], ax: Axes) -> None:
 
 
 def _beams(tool: Tool, hinges: NDArray[np.float64], ax: Axes) -> None:
-    """Rods, the one that the wall holds in grey, and the massless beams that join their middles."""
+    """Draw rods, the one that the wall holds in grey, and the massless beams that join their middles."""
     for left in (0.0, *hinges):
         colour = AS_IS if left >= tool.stub else GREY
         width = min(left + 1.0, END) - left - 0.12

@@ -28,7 +28,7 @@ LOOK = {4: (COLOURS[4], "-"), 10: (COLOURS[0], "-"), 20: (COLOURS[1], (0, (3, 2)
 
 
 def data(progress: Progress) -> xarray.Dataset:
-    """Tip deflections over time, by N, and the nodes of the chain that is filmed."""
+    """Return tip deflections over time, by N, and the nodes of the chain that is filmed."""
     lines, filmed = [], xarray.Dataset()
     for i, n in enumerate(SEGMENTS):
         motion = moved(bm.Chain(BEAM, BOUNDARY, n, RULE), DURATION, EVERY, base=BASE)
@@ -42,7 +42,7 @@ def data(progress: Progress) -> xarray.Dataset:
 
 
 def draw(table: xarray.Dataset, figure: Figure) -> None:
-    """The bent beam at some moments as the hub sees it, and its tip over time."""
+    """Draw the bent beam at some moments as the hub sees it, and its tip over time."""
     left, right = figure.subplots(1, 2, width_ratios=[1, 1.35])
     _stills(table, left)
     _tips(table, right)
@@ -96,7 +96,7 @@ def _corner(ax: Axes) -> dict[str, Any]:
 
 
 def film(table: xarray.Dataset) -> bytes:
-    """The motion as a GIF: as one sees it who stands by, and from the hub, and the tip's deflection."""
+    """Return the motion as a GIF: seen from the ground, from the hub, and the tip's deflection."""
     with matplotlib.rc_context(STYLE | {"font.size": 8, "axes.grid": False}):
         figure = Figure(figsize=(4.8, 2.5), dpi=100, layout="constrained")
         panels = figure.subplot_mosaic([["still", "hub"], ["still", "tip"]], width_ratios=[1, 1.1])

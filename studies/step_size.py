@@ -49,7 +49,7 @@ OUTPUTS = 3
 
 
 def data(progress: Progress) -> xarray.Dataset:
-    """Constants by theory; growth, the recipe's cost and a few courses by integrating the nonlinear chain."""
+    """Return constants by theory, and growth, cost and courses of the nonlinear chain integrated."""
     chains = [
         (place, bm.Chain(bm.Beam.unit(), boundary, segments=count))
         for place, (boundary, count) in _places().items()
@@ -167,7 +167,7 @@ def _recipe(table: xarray.Dataset, place: tuple[int, int], chain: bm.Chain) -> N
 
 
 def draw(table: xarray.Dataset, figure: Figure) -> None:
-    """C against N; how the chain diverges; what the variable step does about it."""
+    """Draw C against N, the divergence of the chain, and the work of the variable step."""
     panels = figure.subplot_mosaic([["constants", "growth"], ["constants", "recipe"]], width_ratios=(1.08, 1))
     _draw_constants(table, panels["constants"])
     _draw_growth(table, panels["growth"])

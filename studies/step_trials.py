@@ -1,4 +1,4 @@
-"""What integrators do to the nonlinear chain at a given step, measured: growth, modes, cost."""
+"""Measurements on the nonlinear chain at a given step: growth, modes, cost."""
 
 from __future__ import annotations
 
@@ -117,7 +117,7 @@ def modal_motion(
 
 @dataclass(frozen=True)
 class VariableCost:
-    """What a variable-step integrator did for some output steps.
+    """The work of a variable-step integrator for some output steps.
 
     Attributes
     ----------

@@ -22,7 +22,7 @@ __all__ = ["Kind", "Progress", "Sheet", "Study", "repeatable", "silent"]
 
 
 class Kind(NamedTuple):
-    """How the numbers of a column are written and compared, where processors agree on fewer digits.
+    """The way in which a column is written and compared, where processors agree on fewer digits.
 
     decimals: written with so many; one unit of the last may differ.
     some: only some of the numbers are rounded so, by the study itself; the others are written in full.

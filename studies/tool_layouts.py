@@ -1,4 +1,4 @@
-"""How simulators lay out a cantilever by default, how wrong that is, and what mends it.
+"""Simulators' default layouts of a cantilever, their errors, and the springs that correct them.
 
 Chains of hinges are those of the package. Two tools do otherwise and are modelled here: MuJoCo 4 puts
 point masses at the vertices of a discrete elastic rod, Adams joins rigid segments by massless beams.

@@ -43,7 +43,7 @@ HEIGHT, WHEEL, GAP, AMPLITUDE, TURN = 0.85, 0.33, 0.3, 0.25, 0.32
 
 
 def data(progress: Progress) -> xarray.Dataset:
-    """Frequencies [Hz] and shapes of four modes, with this bed and with one ten thousand times as stiff."""
+    """Return frequencies [Hz] and shapes of four modes, with this bed and with a rigid one."""
     parts = []
     for i, factor in enumerate((1.0, STIFFER)):
         bed = bm.Beam(BED.length, factor * BED.mean_bending_stiffness, BED.mean_mass_per_length)
@@ -54,7 +54,7 @@ def data(progress: Progress) -> xarray.Dataset:
 
 
 def draw(table: xarray.Dataset, figure: Figure) -> None:
-    """The truck; heave and pitch with a rigid bed and with this one; and what only this one does."""
+    """Draw the truck; heave and pitch with a rigid bed and a flexible one; and the flexible bed's bending."""
     figure.get_layout_engine().set(wspace=0.05, hspace=0.03)
     panels = figure.subplots(4, 2)
     _draw_numbers(*panels[0], table)

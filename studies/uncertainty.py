@@ -30,7 +30,7 @@ class Bar(NamedTuple):
 
 
 def _report_modulus(material: str) -> tuple[float, float]:
-    """Middle and half width of what the report's table gives, the latter as a fraction.
+    """Return middle and half width of a modulus in the report's table, the latter as a fraction.
 
     A range is what it says; a single number is rounded to whole millions of lbf/in².
     """
@@ -71,7 +71,7 @@ BARS = {
 
 
 def data(progress: Progress) -> xarray.Dataset:
-    """Errors for N = 1..40, the spread of two beams' frequencies, and how many segments are enough."""
+    """Return errors for N = 1..40, the spread of two beams' frequencies, and how many segments are enough."""
     errors = bm.error_dataset(boundary=list(FIGURES), segments=range(1, 41), modes=MODES, rule=RULES)
     by_beam = []
     for i, bar in enumerate(BARS.values()):
@@ -100,7 +100,7 @@ def _enough(spread: xarray.Dataset) -> dict[str, Any]:
 
 
 def draw(table: xarray.Dataset, figure: Figure) -> None:
-    """One row a beam, one column a figure of the report: |error| of three modes, and what hides it."""
+    """Draw |error| of three modes over the beam's own band: a row for each beam, a column for each figure."""
     rows = figure.subfigures(len(BARS), 1)
     for row, (beam, bar) in zip(rows, BARS.items(), strict=True):
         row.suptitle(f"{beam}: {bar.text}", fontsize=10, x=0.01, ha="left", color="#444444")

@@ -22,10 +22,9 @@ import beammodes as bm
 import studies.__main__
 from beammodes.vibration.stability import highest_angular_frequency
 from studies import PAGE, c_table, every_study
-from studies.page import accuracy_parts, atlas_data, build, markup
-from studies.page.evidence import EVIDENCE, Evidence
+from studies.page import atlas_data, build, errors, markup
+from studies.page.evidence import EVIDENCE, Evidence, agree
 from studies.page.section import SECTION, integral_over_strips
-from studies.page.tables import agree
 from studies.runner import missing
 
 TESTS = Path(__file__).parent
@@ -279,7 +278,7 @@ def test_a_table_that_disagrees_stops_the_page(tmp_path: Path) -> None:
     assert "-0.14676138" in text
     changed.write_text(text.replace("-0.14676138", "-0.14676158"), encoding="utf-8")
     with pytest.raises(ArithmeticError, match="two routes"):
-        accuracy_parts.parts(tmp_path)
+        errors.parts(tmp_path)
     with pytest.raises(ArithmeticError, match="nan"):
         agree(float("nan"), 1.0)
 
@@ -292,7 +291,7 @@ def test_data_cannot_end_their_script_nor_text_its_attribute() -> None:
 
 
 @pytest.mark.parametrize(
-    "module", [build, markup, import_module("studies.page.tables"), import_module("studies.page.section")]
+    "module", [build, markup, import_module("studies.page.evidence"), import_module("studies.page.section")]
 )
 def test_examples_of_the_pages_functions(module: ModuleType) -> None:
     found = doctest.testmod(module)

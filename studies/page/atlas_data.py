@@ -1,4 +1,4 @@
-"""What the explorer in the page shows: errors, springs, steps and lengths of chains, computed here once."""
+"""Data of the page's atlas: errors, springs, steps and lengths of chains."""
 
 from __future__ import annotations
 

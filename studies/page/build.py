@@ -10,7 +10,7 @@ from string import Template
 import beammodes as bm
 from beammodes.numerics.blas import one_thread
 from studies import PAGE, every_study
-from studies.page import accuracy_parts, added_parts, springs, step_parts, systems
+from studies.page import added, errors, springs, steps, systems
 from studies.page.atlas_data import atlas
 from studies.page.evidence import EVIDENCE, note, source_list
 from studies.page.markup import escaped, figure, picture
@@ -39,7 +39,7 @@ def page(folder: Path) -> str:
 def _put_together(folder: Path) -> str:
     parts = {f"note_{evidence.key}": note(evidence.key) for evidence in EVIDENCE}
     agreements: dict[str, str] = {}
-    for module in (springs, systems, accuracy_parts, step_parts, added_parts):
+    for module in (springs, systems, errors, steps, added):
         content, agreed = module.parts(folder)
         parts |= content
         agreements |= agreed

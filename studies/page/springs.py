@@ -8,9 +8,8 @@ from typing import Any
 
 import beammodes as bm
 from studies.page import section
-from studies.page.evidence import note
+from studies.page.evidence import Parts, agree, note, worst_of
 from studies.page.markup import Cell, figure, percent, significant, table
-from studies.page.tables import Parts, agree, worst_of
 
 __all__ = ["as_printed", "parts"]
 

@@ -9,9 +9,8 @@ import numpy as np
 import beammodes as bm
 from studies import figure_1, figures_3_and_5, truck
 from studies.compare import RELATIVE
-from studies.page.evidence import note
+from studies.page.evidence import Parts, agree, note, read, worst_of
 from studies.page.markup import Cell, significant, table
-from studies.page.tables import Parts, agree, read, worst_of
 
 __all__ = ["parts"]
 

@@ -12,9 +12,8 @@ from beammodes.vibration.integrators import accuracy_limit, amplification, stabi
 from beammodes.vibration.stability import ROARK_CLAMPED_CLAMPED, published_constants
 from studies import c_table, figure_1, step_size
 from studies.c_table import SAFE_CONSTANT, exact_constants, step_constants
-from studies.page.evidence import note
+from studies.page.evidence import Parts, agree, note, read, worst_of
 from studies.page.markup import Cell, significant, table
-from studies.page.tables import Parts, agree, read, worst_of
 
 __all__ = ["parts"]
 

@@ -11,9 +11,8 @@ from beammodes.exact.exact_beam import plain_modes
 from studies import appendix
 from studies.compare import RELATIVE
 from studies.page.atlas_data import MODES, TOLERANCES, segments_for
-from studies.page.evidence import note
+from studies.page.evidence import Parts, agree, note, read, worst_of
 from studies.page.markup import Cell, percent, significant, table
-from studies.page.tables import Parts, agree, read, worst_of
 
 __all__ = ["parts"]
 

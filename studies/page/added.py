@@ -10,9 +10,8 @@ import beammodes as bm
 from studies import axial_force, nonuniform
 from studies.compare import RELATIVE
 from studies.page.atlas_data import MODES, SEGMENTS, atlas
-from studies.page.evidence import note
+from studies.page.evidence import Parts, agree, note, read, worst_of
 from studies.page.markup import Cell, percent, significant, table
-from studies.page.tables import Parts, agree, read, worst_of
 
 __all__ = ["parts"]
 
