@@ -35,9 +35,6 @@ from beammodes.numerics.roots import NotFollowed, increasing_root, polynomial_ro
 __all__ = ["chain_frequency", "edge_frequencies", "frequencies"]
 
 
-# The last modes of a uniform chain: those next to the band's edge q = π and those above it.
-
-
 def edge_frequencies(chains: UniformChains, segments: int, below: float, count: int) -> Floats:
     """Return the last `count` frequencies of a chain, those with q beyond π - below, in segment units.
 
@@ -109,8 +106,6 @@ def _near_edge(quarters: int, w: Floats) -> tuple[Any, Any]:
 
 # From the next mode on E < 1e-18, as χ > 0.56 q at any q: the exponentials of one end do not reach the other.
 _LAST_EXCHANGING = 24
-
-
 # Modes of rules that waves do not serve: each is some milliseconds' work.
 _MOST_COUNTED = 1000
 
@@ -143,15 +138,16 @@ def chain_frequency(
     TypeError, ValueError
         If an argument is not of its kind or outside its range, or shapes do not match.
 
-    Source
-    ------
+    References
+    ----------
     Derived here from the rods' momentum balances: see the heads of this module and of `waves`.
 
     Examples
     --------
-    >>> round(chain_frequency("clamped-free", 4, 1), 9)
+    >>> import beammodes as bm
+    >>> round(bm.chain_frequency("clamped-free", 4, 1), 9)
     3.487885848
-    >>> chain_frequency("pinned-pinned", [2, 1000], [[1], [2]]).round(6)
+    >>> bm.chain_frequency("pinned-pinned", [2, 1000], [[1], [2]]).round(6)
     array([[ 9.797959,  9.869604],
            [      nan, 39.478418]])
     """
@@ -247,7 +243,7 @@ class _Equation:
 
 
 def _counted(chains: UniformChains, segments: int, mode: NDArray[np.int64]) -> Floats:
-    """Return ω of modes that waves do not serve, each a counted root of its own."""
+    """Return ω of modes that waves do not give, each a counted root."""
     from beammodes.closed_form.supported_chain import supported_chain_frequencies
 
     most = int(mode.max())

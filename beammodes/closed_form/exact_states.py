@@ -93,7 +93,7 @@ def _unit_state(index: int) -> ExactState:
 
 
 def is_hinged(rule: Rule, end: End) -> bool:
-    """Say whether the end's rods begin with a hinge; at pinned and free ends most layouts have none."""
+    """Return whether the end's rods begin with a hinge; at pinned and free ends most layouts have none."""
     return rule.stub == _HALF or end.holds_rotation
 
 

@@ -76,9 +76,9 @@ def relative_error(
     TypeError, ValueError
         If an argument is not of its kind or outside its range, or shapes do not match.
 
-    Source
-    ------
-    Derived here: the head of this module, `chain_frequencies` and `waves`.
+    References
+    ----------
+    Derived here: the heads of this module, of `chain_frequencies` and of `waves`.
 
     Examples
     --------

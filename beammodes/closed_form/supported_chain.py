@@ -134,8 +134,8 @@ def supported_chain_frequencies(
     TypeError, ValueError
         If an argument is not of its kind or outside its range, or the axial force buckles the chain.
 
-    Source
-    ------
+    References
+    ----------
     Derived here: the head of this module.
 
     Examples

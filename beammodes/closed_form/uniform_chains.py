@@ -120,7 +120,7 @@ class UniformChains:
         return self.left.reach + self.right.reach
 
     def exists(self, segments: Any, mode: Any) -> Any:
-        """Say which chains have that mode, and springs that are all positive."""
+        """Return which chains have that mode, and springs that are all positive."""
         found = mode <= segments + self.surplus
         for weight in self.corrections:
             if weight.per_segment or weight.constant <= 0:
@@ -128,10 +128,7 @@ class UniformChains:
         return found
 
     def in_band(self, segments: Floats, mode: Floats) -> NDArray[np.bool_]:
-        """Say which modes `chain_frequencies.shift` can give.
-
-        Those of chains that are long enough, but for the last few.
-        """
+        """Return which modes waves give: those of long enough chains, but for the last few."""
         found = segments >= self.shortest
         doubtful = np.flatnonzero(found & (mode > segments - SHORT))
         if len(doubtful) and not self.is_plain:
@@ -151,16 +148,16 @@ class UniformChains:
         return left, left if self.left is self.right else self.right.minors(s, t, u)
 
     def turn(self, q: Any, left: Minors, right: Minors) -> Any:
-        """Φ - Φ⁰, continuous in q."""
+        """Return Φ - Φ⁰, continuous in q."""
         first, second = self.swings
         return phase(self.left, left, q, first.middle) + phase(self.right, right, q, second.middle)
 
     def evanescence(self, s: Any) -> Any:
-        """χ of sinh²(χ/2) = s²/(1 - p s²)."""
+        """Return χ of sinh²(χ/2) = s²/(1 - p s²)."""
         return 2.0 * np.arcsinh(s / np.sqrt(1.0 - self.p * s * s))
 
     def omega(self, s: Any) -> Any:
-        """ω = 4 s²/√(1 - p s²), in units of √(EI / (ρA ell⁴))."""
+        """Return ω = 4 s²/√(1 - p s²), in units of √(EI / (ρA ell⁴))."""
         return 4.0 * s * s / np.sqrt(1.0 - self.p * s * s)
 
     def wavenumbers(self, mode: Floats) -> Floats:
@@ -181,16 +178,10 @@ def chains_of(rule: Rule, code: int) -> UniformChains:
     return UniformChains(code, rule)
 
 
-# Look-ups for arrays of arguments: checked, and taken in groups of one rule and one pair of ends.
-
 #: Largest number of segments: what the accuracy of frequencies and errors has been measured up to.
 MAX_SEGMENTS = 10**9
-
-
 #: Largest mode number, that of `exact_beam.wavenumber`.
 MAX_MODE = 10**12
-
-
 # Elements that one pass of a kernel takes: its temporary arrays then fit a cache.
 _BLOCK = 1 << 14
 

@@ -1,4 +1,4 @@
-"""The four waves of a uniform chain and what each kind of end makes of them, in exact algebra.
+"""The four waves of a uniform chain and their reflection by each kind of end, in exact algebra.
 
 Lengths are counted in segments, and the segment's mass and EI/ell are 1. Inside, every motion of one
 frequency is a sum of cos qj, sin qj, cosh χj and sinh χj. With s = sin(q/2), S = sinh(χ/2) and
@@ -63,7 +63,8 @@ __all__ = [
 
 
 _HALF, _ONE = Fraction(1, 2), Fraction(1)
-
+#: Shorter chains are cheap in exact arithmetic.
+SHORT = 8
 
 # States of the four waves, each over a factor of its own:
 #   in the hinge at x = 0:  cos 1,  sin 2 s t,  cosh 1,       sinh 2 s R;
@@ -224,7 +225,7 @@ def _factors(half: bool, p: Fraction) -> list[NDArray[Any]]:
 
 @lru_cache(maxsize=1024)
 def end_waves(rule: Rule, end: End) -> EndWaves:
-    """Return the waves of `end` under `rule`, derived once.
+    """Return the waves of `end` under `rule`, kept for the next call.
 
     Examples
     --------
@@ -236,14 +237,8 @@ def end_waves(rule: Rule, end: End) -> EndWaves:
     return EndWaves(rule, end)
 
 
-# How an end reflects the wave of a uniform chain, and what both ends' exponentials do to each other.
-
-#: Shorter chains are cheap in exact arithmetic.
-SHORT = 8
-
-
 def amplitude(end: Minors) -> Any:
-    """Return what an end's two decaying determinants have in common."""
+    """Return the length of an end's two decaying determinants."""
     return np.hypot(end.cos_decaying, end.sin_decaying)
 
 
@@ -311,9 +306,6 @@ def _largest_u(end: EndWaves) -> float:
     return min([1.0 / SHORT, *(float(-w.constant / w.per_segment) for w in falling)])
 
 
-# What a chain's ends and its inside do to waves beyond what the beam's do, as series exact at any size.
-
-
 class Parts(NamedTuple):
     """An end's determinants over the length of its own (cos, sin) pair, less the beam's."""
 
@@ -323,7 +315,7 @@ class Parts(NamedTuple):
 
 
 def parts(end: EndWaves, powers: Floats, u: Any) -> Parts:
-    """Return what an end does to waves beyond what the beam's does, to full relative accuracy."""
+    """Return how an end reflects waves less how the beam's does, to full relative accuracy."""
     rows = _end_table(end).at(powers)
     total = rows[-5:]
     for first in range(len(rows) - 10, -1, -5):

@@ -1,4 +1,4 @@
-"""The exact beam, whatever its ends, loads and sections: one door to the three solutions that judge."""
+"""Exact modes under Euler-Bernoulli theory: chooses the solution that a beam, its ends and its load need."""
 
 from __future__ import annotations
 
@@ -34,12 +34,11 @@ def euler_bernoulli(
 
     (EI φ'')'' - (T φ')' = ω² (ρA φ - (ρI φ')')  with two homogeneous conditions at each end.
 
-    Shear is left out; `theory_error` of the answer says how far that is off where the section is known.
+    Shear is left out; `theory_error` of the result gives that error where the section is known.
 
-    A uniform beam between plain ends is `BeamModes`; ends with springs or bodies, an axial force or rotary
-    inertia make it `supported_beam.SupportedBeamModes`, and a beam that is not uniform, or one that gravity,
-    a turning hub or a tip force pulls on, is `spectral_beam.SpectralBeamModes`, good to 1e-10. All three are
-    read alike.
+    The result is a `BeamModes` for a uniform beam between plain ends, a `SupportedBeamModes` with springs,
+    bodies, an axial force or rotary inertia, and a `SpectralBeamModes`, right to 1e-10, for a beam that
+    varies or that gravity, a turning hub or a tip force pulls on. All three are read alike.
 
     Parameters
     ----------
@@ -59,12 +58,13 @@ def euler_bernoulli(
 
     Examples
     --------
-    >>> beam = Beam(length=1.2, bending_stiffness=85.0, mass_per_length=0.62)
-    >>> euler_bernoulli(beam, "clamped-free", 3).frequency.round(3)
+    >>> import beammodes as bm
+    >>> beam = bm.Beam(length=1.2, bending_stiffness=85.0, mass_per_length=0.62)
+    >>> bm.euler_bernoulli(beam, "clamped-free", 3).frequency.round(3)
     array([ 4.55 , 28.515, 79.843])
-    >>> euler_bernoulli(beam, "clamped-free(mass=0.2)", 3).frequency.round(3)
+    >>> bm.euler_bernoulli(beam, "clamped-free(mass=0.2)", 3).frequency.round(3)
     array([ 3.146, 22.957, 68.397])
-    >>> euler_bernoulli(beam, "clamped-free", 3, load=Load(spin_rate=50.0)).frequency.round(3)
+    >>> bm.euler_bernoulli(beam, "clamped-free", 3, load=bm.Load(spin_rate=50.0)).frequency.round(3)
     array([ 9.705, 34.976, 86.607])
     """
     if not isinstance(beam, Beam):

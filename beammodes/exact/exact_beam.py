@@ -174,16 +174,17 @@ def wavenumber(boundary: Boundaries, mode: ArrayLike) -> float | Floats:
     TypeError, ValueError
         If `boundary` cannot be read, `mode` is not whole numbers in 1..10¹², or shapes do not match.
 
-    Source
-    ------
+    References
+    ----------
     Equations: Rayleigh, The Theory of Sound, vol. 1, chapter VIII; Blevins, Formulas for Natural
-    Frequency and Mode Shape (1979), table 8-1.  Roots are solved, never copied.
+    Frequency and Mode Shape (1979), table 8-1.
 
     Examples
     --------
-    >>> round(wavenumber("clamped-free", 1), 9)
+    >>> import beammodes as bm
+    >>> round(bm.wavenumber("clamped-free", 1), 9)
     1.875104069
-    >>> wavenumber([["pinned-pinned"], ["free-free"]], [1, 2]).round(4)
+    >>> bm.wavenumber([["pinned-pinned"], ["free-free"]], [1, 2]).round(4)
     array([[3.1416, 6.2832],
            [4.73  , 7.8532]])
     """
@@ -191,7 +192,7 @@ def wavenumber(boundary: Boundaries, mode: ArrayLike) -> float | Floats:
 
 
 def wavenumber_of_code(codes: ArrayLike, mode: ArrayLike) -> float | Floats:
-    """Return `wavenumber` for indices into `ends.BOUNDARIES`: the fast path, which reads no names.
+    """Return `wavenumber` for indices into `ends.BOUNDARIES`, without reading names.
 
     Parameters
     ----------
@@ -215,8 +216,7 @@ def wavenumber_of_code(codes: ArrayLike, mode: ArrayLike) -> float | Floats:
     return float(roots) if roots.ndim == 0 else roots
 
 
-#: What `euler_bernoulli` hands its answers: ω_Timoshenko/ω - 1 when asked, None if the section is unknown;
-#: and what it takes for granted, in words.
+#: A function of ω_Timoshenko/ω - 1, None if the section is unknown, and its assumptions in words.
 Theory: TypeAlias = tuple[Callable[[], Floats | None], tuple[str, ...]]
 
 
@@ -310,7 +310,7 @@ class EulerBernoulliModes(ExactModes):
 
     @property
     def theory_error(self: _Judged) -> Floats:
-        """ω_Timoshenko/ω - 1, shape (modes,) [-]: how far this theory itself is off, found when asked.
+        """ω_Timoshenko/ω - 1, shape (modes,) [-]: the error of this theory itself, computed when asked for.
 
         NaN where the beam's section is not known (`Beam.from_section` knows it, or give `radius_of_gyration`
         or ρI), from Timoshenko's cut-off frequency on, beyond mode 100, and on a turning hub.
@@ -321,7 +321,7 @@ class EulerBernoulliModes(ExactModes):
 
     @property
     def theory_assumed(self: _Judged) -> tuple[str, ...]:
-        """What `theory_error` takes for granted, in words; empty if nothing."""
+        """The assumptions of `theory_error`, in words; empty if there are none."""
         return self.theory[1] if self.theory else ()
 
     def __repr__(self: _Judged) -> str:
@@ -366,7 +366,7 @@ class BeamModes(EulerBernoulliModes):
     wavenumber : ndarray, shape (modes,) [-]
         β, the dimensionless roots of elastic modes 1, 2, ..., read-only.
     theory : Theory, optional
-        What tells the theory's own error; `euler_bernoulli` gives it.
+        The theory's own error; `euler_bernoulli` gives it.
 
     Examples
     --------
@@ -442,7 +442,7 @@ def plain_modes(beam: Beam, boundary: BoundaryLike, modes: int) -> BeamModes:
 def _coefficients(pair: Boundary, mode: Integers, beta: Floats) -> tuple[Floats, ...]:
     """Return a, b, c, d of ∫ φ² dξ = 1, with a clamped or free end, if there is one, at ξ = 0.
 
-    The conditions at ξ = 0 give a and b from c and d.  The ratio d/c is a symmetry: a pair of square ends
+    The conditions at ξ = 0 give a and b from c and d. The ratio d/c is a symmetry: a pair of square ends
     is carried onto itself by φ(1-ξ) or φ''(1-ξ), and a pinned or guided end is the middle of a beam twice
     as long.  For all ten pairs 4 ∫ φ² dξ = φ² + φ''²/β⁴ - 2 φ' φ'''/β⁴ at either end (Rayleigh, The
     Theory of Sound, vol. 1, chapter VIII), here (2a)²: so the unit integral is just |a| = 1.

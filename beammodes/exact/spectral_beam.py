@@ -1,4 +1,4 @@
-"""Exact modes and buckling load of beams that vary, with any ends, axial force and rotary inertia."""
+"""Exact modes and buckling load of beams that vary or are loaded, from strains at Gauss points."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ class SpectralBeamModes(EulerBernoulliModes):
     boundary : Boundary
         Its ends, at x = 0 and at x = L.
     load : Load
-        What loads it.
+        Its load.
     angular_frequency : ndarray, shape (modes,) [rad/s]
         Of elastic modes 1, 2, ..., read-only; as seen from the hub if it turns.
     rigid_body_modes : int
@@ -66,13 +66,13 @@ class SpectralBeamModes(EulerBernoulliModes):
     shapes : SpectralShapes
         Of a beam with L = mean EI = mean ρA = 1.
     theory : Theory, optional
-        What tells the theory's own error; `euler_bernoulli` gives it.
+        The theory's own error; `euler_bernoulli` gives it.
 
     Examples
     --------
-    >>> from beammodes.exact.spectral_beam import spectral_modes
-    >>> modes = spectral_modes(Beam(2.0, lambda x: (1.0 - 0.25 * x) ** 3, lambda x: 1.0 - 0.25 * x),
-    ...                        "clamped-free", 2)
+    >>> import beammodes as bm
+    >>> cone = bm.Beam(2.0, lambda x: (1.0 - 0.25 * x) ** 3, lambda x: 1.0 - 0.25 * x)
+    >>> modes = bm.euler_bernoulli(cone, "clamped-free", 2)
     >>> modes.shape([0.0, 2.0]).round(4) + 0.0
     array([[ 0.    ,  1.9355],
            [ 0.    , -2.108 ]])
@@ -158,11 +158,10 @@ def spectral_modes(
 
     Curvature is a polynomial on each smooth section, given by its values at Gauss points; deflection is its
     integral, and frequencies are the reciprocals of the largest singular values from stored to kinetic
-    energy. So no digits are lost to differences: what is kept is about 1e-13, and 1e-11 is made sure of by a
-    second degree, with springs from 1e-12 to 1e12 EI/L³ and bodies from 1e-3 to 1e3 ρAL too. Tapers to a
-    thousandth of the width, and tables of 100,000 positions, take less than a second, or a few. Close to the
-    buckling load, where frequencies hang on its last digits, 1e-14 / (1 - P / buckling load) is asked for;
-    so is 1e-13 (ω² + Ω²) / ω² of the first ω in the plane of rotation.
+    energy. Errors are about 1e-13; agreement to 1e-11 with polynomials of a second degree is required, with
+    springs from 1e-12 to 1e12 EI/L³ and bodies from 1e-3 to 1e3 ρAL. Close to the buckling load
+    1e-14 / (1 - P / buckling load) is required instead, and in the plane of rotation
+    1e-13 (ω² + Ω²) / ω² of the first ω.
 
     Parameters
     ----------
@@ -174,7 +173,7 @@ def spectral_modes(
     modes : int
         How many elastic modes, 1 to 100.
     load : Load, optional
-        What makes its tension T: an axial force, gravity or a tip force along the beam, a turning hub. In
+        Makes its tension T: an axial force, gravity or a tip force along the beam, a turning hub. In
         tension a rotation that nothing else resists is an elastic mode.
 
     Raises

@@ -22,7 +22,7 @@ __all__ = ["SupportedBeamModes", "critical_compression", "supported_modes"]
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
 class SupportedBeamModes(EulerBernoulliModes):
-    """The first elastic modes of a uniform beam with general ends; `supported_beam.supported_modes` makes it.
+    """The first elastic modes of a uniform beam with general ends; `supported_modes` makes it.
 
     Mode shapes have unit modal mass,
 
@@ -48,12 +48,12 @@ class SupportedBeamModes(EulerBernoulliModes):
     waves : BeamWaves
         Their shapes on a beam of unit length and mass.
     theory : Theory, optional
-        What tells the theory's own error; `euler_bernoulli` gives it.
+        The theory's own error; `euler_bernoulli` gives it.
 
     Examples
     --------
-    >>> from beammodes.exact.supported_beam import supported_modes
-    >>> modes = supported_modes(Beam.unit(), "clamped-free(mass=1)", 2)
+    >>> import beammodes as bm
+    >>> modes = bm.euler_bernoulli(bm.Beam.unit(), "clamped-free(mass=1)", 2)
     >>> modes.shape([0.5, 1.0]).round(6)
     array([[ 0.285378,  0.898626],
            [ 1.433059, -0.299963]])
@@ -96,7 +96,7 @@ def supported_modes(
     """Return the first elastic modes of a uniform beam with general ends, axial force and rotary inertia.
 
     EI φ'''' - (T - ρI ω²) φ'' = ρA ω² φ;  at the ends -EI φ''' + (T - ρI ω²) φ' and EI φ'' balance springs
-    and bodies.  Every root is found, in order, and right to a few units in the last place.
+    and bodies. Roots are counted, so that none is missed, and right to a few units in the last place.
 
     Parameters
     ----------
@@ -118,8 +118,8 @@ def supported_modes(
         If an argument is of the wrong kind or out of range, the beam is not uniform, or the axial force
         buckles it.
 
-    Source
-    ------
+    References
+    ----------
     Root count: Wittrick and Williams, Quarterly Journal of Mechanics and Applied Mathematics 24 (1971).
     Equation with axial force: Bokaian, Journal of Sound and Vibration 126 (1988).
 
@@ -174,7 +174,7 @@ def critical_compression(beam: Beam, boundary: BoundaryLike) -> float:
     """Return the smallest compression, by two dead loads on its ends, at which the straight beam buckles [N].
 
     The smallest P of  EI y'''' + P y'' = 0  with EI y'' and -EI y''' - P y' balanced by the supports.  On
-    soft springs it may be a turn of the whole beam, straight as it is.  Bodies at the ends do not matter.
+    soft springs it may be a turn of the whole straight beam. Bodies at the ends do not matter.
 
     Parameters
     ----------
@@ -189,8 +189,8 @@ def critical_compression(beam: Beam, boundary: BoundaryLike) -> float:
         If `beam` is not a uniform Beam, `boundary` cannot be read, or it holds no rotation at all, such as
         "pinned-free": then the beam turns over under any compression.
 
-    Source
-    ------
+    References
+    ----------
     Timoshenko and Gere, Theory of Elastic Stability (1961), chapter 2.
 
     Examples

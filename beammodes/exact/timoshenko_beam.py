@@ -59,7 +59,7 @@ class TimoshenkoModes(ExactModes):
     boundary : Boundary
         Its ends, at x = 0 and at x = L.
     load : Load
-        What loads it.
+        Its load.
     angular_frequency : ndarray, shape (modes,) [rad/s]
         ω of elastic modes 1, 2, ..., of both branches, in order, read-only.
     rigid_body_modes : int
@@ -67,7 +67,8 @@ class TimoshenkoModes(ExactModes):
 
     Examples
     --------
-    >>> modes = timoshenko(Beam(1.0, 1.0, 1.0, 0.01, shear_stiffness=33.0), "pinned-pinned", 2)
+    >>> import beammodes as bm
+    >>> modes = bm.timoshenko(bm.Beam(1.0, 1.0, 1.0, 0.01, shear_stiffness=33.0), "pinned-pinned", 2)
     >>> modes.shape([0.25, 0.5]).round(4) + 0.0, modes.rotation(0.0).round(4)
     (array([[0.9711, 1.3733],
            [1.3491, 0.    ]]), array([3.3768, 4.2405]))
@@ -155,9 +156,9 @@ def timoshenko(
     φ is the deflection, ψ the rotation of the section, which ends and bodies hold and follow. Modes come in
     the order of their frequencies; beyond the cut-off √(κGA/ρI) those of a second branch lie among them.
 
-    A uniform beam is solved by its characteristic equation, in decimals as long as the numbers ask for: no
-    root is missed or found twice, and each is right to 1e-15, for slenderness L/r from 1 to 10⁶, springs and
-    bodies included. One that varies, or is loaded, is solved by polynomials, right to 1e-10.
+    A uniform beam is solved by its characteristic equation in long decimals: roots are counted, and each is
+    right to 1e-15, for slenderness L/r from 1 to 10⁶, springs and bodies included. One that varies, or is
+    loaded, is solved by polynomials, right to 1e-10.
 
     Parameters
     ----------
@@ -191,10 +192,10 @@ def timoshenko(
 
     Examples
     --------
-    >>> from beammodes.problem.sections import Rectangle
-    >>> stout = Beam.from_section(Rectangle(width=1.0, height=2.0), density=7800.0, elastic_modulus=210e9,
-    ...                           poisson_ratio=0.3, length=10.0)
-    >>> timoshenko(stout, "clamped-free", 3).frequency.round(3)
+    >>> import beammodes as bm
+    >>> steel = {"density": 7800.0, "elastic_modulus": 210e9, "poisson_ratio": 0.3}
+    >>> stout = bm.Beam.from_section(bm.Rectangle(width=1.0, height=2.0), **steel, length=10.0)
+    >>> bm.timoshenko(stout, "clamped-free", 3).frequency.round(3)
     array([ 16.257,  87.555, 208.398])
     """
     if not isinstance(beam, Beam):

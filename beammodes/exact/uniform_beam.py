@@ -9,8 +9,9 @@ Waves e^(±√μ x) have  μ² + (s w - t) μ - w (1 + s t) = 0.  The low μ is 
 high one is positive up to the cut-off, 1 + s t = 0, and negative beyond it, where shear has a second branch
 of modes. With  g = -(low + s w) > 0,  high = t + g  and  high + s w = w/g.
 
-Soft springs, heavy bodies and near-double roots cost a determinant in doubles up to all its digits. In
-decimals long enough for the numbers at hand the plain formulas are right everywhere.
+Soft springs, heavy bodies and near-double roots cost a determinant in doubles up to all its digits:
+frequencies of ordinary beams err by 1e-12 at times, those of soft or heavy ends by 1e-9 and more. In decimals
+long enough for the numbers at hand the plain formulas are right everywhere.
 """
 
 from __future__ import annotations
