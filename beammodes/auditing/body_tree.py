@@ -142,16 +142,10 @@ def joined(parts: Iterable[Inertial]) -> Inertial:
 
 
 def solid(kind: str, size: Sequence[float], mass: float | None, density: float) -> Inertial:
-    """Return a homogeneous body about its middle, axis along z; `mass` where given, else by density.
+    """Return a homogeneous body about its middle, axis along z; of a mass [kg] where given, else a density.
 
-    Parameters
-    ----------
-    kind : str
-        "sphere", "capsule", "cylinder", "box" or "ellipsoid".
-    size : sequence of float [m]
-        Radius; radius and half the straight length; three half lengths or half axes.
-    mass : float or None [kg]
-    density : float [kg/m³]
+    Sizes [m] are the radius of a sphere; radius and half the straight length of a capsule or cylinder; three
+    half lengths or half axes of a box or ellipsoid.
 
     Examples
     --------
@@ -222,18 +216,10 @@ _SOLIDS: dict[str, Callable[..., tuple[float, list[float]]]] = {
 class ModelJoint:
     """One coordinate of a body relative to its parent, in the world's frame at rest.
 
-    Attributes
-    ----------
-    name : str
-    kind : str
-        "hinge", "slide", "free", "ball", or another word, which only messages use.
-    axis, position : ndarray, shape (3,)
-    stiffness : float [N m/rad or N/m]
-    refusal : str
-        Why a chain must not have this joint, empty if it may.
-    damping : float [N m s/rad or N s/m]
-    armature : float [kg m² or kg]
-        Inertia of the relative motion, such as a motor's rotor behind its gear has.
+    `kind` is "hinge", "slide", "free", "ball", or another word, which only messages use. `stiffness` is in
+    N m/rad or N/m, `damping` in N m s/rad or N s/m; `armature` [kg m² or kg] is inertia of the relative
+    motion, as a motor's rotor behind its gear has. `refusal` says why a chain must not have this joint, empty
+    if it may.
     """
 
     name: str
@@ -258,20 +244,9 @@ class Solid:
 class ModelBody:
     """A rigid body, in the world's frame at rest.
 
-    Attributes
-    ----------
-    name : str
-    parent : int
-        Index of the body that it is fixed or jointed to; -1 is the ground.
-    inertial : Inertial
-    extent : sequence of ndarray, shape (3,)
-        Points that show how far it reaches: the ends of its geometry.
-    joints : tuple of ModelJoint
-        To its parent; none welds it there.
-    refusal : str
-        Why it must not be in a chain, empty if it may.
-    solids : sequence of Solid
-        The solids that it is made of; empty where the file gives its mass as one number.
+    `parent` is the index of the body that it is fixed or jointed to, -1 the ground; without joints it is
+    welded there. `extent` has the ends of its geometry, `solids` the solids that it is made of, none where
+    the file gives its mass as one number; `refusal` says why it must not be in a chain, empty if it may.
     """
 
     name: str
@@ -313,21 +288,10 @@ class FileStep:
 class Model:
     """Bodies, parents first, and ties.
 
-    Attributes
-    ----------
-    bodies : tuple of ModelBody
-    ties : tuple of ModelTie
-    held : tuple of (str, str)
-        Bodies and joints that other constraints act on, each with the constraint's name.
-    notes : tuple of str
-        What the reader left out.
-    step : FileStep or None
-        None where the format or the file has none.
-    gravity : ndarray, shape (3,) [m/s²]
-    hint : str
-        Where springs may be missing, for a model without any.
-    in_space : bool
-        Whether some of its hinges have been put at rest.
+    `held` are bodies and joints that other constraints act on, each with the constraint's name; `notes` say
+    what the reader left out; `step` is None where the format or the file has none; `gravity` is in m/s²;
+    `hint` says where springs may be missing, for a model without any; `in_space` that some hinges have been
+    put at rest.
     """
 
     bodies: tuple[ModelBody, ...]
@@ -369,11 +333,6 @@ def rigid_groups(bodies: Sequence[ModelBody]) -> list[Group]:
     """Return the groups of a tree, parents first, the ground's own at the head.
 
     Links that only pass joints on, almost without mass, are no groups: their joints are those of the next.
-
-    Raises
-    ------
-    BadModel
-        If a parent stands after its child, as in a loop.
     """
     ground = Group([], (), None)
     groups, home = [ground], {-1: ground}

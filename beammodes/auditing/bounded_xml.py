@@ -117,12 +117,7 @@ class XmlElement:
 
 
 def finite_number(name: str, text: str) -> float:
-    """Return a number of a file.
-
-    Raises
-    ------
-    BadModel
-        If it is none, not finite, larger than 1e30, or smaller than 1e-100 and not 0.
+    """Return a finite number of a file; refuse one larger than 1e30, or smaller than 1e-100 and not 0.
 
     Examples
     --------
@@ -143,15 +138,7 @@ def finite_number(name: str, text: str) -> float:
 
 
 def bounded_bytes(path: str | os.PathLike[str]) -> bytes:
-    """Return the content of an ordinary file of at most 16 MiB.
-
-    Raises
-    ------
-    BadModel
-        If it is a device or a pipe, which might never end, or larger.
-    OSError
-        If it cannot be read.
-    """
+    """Return the content of a file of at most 16 MiB; refuse a device or a pipe, which might never end."""
     place = named_path(path)
     try:
         return ordinary_bytes(place, MAX_BYTES)
@@ -167,13 +154,6 @@ def read_xml(path: str | os.PathLike[str], file: str = "") -> XmlElement:
     A document type declaration, the only place for entities, is refused before it is read. On files made to
     be costly (a million bodies, endless nesting, half a million attributes, names and numbers of 8 MB,
     entities that expand to 10⁹ letters) a refusal took at most 1.6 s and 120 MB.
-
-    Raises
-    ------
-    BadModel
-        If it is no well-formed XML or beyond a bound; the message names the line.
-    OSError
-        If it cannot be read.
 
     Examples
     --------

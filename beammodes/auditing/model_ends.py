@@ -43,12 +43,8 @@ def ended_chains(chain: PlanarChain, given: Boundary | None) -> list[EndedChain]
 
     Without `given`, a spring between ground and beam is the rule's wall spring at an end that the ground
     holds, and what an outer piece has beyond a rod like its neighbour's is a body at that end. With it, the
-    bodies and springs of `given` are taken out of the outer pieces.
-
-    Raises
-    ------
-    ValueError
-        If `given` holds what the file lets move, or its bodies are heavier than the pieces.
+    bodies and springs of `given` are taken out of the outer pieces; ends that hold what the file lets move,
+    and bodies heavier than the pieces, are refused by ValueError.
     """
     if given is None:
         return [_inferred(chain)]

@@ -82,18 +82,9 @@ class Spring:
 class PlanarChain:
     """Pieces from root to tip, the springs between them, and stiffnesses of the supports.
 
-    Attributes
-    ----------
-    pieces : tuple of Piece
-    springs : tuple of Spring
-    near, far : (float, float)
-        Across and in turning, of the outer pieces; infinite where held.
-    near_hinge : Spring or None
-        The hinge behind `near`, for its damping and armature.
-    assumed : tuple of str
-        Sentences on what was assumed in reading it so.
-    segment : Piece or None
-        A segment, where no piece between two hinges shows one.
+    `near` and `far` hold the outer pieces across and in turning, infinite where held; `near_hinge` is the
+    hinge behind `near`, for its damping and armature. `assumed` says what was assumed in reading it so;
+    `segment` is what segments are like, where no piece between two hinges shows one.
     """
 
     pieces: tuple[Piece, ...]
@@ -115,15 +106,9 @@ def held_piece(length: float, others: Sequence[Piece] = ()) -> Piece:
 def with_wall_hinges(chain: PlanarChain, far: str, length: float) -> PlanarChain:
     """Return a chain whose springs to the ground are hinges to pieces of their own, as wall springs are.
 
-    A body of no length at an end keeps the spring as its support: the rule's own spring follows it.
-
-    Parameters
-    ----------
-    chain : PlanarChain
-    far : str
-        Name for the far one.
-    length : float [m]
-        Of the beam: what it has beyond the far hinge is a piece that the ground holds.
+    A body of no length at an end keeps the spring as its support: the rule's own spring follows it. `far` is
+    the name of the far spring; what the beam has of its length [m] beyond that hinge is a piece that the
+    ground holds.
     """
     pieces = [_without_traces(piece, chain.pieces) for piece in chain.pieces]
     springs, near, far_support, assumed = list(chain.springs), chain.near, chain.far, chain.assumed
@@ -180,12 +165,7 @@ def far_end(ties: Sequence[ModelTie], line: HingeLine, support: RootSupport | No
     """Return what the ties on a chain's joints, and on those of its support, do at its tip.
 
     A tie is the tip's rotation if all hinges count alike, and its deflection if each counts by its distance
-    from one point beyond them, as `export_chain` writes both.
-
-    Raises
-    ------
-    BadModel
-        If a tie is neither.
+    from one point beyond them, as `export_chain` writes both; any other is refused.
     """
     hinge, slide = (support.hinge, support.slide) if support else (None, None)
     found = FarEnd()
@@ -241,24 +221,10 @@ class _Lengths:
 
 
 def planar_chain(path: HingePath, line: HingeLine, far: FarEnd, length: float, word: str = "") -> PlanarChain:
-    """Return a chain's numbers in one plane.
+    """Return a chain's numbers in one plane; refuse one on which something else moves.
 
-    Parameters
-    ----------
-    path : HingePath
-    line : HingeLine
-        From `hinge_line`.
-    far : FarEnd
-        From `far_end`.
-    length : float [m]
-        Of the beam.
-    word : str
-        Why the body that carries the chain is held although it has joints, empty if it moves as they let it.
-
-    Raises
-    ------
-    BadModel
-        If something moves on the chain that is no part of it, or cannot be honoured.
+    `length` [m] is the beam's; `word` says why the body that carries the chain is held although it has
+    joints, empty if it moves as they let it.
     """
     root = None if word else root_support(path, line)
     _check(path, line, root)

@@ -73,11 +73,6 @@ def read_mjcf(root: XmlElement, folder: Path) -> Model:
     Armature is inertia of a hinge's own rotation; servos of velocity without other terms are dampers. What
     cannot be honoured is refused where a chain needs it: composites, plugins, flexes, meshes, balls without a
     spring, dry friction, stops at rest, servos that act like springs, spatial tendons with springs.
-
-    Raises
-    ------
-    BadModel
-        If an element is not as MuJoCo wants it, or an included file cannot be read.
     """
     _include(root, folder)
     if root.tag not in ("mujoco", "mujocoinclude"):

@@ -34,11 +34,6 @@ def read_sdf(root: XmlElement) -> Model:
 
     Poses may be relative to any link, joint or frame of the model, axes expressed in any; before SDFormat 1.5
     axes are those of the model.
-
-    Raises
-    ------
-    BadModel
-        If it has no model, models in models, or links and joints that are no tree.
     """
     world = root.first("world")
     model, notes = _chosen_model(root, world)

@@ -66,12 +66,8 @@ def links_of(
 ) -> Iterator[tuple[str, str, int, XmlElement | None]]:
     """Yield each link, parents first: its name, its parent's name and index, and the joint between.
 
-    The index counts the links that were yielded before, -1 is the ground; roots have no joint.
-
-    Raises
-    ------
-    BadModel
-        If a joint names no link, a link has two parents, or links form a loop.
+    The index counts the links that were yielded before, -1 is the ground; roots have no joint. Links that
+    form no tree are refused.
     """
     below: defaultdict[str, list[tuple[str, XmlElement]]] = defaultdict(list)
     parent: dict[str, str] = {}
@@ -137,11 +133,6 @@ def read_urdf(root: XmlElement, springs: Mapping[str, float]) -> Model:
     """Return the links and joints of a URDF robot, its root link fixed to the ground.
 
     Springs, for which URDF has no place, are those given, and the `springStiffness` of Gazebo's extension.
-
-    Raises
-    ------
-    BadModel
-        If links and joints are no tree, or an element is not as URDF wants it.
     """
     check_added(root)
     links, joints = by_name(root.all("link")), by_name(root.all("joint"))
@@ -282,13 +273,8 @@ def read_springs(path: Path) -> dict[str, float]:
 
     The file may have been rewritten by any YAML tool: in blocks, in braces, quoted, in another order. Below
     `springs` stands a list of springs: `joint` and `stiffness`, and if they are given the `type`, hinge or
-    slide, and the position at `rest`, which must be 0; `model` beside `springs` is a name.
-
-    Raises
-    ------
-    BadModel
-        If it is anything else, a key stands twice, or there are tags, anchors, aliases or a second document;
-        the message names the line.
+    slide, and the position at `rest`, which must be 0; `model` beside `springs` is a name. Anything else is
+    refused by its line: a key twice, tags, anchors, aliases, a second document.
     """
     try:
         data = bounded_bytes(path)

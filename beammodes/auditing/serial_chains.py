@@ -53,16 +53,10 @@ def _square(one: Floats, other: Floats) -> bool:
 
 @dataclass(frozen=True, eq=False)
 class HingePath:
-    """Groups in a row, each joined to the one before by hinges with springs.
+    """Groups in a row, each joined to the one before by a hinge with a spring, two about two axes, or a ball.
 
-    Attributes
-    ----------
-    root : Group
-        The group that the first hinge is on.
-    groups : tuple of Group
-        After it, one for each hinge (or pair of hinges about two axes, or ball).
-    in_space : bool
-        Whether hinges about other axes were put at rest, which needs matter that lies along the axes.
+    The first is on `root`. `in_space` says that hinges about other axes were put at rest, which needs matter
+    that lies along the axes.
     """
 
     root: Group
@@ -77,10 +71,8 @@ class HingePath:
     def axes(self) -> list[Floats]:
         """Return the axes about which every joint of the chain bends, most often one.
 
-        Raises
-        ------
-        BadModel
-            If hinges of one joint are oblique to each other, so that bending about one is bending about both.
+        Hinges of one joint that are oblique to each other are refused: bending about one is bending about
+        both.
         """
         for group in self.groups:
             for one, other in itertools.combinations(group.joints, 2):
@@ -113,13 +105,7 @@ class HingePath:
 
 
 def hinge_paths(model: Model) -> list[HingePath]:
-    """Return all serial chains of a model, the longest first.
-
-    Raises
-    ------
-    BadModel
-        If there is none; the message names what stands in the way.
-    """
+    """Return all serial chains of a model, the longest first; refuse a model without any."""
     found = []
     for group in rigid_groups(model.bodies):
         before = group.parent
@@ -284,13 +270,7 @@ class HingeLine:
 
 
 def hinge_line(path: HingePath, axis: Floats) -> HingeLine:
-    """Return the line on which a chain's hinges lie.
-
-    Raises
-    ------
-    BadModel
-        If they lie on none, or fold back; the message names the hinge.
-    """
+    """Return the line on which a chain's hinges lie; refuse hinges on none, or that fold back."""
     hinges = tuple(path.hinges(axis))
     first, last, tip = hinges[0], hinges[-1], path.groups[-1]
     origin = first.position
@@ -358,11 +338,8 @@ def _moves_alone(root: Group) -> bool:
 def check_carrier(path: HingePath, line: HingeLine) -> None:
     """Refuse a chain on a body whose motion matters to it, and which only the user can say is held.
 
-    Raises
-    ------
-    BadModel
-        If the body is free in space with other bodies, if a hinge without a spring joins the chain to one
-        that bends in the same plane, or if the body moves in that plane with other springs.
+    Such a body is free in space with other bodies, or a hinge without a spring joins it to one that bends in
+    the same plane, or it moves in that plane with other springs.
     """
     root = path.root
     carrier = f"which carries the chain at body {path.name},"
@@ -403,14 +380,8 @@ def check_carrier(path: HingePath, line: HingeLine) -> None:
 class RootSupport:
     """Stiffnesses across and in turning under a root that moves, and the joints of both kinds.
 
-    Attributes
-    ----------
-    across, turning : float
-    slide, hinge : ModelJoint or None
-    in_space : bool
-        Whether another joint moves the chain out of its plane.
-    why : str
-        What is assumed, if this is not all that the file lets move.
+    `in_space` says that another joint moves the chain out of its plane; `why` what is assumed, if this is not
+    all that the file lets move.
     """
 
     across: float = math.inf
@@ -425,12 +396,7 @@ def root_support(path: HingePath, line: HingeLine) -> RootSupport | None:
     """Return what supports a root that moves, None if the ground carries it or a body taken as held.
 
     A hinge without a spring on a larger mechanism is the chain's own pinned end, if the piece that it turns
-    is a segment like the next.
-
-    Raises
-    ------
-    BadModel
-        If one of its joints is oblique to the chain, moves it across by a lever, or cannot be honoured.
+    is a segment like the next. Joints oblique to the chain, or that move it across by a lever, are refused.
     """
     if not _moves_alone(path.root):
         return _own_pinned_end(path, line)
