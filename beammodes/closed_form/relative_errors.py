@@ -50,35 +50,11 @@ _LISTED = 100
 def relative_error(
     boundary: Boundaries, segments: ArrayLike, mode: ArrayLike, rule: Rules = "mitiguy"
 ) -> float | Floats:
-    """Return the relative frequency error of an elastic mode of a uniform chain.
+    """Return the relative frequency error e = ω_chain / ω_beam - 1 of an elastic mode of a uniform chain.
 
-    e = ω_chain / ω_beam - 1, to a relative accuracy of 1e-12 for modes up to N/10 and N = 1 to 10⁹, measured
-    against the largest of its parts: next to an N where e changes sign, and for higher modes, it is within
-    1e-14.
-
-    Parameters
-    ----------
-    boundary : str, Boundary, or array of them
-        The two ends, in either order.
-    segments : int or array of int
-        N, 1 to 10⁹.
-    mode : int or array of int
-        Elastic modes, from 1.
-    rule : str, Rule, or array of them
-
-    Returns
-    -------
-    float, or array of the broadcast shape [-]
-        NaN where the chain has no such mode or a spring would not be positive.
-
-    Raises
-    ------
-    TypeError, ValueError
-        If an argument is not of its kind or outside its range, or shapes do not match.
-
-    References
-    ----------
-    Derived here: the heads of this module, of `chain_frequencies` and of `waves`.
+    Arguments are those of `chain_frequency`, arrays too. Right to 1e-12 for modes up to N/10 and N = 1 to
+    10⁹, measured against the largest of its parts: next to an N where e changes sign, and for higher
+    modes, it is within 1e-14. NaN where the chain has no such mode or a spring would not be positive.
 
     Examples
     --------

@@ -106,23 +106,10 @@ def supported_chain_frequencies(
 ) -> Floats:
     """Return the lowest elastic natural frequencies of a uniform chain with any ends.
 
-        M u'' + K u = 0     as `linear.nodal_matrices` has it for Chain(Beam.unit(), boundary, segments, rule)
-
-    Every mode is right to the last place, for N = 1 to 10⁹ and springs and bodies of any size.
-
-    Parameters
-    ----------
-    boundary : str, pair or Boundary
-        The two ends; stiffnesses in EI/L³ and EI/L, bodies in ρA L, ρA L³ and L.
-    segments : int
-        N, 1 to 10⁹.
-    modes : int
-        How many, from the first elastic one. Each costs some milliseconds.
-    rule : str or Rule
-    load : Load, optional
-        An axial force in EI/L².
-    rotary_inertia : float, optional
-        ρI of the beam's sections in ρA L², none if left out.
+    M u'' + K u = 0  as `linear.nodal_matrices` has it for Chain(Beam.unit(), boundary, segments, rule).
+    Every mode is right to the last place, for N = 1 to 10⁹ and springs and bodies of any size; each costs
+    some milliseconds. Stiffnesses are in EI/L³ and EI/L, bodies in ρA L, ρA L³ and L, an axial force in
+    EI/L², `rotary_inertia` ρI in ρA L².
 
     Returns
     -------
@@ -133,10 +120,6 @@ def supported_chain_frequencies(
     ------
     TypeError, ValueError
         If an argument is not of its kind or outside its range, or the axial force buckles the chain.
-
-    References
-    ----------
-    Derived here: the head of this module.
 
     Examples
     --------
@@ -246,17 +229,8 @@ def shortened(
 ) -> tuple[Chain, int] | None:
     """Return a short chain and how many rods, an even number, belong into its middle hinge.
 
-    None if a spring would not be positive.
-
-    Parameters
-    ----------
-    boundary : Boundary
-        The two ends of a unit beam.
-    segments : int
-        N of the whole chain, whose weights, supports and bodies the short one has, in units of a segment.
-    rule : Rule
-    section : Fraction
-        Rotary inertia of the beam's sections, ρI/(ρA L²).
+    The weights, supports and bodies are those of the chain of N = `segments` between the ends of a unit
+    beam, in units of a segment; `section` is ρI/(ρA L²). None if a spring would not be positive.
 
     Examples
     --------

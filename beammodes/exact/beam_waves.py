@@ -158,20 +158,9 @@ def first_separate_wave(beam: UnitBeam) -> Decimal:
 
 
 def high_waves(beam: UnitBeam, first: Decimal, number: NDArray[np.intp]) -> tuple[Floats, BeamWaves]:
-    """Return ω and the shapes of unit modal mass of modes above q = `first`.
+    """Return ω and the shapes of unit modal mass of modes `number`, from 1, rigid-body modes included.
 
-    Parameters
-    ----------
-    beam : UnitBeam
-        The beam.
-    first : Decimal
-        Of `first_separate_wave`: below all roots wanted.
-    number : ndarray of int, shape (modes,)
-        k from 1, rigid-body modes included.
-
-    Returns
-    -------
-    ndarray, shape (modes,), and BeamWaves
+    All of them lie above q = `first`, of `first_separate_wave`.
     """
     low = np.maximum((number - 4) * math.pi, float(first) * (1 - 1e-12))
     high = (number + 2) * math.pi

@@ -151,30 +151,18 @@ class SpectralShapes:
 def spectral_modes(
     beam: Beam, boundary: BoundaryLike, modes: int, load: Load | None = None
 ) -> SpectralBeamModes:
-    """Return the first elastic modes of a beam whose properties may vary along it.
+    """Return the first elastic modes, 1 to 100, of a beam whose properties may vary along it.
 
-    (EI φ'')'' - (T φ')' = ω² (ρA φ - (ρI φ')')  with springs and rigid bodies at the ends; in the plane of
-    rotation of a turning hub ω² + Ω² stands for ω².
+    (EI φ'')'' - (T φ')' = ω² (ρA φ - (ρI φ')')  with springs and rigid bodies at the ends; in the plane
+    of rotation of a turning hub ω² + Ω² stands for ω². T is the tension that an axial force, gravity or a
+    tip force along the beam, or a turning hub makes. In tension a rotation that nothing else resists is
+    an elastic mode.
 
-    Curvature is a polynomial on each smooth section, given by its values at Gauss points; deflection is its
-    integral, and frequencies are the reciprocals of the largest singular values from stored to kinetic
-    energy. Errors are about 1e-13; agreement to 1e-11 with polynomials of a second degree is required, with
-    springs from 1e-12 to 1e12 EI/L³ and bodies from 1e-3 to 1e3 ρAL. Close to the buckling load
-    1e-14 / (1 - P / buckling load) is required instead, and in the plane of rotation
-    1e-13 (ω² + Ω²) / ω² of the first ω.
-
-    Parameters
-    ----------
-    beam : Beam
-        The beam. Tables count as they are, kink by kink. Functions are followed into features as wide as
-        L/4096 or wider (`problem.smooth_parts`); narrower ones are seen with `breaks` beside them.
-    boundary : str, pair of ends or Boundary
-        Its ends; the one named first is at x = 0.
-    modes : int
-        How many elastic modes, 1 to 100.
-    load : Load, optional
-        Makes its tension T: an axial force, gravity or a tip force along the beam, a turning hub. In
-        tension a rotation that nothing else resists is an elastic mode.
+    Errors are about 1e-13; agreement to 1e-11 with polynomials of a second degree is required, with
+    springs from 1e-12 to 1e12 EI/L³ and bodies from 1e-3 to 1e3 ρAL. Close to the buckling load 1e-14 /
+    (1 - P / buckling load) is required instead, and in the plane of rotation 1e-13 (ω² + Ω²) / ω² of the
+    first ω. Tables count as they are, kink by kink; functions are followed into features as wide as
+    L/4096 (`problem.smooth_parts`), narrower ones with `breaks` beside them.
 
     Raises
     ------
@@ -182,8 +170,8 @@ def spectral_modes(
         If an argument is not as above, or the load bends the beam, buckles it, leaves its straight shape
         unstable in the plane of rotation, or pulls on it where nothing holds its left end.
     ArithmeticError
-        If polynomials of growing degree do not agree to 1e-11; the message says what was reached. If a
-        function has more steps, kinks and narrow features than can be followed.
+        If polynomials of growing degree do not agree, or a function has more steps, kinks and narrow
+        features than can be followed.
 
     Examples
     --------
@@ -235,21 +223,7 @@ def spectral_solution(
 def spectral_buckling(beam: Beam, boundary: BoundaryLike) -> float:
     """Return the smallest compression under which a straight beam buckles, the loads being dead [N].
 
-    (EI y'')'' + P y'' = 0  with the springs of the ends.
-
-    Parameters
-    ----------
-    beam : Beam
-        The beam.
-    boundary : str, pair of ends or Boundary
-        Its ends.
-
-    Raises
-    ------
-    TypeError, ValueError
-        If an argument is not as above, or nothing resists a rigid rotation, so that any compression turns it.
-    ArithmeticError
-        As `spectral_modes`.
+    (EI y'')'' + P y'' = 0  with the springs of the ends, which must resist a rigid rotation.
 
     Examples
     --------

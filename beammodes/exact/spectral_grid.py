@@ -223,13 +223,6 @@ def _sections(beam: Beam) -> _Sections:
 def section_grid(beam: Beam, points: int, least: int) -> Grid:
     """Return the grid of a beam: so many points shared out by length, and at least so many in each cell.
 
-    Raises
-    ------
-    ValueError
-        If a function among the beam's properties is not greater than 0 at a point.
-    ArithmeticError
-        If a function has so many steps, kinks or narrow features that its integral is not known.
-
     Examples
     --------
     >>> grid = section_grid(Beam(2.0, [3.0, 1.0], 1.0), points=8, least=6)

@@ -93,30 +93,12 @@ def supported_modes(
     load: Load | None = None,
     rotary_inertia_per_length: float | None = None,
 ) -> SupportedBeamModes:
-    """Return the first elastic modes of a uniform beam with general ends, axial force and rotary inertia.
+    """Return the first elastic modes, 1 to 10⁶, of a uniform beam with general ends and an axial force.
 
-    EI φ'''' - (T - ρI ω²) φ'' = ρA ω² φ;  at the ends -EI φ''' + (T - ρI ω²) φ' and EI φ'' balance springs
-    and bodies. Roots are counted, so that none is missed, and right to a few units in the last place.
-
-    Parameters
-    ----------
-    beam : Beam
-        The uniform beam.
-    boundary : str, pair of ends or Boundary
-        Its ends; the one named first is at x = 0.
-    modes : int
-        How many elastic modes, 1 to 10⁶. Each of the first dozen takes about 2 ms; higher ones are quick
-        unless the section's radius of gyration exceeds 1/57 of the length.
-    load : Load, optional
-        The axial force T; none if left out.
-    rotary_inertia_per_length : float, optional [kg m]
-        ρI, in place of the beam's own.
-
-    Raises
-    ------
-    TypeError, ValueError
-        If an argument is of the wrong kind or out of range, the beam is not uniform, or the axial force
-        buckles it.
+    EI φ'''' - (T - ρI ω²) φ'' = ρA ω² φ;  at the ends -EI φ''' + (T - ρI ω²) φ'  and  EI φ''  balance
+    springs and bodies. Roots are counted, so that none is missed, and right to a few units in the last
+    place. Each of the first dozen modes takes about 2 ms; higher ones are quick unless the radius of
+    gyration exceeds 1/57 of the length.
 
     References
     ----------
@@ -171,23 +153,11 @@ def _solved(unit: UnitBeam, rigid: int, count: int) -> tuple[Floats, BeamWaves] 
 
 
 def critical_compression(beam: Beam, boundary: BoundaryLike) -> float:
-    """Return the smallest compression, by two dead loads on its ends, at which the straight beam buckles [N].
+    """Return the smallest compression, by two dead loads on its ends, at which a uniform beam buckles [N].
 
-    The smallest P of  EI y'''' + P y'' = 0  with EI y'' and -EI y''' - P y' balanced by the supports.  On
-    soft springs it may be a turn of the whole straight beam. Bodies at the ends do not matter.
-
-    Parameters
-    ----------
-    beam : Beam
-        The uniform beam.
-    boundary : str, pair of ends or Boundary
-        Its ends, in either order.
-
-    Raises
-    ------
-    TypeError, ValueError
-        If `beam` is not a uniform Beam, `boundary` cannot be read, or it holds no rotation at all, such as
-        "pinned-free": then the beam turns over under any compression.
+    The smallest P of  EI y'''' + P y'' = 0  with  EI y''  and  -EI y''' - P y'  balanced by the supports.
+    On soft springs it may be a turn of the whole straight beam; a boundary that resists none is refused.
+    Bodies at the ends do not matter.
 
     References
     ----------

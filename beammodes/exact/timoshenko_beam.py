@@ -96,23 +96,10 @@ class TimoshenkoModes(ExactModes):
         return self._shapes.values(from_left, 0)
 
     def rotation(self, x: ArrayLike, derivative: int = 0) -> Floats:
-        """Return the mode shapes' rotations ψ of the section, or its curvature ψ' = M/EI.
+        """Return the mode shapes' rotations ψ of the section, or its curvature ψ' = M/EI with `derivative=1`.
 
-        Parameters
-        ----------
-        x : float or array [m]
-            Positions, 0 to L; at a step of EI curvature is that on its right.
-        derivative : int
-            0 or 1.
-
-        Returns
-        -------
-        ndarray, shape (modes, *x.shape) [kg^(-1/2) m^(-1 - derivative)]
-
-        Raises
-        ------
-        TypeError, ValueError
-            As `shape`.
+        At `x` [m], 0 to L; at a step of EI curvature is that on its right. Shape (modes, *x.shape)
+        [kg^(-1/2) m^(-1 - derivative)]; errors as of `shape`.
         """
         order = whole_number("derivative", derivative, least=0, most=1)
         position, length = positions_on(self.beam, x), self.beam.length

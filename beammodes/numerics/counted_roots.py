@@ -24,19 +24,11 @@ class Sample(NamedTuple):
 def ordered_roots(
     evaluate: Callable[[Decimal], Sample], low: Sample, high: Sample, most: int
 ) -> list[Decimal]:
-    """Return the first roots between two places, ascending, a double root twice.
+    """Return at most so many roots between two places, ascending, a double root twice.
 
-    Geometric bisection by the counts isolates each root within a factor of two, so that roots many decades
-    apart cost no more than neighbours; the function's sign change then refines it.
-
-    Parameters
-    ----------
-    evaluate : callable
-        Samples the equation at a place, or, where it is singular, right beside it.
-    low, high : Sample
-        The ends of the range.
-    most : int
-        How many roots to return at most.
+    Geometric bisection by the counts isolates each root within a factor of two, so that roots many
+    decades apart cost no more than neighbours; the function's sign change then refines it. Where the
+    equation is singular, `evaluate` may sample right beside the place.
 
     Examples
     --------
