@@ -33,7 +33,6 @@ if TYPE_CHECKING:
 __all__ = [
     "Damping",
     "ModalDamping",
-    "check_damped",
     "damped_eigenvalues",
     "damped_modes",
     "damped_pairs",
@@ -116,17 +115,14 @@ def _not_negative(name: str, value: object) -> float:
 
 @dataclass(frozen=True, eq=False)
 class ModalDamping:
-    """A damped chain in its undamped modes.
+    """A damped chain in its undamped elastic modes.
 
     Attributes
     ----------
     angular_frequency : ndarray, shape (modes,) [rad/s]
-        Of the elastic modes, undamped.
-    joints : ndarray, shape (modes, modes) [1/s]
-        G without the far support's dampers.
-    far_support : ndarray, shape (modes, modes) [1/s]
-        Of the dampers that hold the less firm end against the ground, which trees cannot have as joints: of
-        its support's springs, and of the last hinge where the end's angle is held.
+    joints, far_support : ndarray, shape (modes, modes) [1/s]
+        Parts of G. The second is of dampers that hold the less firm end against the ground, which trees
+        cannot have as joints: of its support's springs, and of the last hinge where the end's angle is held.
     drag : float [1/s]
         Of rigid motion, which only α damps.
     """
@@ -142,23 +138,12 @@ class ModalDamping:
         return self.joints + self.far_support
 
 
-def check_damped(chain: Chain, damping: Damping) -> None:
-    """Raise TypeError for what is no chain or no damping."""
+def damping_of_modes(chain: Chain, damping: Damping, load: Load | None = None) -> ModalDamping:
+    """Return the undamped modes' frequencies and G, under a load that leaves the chain straight."""
     if not isinstance(chain, Chain):
         raise TypeError(f"chain must be a Chain, got {shown(chain)}")
     if not isinstance(damping, Damping):
         raise TypeError(f"damping must be a Damping, got {shown(damping)}")
-
-
-def damping_of_modes(chain: Chain, damping: Damping, load: Load | None = None) -> ModalDamping:
-    """Return the undamped modes' frequencies and G, under a load that leaves the chain straight.
-
-    Raises
-    ------
-    TypeError, ValueError
-        If an argument is not of its kind, `joint` does not suit the chain, or the chain is too long.
-    """
-    check_damped(chain, damping)
     if len(chain.scaled.joint_stiffness) > MAX_DENSE:
         raise ValueError(
             f"chain must have at most {MAX_DENSE} hinges here, where all its modes are needed, "
@@ -201,9 +186,6 @@ def damped_eigenvalues(omega: Floats, coupling: Floats) -> NDArray[np.complex128
     return np.linalg.eigvals(np.block([[-coupling, -size], [size, np.zeros_like(size)]])).astype(complex)
 
 
-# Damping ratios of a chain: dampers that give a mode the one wanted, and what they do to all other modes.
-
-
 def joint_dampers(chain: Chain, ratio: float, *, mode: int = 1) -> Damping:
     """Return the joint dampers, proportional to the springs, that give a mode a damping ratio.
 
@@ -236,7 +218,6 @@ def joint_dampers(chain: Chain, ratio: float, *, mode: int = 1) -> Damping:
     >>> bm.damped_modes(chain, damping).damping_ratio.values.round(4)
     array([0.01  , 0.0585, 0.1536, 0.2662])
     """
-    check_damped(chain, Damping())
     wanted, model = positive_real("ratio", ratio), linearize(chain)
     if not model.elastic_modes:
         raise ValueError(f"chain must have an elastic mode to damp, got {shown(chain)}")
@@ -278,6 +259,8 @@ def damped_modes(chain: Chain, damping: Damping) -> xarray.Dataset:
     >>> tip.damping_ratio.values.round(4)
     array([4.000e-04, 3.000e-02, 1.039e-01, 7.022e-01])
     """
+    import xarray
+
     modal = damping_of_modes(chain, damping)
     omega, coupling = modal.angular_frequency, modal.coupling
     if np.any(np.asarray(damping.joint)):
@@ -294,7 +277,14 @@ def damped_modes(chain: Chain, damping: Damping) -> xarray.Dataset:
         "damped_angular_frequency": (natural * under, "angular frequency of the damped motion", "rad/s"),
         "decay_rate": (slow, "rate at which the envelope decays", "1/s"),
     }
-    return _labelled(columns, chain.boundary.rigid_body_modes)
+    return xarray.Dataset(
+        {
+            name: ("mode", values, {"long_name": text, "units": unit})
+            for name, (values, text, unit) in columns.items()
+        },
+        coords={"mode": ("mode", np.arange(1, len(omega) + 1), {"long_name": "elastic mode", "units": "1"})},
+        attrs={"source": SOURCE, "rigid_body_modes": chain.boundary.rigid_body_modes},
+    )
 
 
 def damped_pairs(values: NDArray[np.complex128]) -> tuple[Floats, Floats]:
@@ -308,18 +298,3 @@ def damped_pairs(values: NDArray[np.complex128]) -> tuple[Floats, Floats]:
     ratio = np.concatenate([-upper.real / np.abs(upper), (slow + fast) / (2 * means)])
     order = np.argsort(natural)
     return natural[order], ratio[order]
-
-
-def _labelled(columns: dict[str, tuple[Floats, str, str]], rigid_body_modes: int) -> xarray.Dataset:
-    """Return columns of (values, description, unit) over the modes."""
-    import xarray
-
-    mode = np.arange(1, len(columns["damping_ratio"][0]) + 1)
-    return xarray.Dataset(
-        {
-            name: ("mode", values, {"long_name": text, "units": unit})
-            for name, (values, text, unit) in columns.items()
-        },
-        coords={"mode": ("mode", mode, {"long_name": "elastic mode", "units": "1"})},
-        attrs={"source": SOURCE, "rigid_body_modes": rigid_body_modes},
-    )

@@ -28,33 +28,17 @@ from beammodes.equations.mechanics import (
 from beammodes.numerics.arrays import Floats
 from beammodes.problem.loading import Load, checked_load
 
-__all__ = [
-    "MAX_ASSEMBLED",
-    "BentModel",
-    "LinearModel",
-    "free_angles",
-    "independent_nodes",
-    "linearize",
-    "nodal_deflections",
-    "nodal_matrices",
-]
+__all__ = ["BentModel", "LinearModel", "linearize", "nodal_deflections", "nodal_matrices"]
 
-
-# The linear chain's matrices in nodal coordinates, in the chain's own units and any algebra.
-#
-# Coordinates are the deflections of the nodes: the left tip, the hinges, the right tip. Nodes at either side
-# of a piece that is held or has no length share one. A piece of length zero that turns (a body with rotary
-# inertia at an end) has its angle as a coordinate of its own.
+#: Matrices of more rows are not assembled: an assembled stiffness matrix of a long chain has already lost the
+#: digits of its lowest modes (its condition number grows as N⁴).
+MAX_ASSEMBLED = 2000
 
 Row = dict[int, Any]
 
 
 def nodal_deflections(chain: Chain) -> list[int | None]:
-    """Return, for each node of the chain, the index of its independent deflection, None where it is held.
-
-    Nodes are the left tip, the hinges and the right tip, 0 to p for p pieces. The two nodes of a piece
-    whose angle an end holds, or that has no length, deflect alike.
-    """
+    """Return, for each node of the chain, the index of its independent deflection, None where it is held."""
     groups: list[list[int]] = [[0]]
     for piece, held in enumerate(chain.held_angles):
         alike = held or not chain.scaled.length[piece]
@@ -83,7 +67,7 @@ def nodal_matrices(
     """
     index = nodal_deflections(chain)
     slopes = _slopes(chain, index, number)
-    size = len(independent_nodes(chain)) + len(free_angles(chain))
+    size = len(_independent_nodes(chain)) + len(_free_angles(chain))
     mass, stiffness = ([[number(0)] * size for _ in range(size)] for _ in range(2))
     pulls = axial_pull(chain, checked_load(load))
     for i, slope in enumerate(slopes):
@@ -108,7 +92,7 @@ def nodal_matrices(
 
 def _slopes(chain: Chain, index: list[int | None], number: Callable[[Number], Any]) -> list[Row]:
     """Return every piece's angle in the nodal coordinates."""
-    angles = iter(range(len(independent_nodes(chain)), 2 * chain.pieces))
+    angles = iter(range(len(_independent_nodes(chain)), 2 * chain.pieces))
     slopes: list[Row] = []
     for i, held in enumerate(chain.held_angles):
         length = number(chain.scaled.length[i])
@@ -141,7 +125,7 @@ def _add_square(matrix: list[list[Any]], row: Row, factor: Any) -> None:
             matrix[i][j] += factor * left * right
 
 
-def independent_nodes(chain: Chain) -> list[int]:
+def _independent_nodes(chain: Chain) -> list[int]:
     """Return the node that names each independent deflection, the first of those that move alike."""
     index = nodal_deflections(chain)
     seen: dict[int, int] = {}
@@ -151,15 +135,10 @@ def independent_nodes(chain: Chain) -> list[int]:
     return list(seen.values())
 
 
-def free_angles(chain: Chain) -> list[str]:
+def _free_angles(chain: Chain) -> list[str]:
     """Return the names of the angles of pieces of length zero that turn."""
     turning = zip(chain.scaled.length, chain.held_angles, strict=True)
     return [f"theta_{i}" for i, (length, held) in enumerate(turning) if not length and not held]
-
-
-#: Matrices of more rows are not assembled: an assembled stiffness matrix of a long chain has already lost the
-#: digits of its lowest modes (its condition number grows as N⁴), so it would only mislead.
-MAX_ASSEMBLED = 2000
 
 
 @dataclass(frozen=True, repr=False)
@@ -196,7 +175,7 @@ class LinearModel:
     @property
     def coordinates(self) -> tuple[str, ...]:
         """Names of the independent coordinates: deflections, left to right, then angles of end bodies."""
-        return (*(f"y_{node}" for node in independent_nodes(self.chain)), *free_angles(self.chain))
+        return (*(f"y_{node}" for node in _independent_nodes(self.chain)), *_free_angles(self.chain))
 
     @property
     def rigid_body_modes(self) -> int:

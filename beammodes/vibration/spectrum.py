@@ -43,10 +43,8 @@ from beammodes.problem.loading import Load, checked_load
 
 __all__ = [
     "Buckled",
-    "EndCoordinates",
     "FlexibilityForm",
     "check_stable",
-    "end_coordinates",
     "energy_metric",
     "flexibility_form",
     "is_turned",
@@ -54,11 +52,8 @@ __all__ = [
 ]
 
 
-# Which end quantities of a chain are coordinates, and which follow: see `beammodes.vibration.spectrum`.
-
-
 @dataclass(frozen=True)
-class EndCoordinates:
+class _EndCoordinates:
     """The end quantities of a chain as coordinates beside its hinges' rotations.
 
     Attributes
@@ -83,17 +78,10 @@ class EndCoordinates:
     rigid: list[tuple[float, float]]
 
 
-def end_coordinates(pieces: Pieces, resistance: float = 0.0) -> EndCoordinates:
+def _end_coordinates(pieces: Pieces, resistance: float = 0.0) -> _EndCoordinates:
     """Return the end coordinates of a chain that runs from its firmer end.
 
     `resistance` is what loads along the chain put up against a rigid rotation.
-
-    Examples
-    --------
-    >>> from beammodes.problem.beam import Beam
-    >>> from beammodes.chains.chain import Chain
-    >>> end_coordinates(Chain(Beam.unit(), "pinned-free", 2).scaled).rigid     # turns about x = 0
-    [(0.0, 1.0)]
     """
     length = floats(pieces.length)
     whole, reach = float(length.sum()), np.cumsum(length[:0:-1])[::-1]
@@ -117,7 +105,7 @@ def end_coordinates(pieces: Pieces, resistance: float = 0.0) -> EndCoordinates:
     tip_rows = np.hstack([np.array(motions).reshape(-1, 2).T, -to_tip @ on_hinges[chosen]])
     dependent = on_tip[others] @ tip_rows
     dependent[:, len(motions) :] += on_hinges[others]
-    return EndCoordinates(
+    return _EndCoordinates(
         1 / np.sqrt(np.array(scale)),
         np.array(unstored),
         (tip_rows[0], tip_rows[1]),
@@ -139,12 +127,12 @@ def _chosen(stiffness: Floats, on_tip: Floats) -> tuple[list[int], list[int]]:
 class FlexibilityForm:
     """F D^{-½} on what the ends allow, as an operator on arrays x of shape (coordinates, columns).
 
-    Coordinates are the end quantities that springs support, at most two, then the hinges' rotations.
+    Coordinates are the end quantities that springs support, at most two, then the hinges' rotations. Pieces
+    run from the chain's firmer end.
 
     Attributes
     ----------
     length, centre, root_mass, root_inertia : ndarray, shape (pieces,)
-        Of the pieces, the chain's firmer end first; `centre` is that of mass, from the left tip.
     flexibility_root : ndarray, shape (coordinates,)
         D^{-½}, so that end quantities and φ are flexibility_root x.
     tip_deflection, tip_angle : ndarray, shape (coordinates,)
@@ -276,7 +264,7 @@ def flexibility_form(chain: Chain, load: Load | None = None) -> FlexibilityForm:
         inertia[piece] *= pieces.supports[end][1] != math.inf
     pull = floats(axial_pull(chain, checked_load(load)))
     pull = pull[::-1] if is_turned(chain) else pull
-    ends = end_coordinates(pieces, float(pull.sum()))
+    ends = _end_coordinates(pieces, float(pull.sum()))
     root = np.concatenate([ends.root, 1 / np.sqrt(floats(pieces.joint_stiffness))])
     rows = ends.dependent_rows * root
     held = rows[np.isinf(ends.dependent_stiffness)]
@@ -304,7 +292,7 @@ def is_turned(chain: Chain) -> bool:
     return right > left
 
 
-def _stiffening(ends: EndCoordinates, rows: Floats, forbidden: Floats) -> tuple[Floats, Floats]:
+def _stiffening(ends: _EndCoordinates, rows: Floats, forbidden: Floats) -> tuple[Floats, Floats]:
     """Return the orthonormal directions that springs of dependent end quantities stiffen, and how much."""
     finite = ~np.isinf(ends.dependent_stiffness) & (ends.dependent_stiffness > 0)
     pulls = (np.sqrt(ends.dependent_stiffness[finite])[:, None] * rows[finite]).T
@@ -313,7 +301,7 @@ def _stiffening(ends: EndCoordinates, rows: Floats, forbidden: Floats) -> tuple[
     return direction[:, size > 0], 1 / np.hypot(1, size[size > 0]) - 1
 
 
-def _rigid_motions(ends: EndCoordinates, length: Floats) -> tuple[Floats, Floats]:
+def _rigid_motions(ends: _EndCoordinates, length: Floats) -> tuple[Floats, Floats]:
     """Return the nodes' deflections and the pieces' angles of the rigid-body modes, not yet scaled."""
     node = np.concatenate([[0.0], np.cumsum(length)])
     tip = np.array(ends.rigid).reshape(-1, 2)
@@ -330,9 +318,6 @@ def _with_unit_rigid_modes(form: FlexibilityForm) -> FlexibilityForm:
 def _sum_from_right(values: Floats) -> Floats:
     """Return, along axis 0, each entry plus all that follow it."""
     return np.cumsum(values[::-1], axis=0)[::-1]
-
-
-# The energy that loads along a chain add to its flexibility form, as a factor or as a metric.
 
 
 class Buckled(ArithmeticError):
