@@ -49,20 +49,21 @@ MAX_MEMORY = 4 * 2**30
 # motion of 60 segments was measured to take 19 for each segment while its dataset is made.
 _FOR_SEGMENT, _FOR_TIME = 20, 40
 
-_NAMES = {
-    "angle": ("angle of each rigid segment", "rad"),
-    "angular_velocity": ("rate of each segment's angle", "rad/s"),
-    "x": ("position of each node along the beam at rest", "m"),
-    "y": ("position of each node across it", "m"),
-    "tip_deflection": ("right tip's distance from the line of the base", "m"),
-    "kinetic_energy": ("kinetic energy", "J"),
-    "potential_energy": ("energy of springs, supports and loads", "J"),
-    "energy": ("kinetic and potential energy", "J"),
-    "momentum_x": ("momentum along x", "N s"),
-    "momentum_y": ("momentum along y", "N s"),
-    "angular_momentum": ("angular momentum about the origin", "N m s"),
-    "q": ("generalized coordinates", "m, rad"),
-    "u": ("generalized speeds", "m/s, rad/s"),
+#: What a motion holds: the dimension beside time, description, unit.
+_HELD = {
+    "angle": ("segment", "angle of each rigid segment", "rad"),
+    "angular_velocity": ("segment", "rate of each segment's angle", "rad/s"),
+    "x": ("node", "position of each node along the beam at rest", "m"),
+    "y": ("node", "position of each node across it", "m"),
+    "q": ("coordinate", "generalized coordinates", "m, rad"),
+    "u": ("coordinate", "generalized speeds", "m/s, rad/s"),
+    "tip_deflection": (None, "right tip's distance from the line of the base", "m"),
+    "kinetic_energy": (None, "kinetic energy", "J"),
+    "potential_energy": (None, "energy of springs, supports and loads", "J"),
+    "energy": (None, "kinetic and potential energy", "J"),
+    "momentum_x": (None, "momentum along x", "N s"),
+    "momentum_y": (None, "momentum along y", "N s"),
+    "angular_momentum": (None, "angular momentum about the origin", "N m s"),
 }
 
 Start = tuple[Floats, Floats]
@@ -138,68 +139,70 @@ def _onto(chain: Chain, start: Start, base: BaseMotion) -> Start:
 
 
 def _motion_dataset(
-    chain: Chain,
-    time: Floats,
-    q: Floats,
-    u: Floats,
-    *,
-    load: Load,
-    base: BaseMotion,
-    attributes: dict[str, Any],
+    chain: Chain, time: Floats, q: Floats, u: Floats, load: Load, base: BaseMotion, attributes: dict[str, Any]
 ) -> xarray.Dataset:
-    """Return the motion of a chain as a Dataset, see `simulation.simulate`.
-
-    Parameters
-    ----------
-    time : ndarray, shape (times,) [s]
-    q, u : ndarray, shape (times, coordinates)
-        Coordinates and speeds.
-    attributes : dict
-        What else to say of the run.
-    """
+    """Return a motion, coordinates and speeds of shape (times, coordinates), as `simulate` describes it."""
     import xarray
 
-    course = base.at(time)
+    course, length, centre = base.at(time), chain.length, chain.centre
     angle, spin = (_of_pieces(chain, values, course[2, k]) for k, values in enumerate((q, u)))
     tip, tip_speed = (_of_tip(chain, values, course[:2, k]) for k, values in enumerate((q, u)))
-    length = chain.length
-    x, y = (
-        np.concatenate([start[:, None], start[:, None] + np.cumsum(length * part, axis=1)], axis=1)
-        for start, part in zip(tip, (np.cos(angle), np.sin(angle)), strict=True)
-    )
-    values: dict[str, tuple[tuple[str, ...], Floats]] = {
-        "angle": (("time", "segment"), angle),
-        "angular_velocity": (("time", "segment"), spin),
-        "x": (("time", "node"), x),
-        "y": (("time", "node"), y),
-        "q": (("time", "coordinate"), q),
-        "u": (("time", "coordinate"), u),
-    }
+    cosine, sine = np.cos(angle), np.sin(angle)
+    x, y = (_summed(start, length * part) for start, part in zip(tip, (cosine, sine), strict=True))
     phi = course[2, 0]
-    deflection = (y[:, -1] - course[1, 0]) * np.cos(phi) - (x[:, -1] - course[0, 0]) * np.sin(phi)
-    series = {"tip_deflection": deflection}
     # A diverging run may end in numbers whose squares are too large.
     with np.errstate(over="ignore", invalid="ignore"):
-        series |= _energies(chain, tip, tip_speed, angle, spin, load, course)
-        series |= _momenta(chain, tip_speed, angle, spin, x, y)
-    values |= {name: (("time",), array) for name, array in series.items()}
+        kinetic, potential, _ = piece_energies(
+            chain,
+            tip,
+            tip_speed,
+            list(angle.T),
+            list(spin.T),
+            Algebra.physical(chain, np.sin, np.cos),
+            load,
+            (course[1, 0], course[2, 0]),
+        )
+        swing = (-sine * spin, cosine * spin)
+        px, py = (
+            chain.mass * (_summed(start, length * part)[:, :-1] + centre * part)
+            for start, part in zip(tip_speed, swing, strict=True)
+        )
+        turning = (x[:, :-1] + centre * cosine) * py - (y[:, :-1] + centre * sine) * px
+        values = {
+            "angle": angle,
+            "angular_velocity": spin,
+            "x": x,
+            "y": y,
+            "q": q,
+            "u": u,
+            "tip_deflection": (y[:, -1] - course[1, 0]) * np.cos(phi)
+            - (x[:, -1] - course[0, 0]) * np.sin(phi),
+            "kinetic_energy": kinetic,
+            "potential_energy": potential,
+            "energy": kinetic + potential,
+            "momentum_x": px.sum(axis=1),
+            "momentum_y": py.sum(axis=1),
+            "angular_momentum": (turning + chain.rotary_inertia * spin).sum(axis=1),
+        }
+    numbers = np.arange(chain.pieces + 1)
     return xarray.Dataset(
         {
-            name: (dims, array, {"long_name": _NAMES[name][0], "units": _NAMES[name][1]})
-            for name, (dims, array) in values.items()
+            name: (("time", each) if each else ("time",), values[name], {"long_name": text, "units": unit})
+            for name, (each, text, unit) in _HELD.items()
         },
         coords={
             "time": ("time", time, {"long_name": "time", "units": "s"}),
-            "segment": (
-                "segment",
-                np.arange(1, chain.pieces + 1),
-                {"long_name": "rigid segment", "units": "1"},
-            ),
-            "node": ("node", np.arange(chain.pieces + 1), {"long_name": "tip or hinge", "units": "1"}),
+            "segment": ("segment", numbers[1:], {"long_name": "rigid segment", "units": "1"}),
+            "node": ("node", numbers, {"long_name": "tip or hinge", "units": "1"}),
             "coordinate": coordinate_names(chain),
         },
         attrs={"source": SOURCE, **attributes},
     )
+
+
+def _summed(start: Floats, steps: Floats) -> Floats:
+    """Return the start and every sum of it and the first steps, shape (times, steps + 1)."""
+    return np.concatenate([start[:, None], start[:, None] + np.cumsum(steps, axis=1)], axis=1)
 
 
 def _of_pieces(chain: Chain, values: Floats, held: Floats) -> Floats:
@@ -214,40 +217,6 @@ def _of_tip(chain: Chain, values: Floats, given: Floats) -> tuple[Floats, Floats
     names = tip_names(chain)
     x, y = (values[:, names.index(n)] if n in names else given[k] for k, n in enumerate(("x_0", "y_0")))
     return x, y
-
-
-def _energies(
-    chain: Chain,
-    tip: tuple[Floats, Floats],
-    tip_speed: tuple[Floats, Floats],
-    angle: Floats,
-    spin: Floats,
-    load: Load,
-    course: Floats,
-) -> dict[str, Floats]:
-    algebra = Algebra.physical(chain, np.sin, np.cos)
-    kinetic, potential, _ = piece_energies(
-        chain, tip, tip_speed, list(angle.T), list(spin.T), algebra, load, (course[1, 0], course[2, 0])
-    )
-    return {"kinetic_energy": kinetic, "potential_energy": potential, "energy": kinetic + potential}
-
-
-def _momenta(
-    chain: Chain, tip_speed: tuple[Floats, Floats], angle: Floats, spin: Floats, x: Floats, y: Floats
-) -> dict[str, Floats]:
-    length, centre, mass = chain.length, chain.centre, chain.mass
-    cosine, sine = np.cos(angle), np.sin(angle)
-    carried = [np.cumsum(length * part * spin, axis=1) - length * part * spin for part in (-sine, cosine)]
-    vx = tip_speed[0][:, None] + carried[0] - centre * sine * spin
-    vy = tip_speed[1][:, None] + carried[1] + centre * cosine * spin
-    px, py = mass * vx, mass * vy
-    about = (x[:, :-1] + centre * cosine) * py - (y[:, :-1] + centre * sine) * px
-    turning = about + chain.rotary_inertia * spin
-    return {
-        "momentum_x": px.sum(axis=1),
-        "momentum_y": py.sum(axis=1),
-        "angular_momentum": turning.sum(axis=1),
-    }
 
 
 class DivergedWarning(UserWarning):
@@ -393,7 +362,7 @@ def simulate(
     with held():
         time, q, u, why = runner(kind)(run, start, told)
         attributes = {"integrator": kind, "step": longest, "complete": int(not why), "stopped": why}
-        result = _motion_dataset(chain, time, q, u, load=given, base=ground, attributes=attributes)
+        result = _motion_dataset(chain, time, q, u, given, ground, attributes)
         if path is not None:
             _save(result, path)
     if why.startswith("non-finite"):

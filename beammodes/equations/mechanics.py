@@ -38,6 +38,7 @@ from beammodes.problem.loading import Load, checked_load
 __all__ = [
     "Algebra",
     "Energies",
+    "LinearizedChain",
     "axial_pull",
     "coordinate_names",
     "energies",
@@ -126,6 +127,31 @@ def coordinate_names(chain: Chain) -> list[str]:
     """
     moving = len(moving_pieces(chain))
     return [*tip_names(chain), *(f"theta_{i + 1}" for i in range(moving))]
+
+
+@dataclass(frozen=True)
+class LinearizedChain:
+    """The linearized chain  M q'' + K q = 0,  matrices of numbers or of symbols.
+
+    Attributes
+    ----------
+    coordinates : tuple
+        Transverse coordinates: y_0 where the left end leaves it free, then the angles.
+    mass_matrix, stiffness_matrix : matrix, shape (n, n)
+        M and K in these coordinates, before the closure is imposed.
+    basis : matrix, shape (n, independent)
+        Columns span the coordinates that satisfy the closure; the identity for an open chain.
+    """
+
+    coordinates: tuple[Any, ...]
+    mass_matrix: Any
+    stiffness_matrix: Any
+    basis: Any
+
+    def reduced(self) -> tuple[Any, Any]:
+        """Return  Tᵀ M T  and  Tᵀ K T,  the matrices of the chain's independent coordinates."""
+        turn = self.basis.T
+        return turn @ self.mass_matrix @ self.basis, turn @ self.stiffness_matrix @ self.basis
 
 
 def null_space(rows: Sequence[Sequence[Any]], size: int, number: Callable[[Number], Any]) -> list[list[Any]]:

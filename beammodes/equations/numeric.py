@@ -10,36 +10,11 @@ from numpy.typing import ArrayLike
 
 from beammodes.chains.chain import Chain
 from beammodes.checks import shown
-from beammodes.equations.mechanics import Algebra, coordinate_names, motion_terms, null_space
+from beammodes.equations.mechanics import Algebra, LinearizedChain, coordinate_names, motion_terms, null_space
 from beammodes.numerics.arrays import Floats
 from beammodes.problem.loading import Load, checked_load
 
-__all__ = ["CompiledEquations", "NumericLinearModel", "column", "compile_equations"]
-
-
-@dataclass(frozen=True)
-class NumericLinearModel:
-    """The linearized chain  M q'' + K q = 0,  fields as in `symbolic.ExactLinearModel` but in numbers.
-
-    Attributes
-    ----------
-    coordinates : tuple of str
-        Transverse coordinates: y_0 where the left end leaves it free, then the angles.
-    mass_matrix, stiffness_matrix : ndarray, shape (n, n)
-        M and K in these coordinates, before the closure is imposed.
-    basis : ndarray, shape (n, independent)
-        Columns span the coordinates that satisfy the closure.
-    """
-
-    coordinates: tuple[str, ...]
-    mass_matrix: Floats
-    stiffness_matrix: Floats
-    basis: Floats
-
-    def reduced(self) -> tuple[Floats, Floats]:
-        """Return  Tᵀ M T  and  Tᵀ K T,  the matrices of the chain's independent coordinates."""
-        turn = self.basis.T
-        return turn @ self.mass_matrix @ self.basis, turn @ self.stiffness_matrix @ self.basis
+__all__ = ["CompiledEquations", "column", "compile_equations"]
 
 
 @dataclass(frozen=True, repr=False)
@@ -66,7 +41,7 @@ class CompiledEquations:
     constraint_jacobian: casadi.Function
     static_jacobian: casadi.Function
 
-    def linearize(self) -> NumericLinearModel:
+    def linearize(self) -> LinearizedChain:
         """Return M and K about the straight chain at rest, where every multiplier is zero.
 
         The axial coordinate x_0 is dropped, as in `symbolic.EquationsOfMotion.linearize`.
@@ -77,7 +52,7 @@ class CompiledEquations:
         pick = np.ix_(keep, keep)
         rows = _array(self.constraint_jacobian(rest))[:, keep].tolist()
         columns = null_space(rows, len(keep), float)
-        return NumericLinearModel(
+        return LinearizedChain(
             tuple(self.coordinates[i] for i in keep),
             _array(self.mass_matrix(rest))[pick],
             _array(self.static_jacobian(rest, multipliers))[pick],

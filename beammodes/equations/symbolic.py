@@ -15,6 +15,7 @@ from beammodes.checks import flag, shown
 from beammodes.equations.mechanics import (
     Algebra,
     Energies,
+    LinearizedChain,
     coordinate_names,
     energies,
     motion_terms,
@@ -31,29 +32,8 @@ _UNIT_SYMBOLS = {
 }
 
 
-@dataclass(frozen=True)
-class ExactLinearModel:
-    """The linearized chain  M q'' + K q = 0  in exact numbers.
-
-    Attributes
-    ----------
-    coordinates : tuple of sympy.Symbol
-        Transverse coordinates: y_0 where the left end leaves it free, then the angles.
-    mass_matrix, stiffness_matrix : sympy.Matrix
-        M and K in these coordinates, before the closure is imposed.
-    basis : sympy.Matrix
-        Columns span the coordinates that satisfy the closure; the identity for an open chain.
-    """
-
-    coordinates: tuple[sympy.Symbol, ...]
-    mass_matrix: sympy.Matrix
-    stiffness_matrix: sympy.Matrix
-    basis: sympy.Matrix
-
-    def reduced(self) -> tuple[sympy.Matrix, sympy.Matrix]:
-        """Return  Tᵀ M T  and  Tᵀ K T,  the matrices of the chain's independent coordinates."""
-        turn = self.basis.T
-        return turn * self.mass_matrix * self.basis, turn * self.stiffness_matrix * self.basis
+class ExactLinearModel(LinearizedChain):
+    """A linearized chain in exact numbers and SymPy's symbols."""
 
     def angular_frequencies(self, *, digits: int = 30) -> list[sympy.Float]:
         """Return all natural frequencies ω, ascending, of exact matrices, in arithmetic of `digits` digits.
