@@ -70,7 +70,7 @@ class BaseMotion:
 
     @property
     def turns(self) -> bool:
-        """Whether the base may turn."""
+        """True if the base may turn."""
         return self.angle is not at_rest
 
     def at(self, time: ArrayLike) -> Floats:

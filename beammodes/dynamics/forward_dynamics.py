@@ -230,7 +230,7 @@ def forward_dynamics(
         Dead loads and gravity. A turning hub is a base that turns, not a spin rate.
     damping : Damping, optional
     base : BaseMotion, optional
-        What moves the left end, for the checks; its courses enter as an argument of the function.
+        Motion of the left end, for the checks; its courses enter as an argument of the function.
 
     Raises
     ------
@@ -251,7 +251,7 @@ def forward_dynamics(
 
 
 def _can_be_kept(chain: Chain) -> bool:
-    """Whether a chain can be looked up: the functions that a beam is given by may be objects of any kind."""
+    """Return True if a chain can be looked up: functions that give a beam may be objects of any kind."""
     try:
         hash(chain)
     except TypeError:

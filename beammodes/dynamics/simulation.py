@@ -149,7 +149,7 @@ def _motion_dataset(
     tip, tip_speed = (_of_tip(chain, values, course[:2, k]) for k, values in enumerate((q, u)))
     cosine, sine = np.cos(angle), np.sin(angle)
     x, y = (_summed(start, length * part) for start, part in zip(tip, (cosine, sine), strict=True))
-    phi = course[2, 0]
+    phi, dx, dy = course[2, 0], x[:, -1] - course[0, 0], y[:, -1] - course[1, 0]
     # A diverging run may end in numbers whose squares are too large.
     with np.errstate(over="ignore", invalid="ignore"):
         kinetic, potential, _ = piece_energies(
@@ -175,8 +175,7 @@ def _motion_dataset(
             "y": y,
             "q": q,
             "u": u,
-            "tip_deflection": (y[:, -1] - course[1, 0]) * np.cos(phi)
-            - (x[:, -1] - course[0, 0]) * np.sin(phi),
+            "tip_deflection": dy * np.cos(phi) - dx * np.sin(phi),
             "kinetic_energy": kinetic,
             "potential_energy": potential,
             "energy": kinetic + potential,
@@ -229,7 +228,7 @@ class UnsavedMotion(OSError):
     Attributes
     ----------
     motion : xarray.Dataset
-        What `simulate` would have returned.
+        The result of `simulate`.
     """
 
     motion: xarray.Dataset

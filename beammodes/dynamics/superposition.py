@@ -64,7 +64,7 @@ def modal_response(
     boundary : str, pair of ends or Boundary
         Plain ends without rigid-body motion. The base carries both; along the beam the left one only.
     modes : int
-        How many, 1 to 200.
+        Number of modes, 1 to 200.
     time : array of shape (times,) [s]
         Ascending, from 0 or later. The motion starts at 0.
     base : BaseMotion, optional
@@ -72,7 +72,7 @@ def modal_response(
     initial : array of shape (modes,), optional
         Modal coordinates to start from at rest.
     stiffening : bool
-        Whether the axial force that carries the beam along stiffens it (or softens it, if a push does).
+        True to let the axial force that carries the beam along stiffen it (or soften it, if it pushes).
     tolerance : float
         Relative, of the variable-step integration. Without a base the answer is  q cos ωt  and nothing is
         integrated.

@@ -75,7 +75,7 @@ class Equilibrium:
     residual : float
         Largest unbalanced moment or force, or gap of a closure, in the chain's own units (`chain.units`).
     is_stable : bool
-        Whether every such motion stores energy.
+        True if every such motion stores energy.
     """
 
     chain: Chain
@@ -241,12 +241,12 @@ class _State:
 
     @property
     def is_stable(self) -> bool:
-        """Whether every small motion that the closures allow stores energy."""
+        """True if every small motion that the closures allow stores energy."""
         return _is_positive(self.reduced, -_NOTHING)
 
     @property
     def is_indifferent(self) -> bool:
-        """Whether such a motion stores nothing, and none releases energy."""
+        """True if such a motion stores nothing, and none releases energy."""
         return not self.is_stable and _is_positive(self.reduced, 100 * _NOTHING)
 
 

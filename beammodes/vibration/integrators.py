@@ -52,20 +52,20 @@ class Integrator:
         The error of a motion falls as step^order.
     source : str
     engines : tuple of str
-        What engines call it, such as "MuJoCo implicitfast".
+        Names in engines, such as "MuJoCo implicitfast".
     stages, weights : tuple
         Butcher's A, row by row, and b of a Runge-Kutta method; empty for a kick and a drift.
     damping : str
-        How a kick takes the forces of dampers: "explicit" or "implicit". Springs it takes explicitly. Of a
+        "explicit" or "implicit": how a kick takes the forces of dampers (those of springs explicitly). Of a
         Runge-Kutta method both follow from its stages.
     tendon_damping : str
         Where it is not as `damping`: that of MuJoCo's tendons, by which an exported chain's far support is
         damped.
     run : str
-        How `simulate` runs it: "runge_kutta", "midpoint" or "variable"; empty if it cannot. An explicit
+        Kind of its run in `simulate`: "runge_kutta", "midpoint", "variable", or empty. An explicit
         Runge-Kutta method is run as one.
     springs : str
-        How forces of springs are taken.
+        "explicit" or "implicit".
 
     Examples
     --------
@@ -94,7 +94,7 @@ class Integrator:
 
     @property
     def variable_step(self) -> bool:
-        """Whether it chooses its steps itself, by its estimate of the error."""
+        """True if it chooses its steps itself, by its estimate of the error."""
         return self.run == "variable"
 
     @property

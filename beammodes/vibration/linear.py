@@ -155,7 +155,7 @@ class LinearModel:
     chain : Chain
         The pieces and springs that the factors are made of.
     load : Load
-        What it vibrates under.
+        Under which it vibrates.
 
     Examples
     --------
@@ -179,14 +179,14 @@ class LinearModel:
 
     @property
     def rigid_body_modes(self) -> int:
-        """How many motions store nothing. An axial force lets a rigid rotation store energy."""
+        """Number of motions that store nothing. An axial force lets a rigid rotation store energy."""
         if not any(axial_pull(self.chain, self.load)):
             return self.chain.boundary.rigid_body_modes
         return int(not any(translation for translation, _ in self.chain.scaled.supports))
 
     @property
     def elastic_modes(self) -> int:
-        """How many modes store energy."""
+        """Number of modes that store energy."""
         chain = self.chain
         return chain.elastic_modes + chain.boundary.rigid_body_modes - self.rigid_body_modes
 
@@ -248,7 +248,7 @@ class BentModel:
     Attributes
     ----------
     equilibrium : Equilibrium
-        What it vibrates about. `equilibrium.basis` spans the motions that the closures allow; without
+        About which it vibrates. `equilibrium.basis` spans the motions that the closures allow; without
         closures z are the coordinates themselves.
 
     Examples
@@ -279,12 +279,12 @@ class BentModel:
 
     @property
     def elastic_modes(self) -> int:
-        """How many modes store energy: all of them."""
+        """Number of modes that store energy: all of them."""
         return int(self.equilibrium.basis.shape[1])
 
     @property
     def rigid_body_modes(self) -> int:
-        """How many motions store nothing: none, or the equilibrium would not be stable."""
+        """Number of motions that store nothing: none, or the equilibrium would not be stable."""
         return 0
 
     @property

@@ -37,7 +37,7 @@ class Modes:
     ----------
     angular_frequency : ndarray, shape (modes,) [rad/s]
     rigid_body_modes : int
-        How many motions store nothing; they are counted here and are no rows of the arrays.
+        Number of motions that store nothing; they are counted here and are no rows of the arrays.
     position : ndarray, shape (nodes,) [m]
         Of the nodes on the straight chain: left tip, hinges, right tip.
     deflection : ndarray, shape (modes, nodes) [kg^-½]
@@ -77,7 +77,7 @@ def solve_modes(model: LinearModel | BentModel, modes: int | None = None) -> Mod
         motion along y (along x they move by  -Σ l_i sin θ_i  times the rotations), and the accuracy of ω
         is about 1e-16 N².
     modes : int, optional
-        How many, from the first; all of them by default. A chain with fewer gives those it has.
+        Number of modes, from the first; all of them by default. A chain with fewer gives those it has.
 
     Raises
     ------

@@ -166,7 +166,7 @@ class FlexibilityForm:
 
     @property
     def hinges(self) -> int:
-        """How many hinges the chain has."""
+        """Number of the chain's hinges."""
         return len(self.length) - 1
 
     def allowed(self, w: Floats) -> Floats:

@@ -76,7 +76,7 @@ def published_time_step(beam: Beam, modes: int) -> float:
     beam : Beam
         L, EI and ρA.
     modes : int
-        How many modes are to be followed, 1 to 5.
+        Number of modes to be followed, 1 to 5.
 
     Raises
     ------
