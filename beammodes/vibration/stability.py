@@ -1,17 +1,9 @@
-"""Time steps: the report's C-table, what its 8 is, and the step at which a chain is really stable.
+"""Time steps: the report's, and the longest at which a chain is stable.
 
-The report gives h = C L² √(ρA/EI) with C = 8/K_n, where K_n is the n-th dimensionless frequency of a beam
-clamped at both ends, in Roark's rounded figures. Where the 8 comes from: the classical Runge-Kutta method of
-order four, applied to an undamped oscillator, has the amplification
-
-    |R(i z)|² = 1 - z⁶/72 + z⁸/576,   z = h ω,    so |R| ≤ 1 for  z² ≤ 8.
-
-The condition is  h ω ≤ √8 = 2√2,  not  h ω ≤ 8: the square root is missing. The published step is therefore
-2.83 times too long for the mode that it names, which it amplifies by |R(8i)| = 160 every step. What decides
-is the chain's highest mode, near 6.9 N² √(EI/(ρA L⁴)): the published step is beyond its limit too as soon as
-N exceeds the number of modes by one or two (for one mode and N = 10, 84 times). At fixed step it is not
-stable. The report pairs it with a variable-step integrator, which takes shorter steps of its own accord
-and so hides it.
+The report's step is  h = C L² √(ρA/EI),  C = 8/K_n, where K_n is the n-th dimensionless frequency of a beam
+clamped at both ends, in Roark's rounded figures. At fixed step it is not stable: classical Runge-Kutta asks
+for  h ω ≤ √8  of the chain's highest mode, near 6.9 N² √(EI/(ρA L⁴)). The page "theory" has where the 8 comes
+from.
 """
 
 from __future__ import annotations
@@ -47,7 +39,6 @@ __all__ = [
     "stable_time_step",
     "taut_load",
 ]
-
 
 #: Gravity that a step is held against where none is given [m/s²], in any direction.
 GRAVITY = 9.81
