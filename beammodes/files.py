@@ -56,13 +56,11 @@ def file_target(path: object, *, new: bool = False) -> Path:
         ...
     ValueError: path must be an ordinary file, got the device '/dev/null'
     """
-    if not isinstance(path, str | os.PathLike) or isinstance(os.fspath(path), bytes):
-        raise TypeError(f"path must be a str or a Path, got {shown(path)}")
-    given = Path(path)
+    given = named_path(path)
     # Of a long path the end says most.
     text = str(given)
     name = shown(text if len(text) <= 50 else f"...{text[-47:]}")
-    if not given.name or "\0" in str(given):
+    if not given.name:
         raise ValueError(f"path must name a file, got {name}")
     if new and os.path.lexists(given):
         raise FileExistsError(f"path must be new unless force=True, got {name}, which exists already")
@@ -122,7 +120,7 @@ def write_atomically(path: str | Path, write: Callable[[BinaryIO], object], *, n
         raise
 
 
-def named_path(path: str | os.PathLike[str]) -> Path:
+def named_path(path: object) -> Path:
     """Return a path that can name a file, or raise TypeError or ValueError.
 
     Examples

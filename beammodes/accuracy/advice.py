@@ -38,7 +38,7 @@ _LIMITED = tuple(
     name for name, each in INTEGRATORS.items() if each.springs == "explicit" and not each.variable_step
 )
 #: More rules than this are a mistake, or an iterable without an end.
-MAX_RULES = 1000
+_MAX_RULES = 1000
 
 #: A rule that needs more segments than this is not recommended: nobody would simulate the chain.
 MOST_SEGMENTS = 10_000
@@ -143,7 +143,7 @@ def recommend(
     judge = _Judge.of(unit, pair, tolerance, modes)
     ways: list[Recommendation] = []
     refusal = ValueError("rules must name at least one rule, got none")
-    given = bounded("rules", RULES if rules is None else rules, most=MAX_RULES)
+    given = bounded("rules", RULES if rules is None else rules, most=_MAX_RULES)
     for record in _layouts(given):
         try:
             count = judge.segments(record)
@@ -190,13 +190,18 @@ class _Judge(NamedTuple):
         return cls(beam, boundary, limit, exact.angular_frequency, worst)
 
     @property
+    def _is_plain(self) -> bool:
+        """True if errors have a closed form: the beam is uniform, without rotary inertia of its sections."""
+        return self.beam.is_uniform and not self.beam.has_rotary_inertia
+
+    @property
     def modes(self) -> int:
         """The number of modes wanted."""
         return len(self.exact)
 
     def errors(self, record: Layout, segments: int) -> Floats:
         """Return the chain's errors, NaN where it has no such mode or the rule no springs."""
-        if self.beam.is_uniform and not self.beam.has_rotary_inertia:
+        if self._is_plain:
             mode = np.arange(1, self.modes + 1)
             return np.asarray(
                 frequency_error(self.boundary, segments=segments, mode=mode, rule=record, beam=self.beam)
@@ -213,14 +218,14 @@ class _Judge(NamedTuple):
 
     def remarks(self, record: Layout, segments: int) -> tuple[str, ...]:
         """Return remarks on the error of the least accurate mode; none for a beam that varies."""
-        if not self.beam.is_uniform or self.beam.has_rotary_inertia:
+        if not self._is_plain:
             return ()
         worst = int(np.argmax(np.abs(self.errors(record, segments)))) + 1
         return error_remarks(self.boundary, segments=segments, mode=worst, rule=record, beam=self.beam)
 
     def segments(self, record: Layout) -> int:
         """Return the N from which errors stay in bounds; raises ToleranceOutOfReach."""
-        if self.beam.is_uniform and not self.beam.has_rotary_inertia:
+        if self._is_plain:
             return segments_needed(self.boundary, self.tolerance, self.modes, record, beam=self.beam)
         grid = solved_grid(self.modes)
         needed = first_lasting_upwards(

@@ -1,7 +1,7 @@
 """Static deflections of the beam and of the chain, and their errors.
 
 Both are seen with the firmer end at x = 0 and the *tip*, the less firm end, at x = L; deflections, forces and
-distributed load point up, rotations and moments are counter-clockwise. Loads are of unit size.
+distributed load point up, rotations and moments are counter-clockwise. _Loads are of unit size.
 
 A uniform beam is a polynomial of degree four. The chain never sees it: equilibrium gives the moment M_j at
 hinge j from the load and the end's reactions R (force) and S (moment), and its spring of flexibility f_j
@@ -40,29 +40,27 @@ if TYPE_CHECKING:
     import xarray
 
 __all__ = [
-    "LENGTHS",
     "LOADS",
     "STATIC_QUANTITIES",
-    "Loads",
     "Response",
     "Statics",
-    "at_tip",
     "beam_statics",
     "chain_static_errors",
     "chain_statics",
     "static_dataset",
-    "unit_loads",
-    "without_rigid_motion",
 ]
 
-
-Loads = tuple[Fraction, Fraction, Fraction]
-
 # The power of a length in the rotation that a load causes; deflections have one more.
-LENGTHS = MappingProxyType({"tip_force": 1, "tip_moment": 0, "uniform_load": 2})
+_LENGTHS = MappingProxyType({"tip_force": 1, "tip_moment": 0, "uniform_load": 2})
 
 #: The loads: a force or a moment at the tip, or a load spread evenly over the whole length.
-LOADS: tuple[str, ...] = tuple(LENGTHS)
+LOADS: tuple[str, ...] = tuple(_LENGTHS)
+
+#: Names of deflections and rotations, as datasets name their relative errors with "_error" after them.
+STATIC_QUANTITIES = ("tip_deflection", "tip_rotation", "midspan_deflection")
+
+# Tip force, tip moment and load per length.
+_Loads = tuple[Fraction, Fraction, Fraction]
 
 
 class Response(NamedTuple):
@@ -128,34 +126,8 @@ class Statics:
 
     def _physical(self, value: Number, lengths: int) -> float:
         # A product leaves the range of doubles as inf, where a power would raise an unhelpful error.
-        scale = math.prod([self.units.length] * (LENGTHS[self.load] + lengths))
+        scale = math.prod([self.units.length] * (_LENGTHS[self.load] + lengths))
         return float(value) * scale / self.units.stiffness
-
-
-def without_rigid_motion(boundary: Boundary) -> Boundary:
-    """Return `boundary`, or raise ValueError if it has elastic supports or lets the beam move."""
-    if boundary.left.is_elastic or boundary.right.is_elastic:
-        raise ValueError(f"boundary must hold its ends or leave them free, not on springs, got {boundary}")
-    if boundary.rigid_body_modes:
-        firm = ", ".join(pair.name for pair in BOUNDARIES if not pair.rigid_body_modes)
-        raise ValueError(f"boundary must hold the beam still ({firm}), got {shown(boundary.name)}")
-    return boundary
-
-
-def unit_loads(load: str) -> Loads:
-    """Return tip force, tip moment and load per length."""
-    force, moment, spread = (Fraction(name == load) for name in LOADS)
-    return force, moment, spread
-
-
-def at_tip(boundary: Boundary, deflection: Number, rotation: Number, midspan: Number) -> Response:
-    """Return the response of a beam or chain, leaving out what its tip holds."""
-    tip = boundary.right
-    return Response(
-        math.nan if tip.holds_deflection else deflection,
-        math.nan if tip.holds_rotation else rotation,
-        midspan,
-    )
 
 
 def beam_statics(beam: Beam, boundary: BoundaryLike, load: str) -> Statics:
@@ -196,7 +168,7 @@ def beam_statics(beam: Beam, boundary: BoundaryLike, load: str) -> Statics:
     """
     if not isinstance(beam, Beam):
         raise TypeError(f"beam must be a Beam, got {shown(beam)}")
-    pair, name = without_rigid_motion(Boundary.of(boundary)), choice("load", load, LOADS)
+    pair, name = _without_rigid_motion(Boundary.of(boundary)), choice("load", load, LOADS)
     mass, stiffness = beam.mean_mass_per_length, beam.mean_bending_stiffness
     units = Units(beam.length, mass * beam.length, stiffness / beam.length)
     if isinstance(beam.bending_stiffness, float):
@@ -236,14 +208,111 @@ def chain_statics(chain: Chain, load: str) -> Statics:
     """
     if not isinstance(chain, Chain):
         raise TypeError(f"chain must be a Chain, got {shown(chain)}")
-    without_rigid_motion(chain.boundary)
+    _without_rigid_motion(chain.boundary)
     name = choice("load", load, LOADS)
     return Statics(name, chain.units, _chain_response(chain, name))
 
 
+def static_dataset(
+    *,
+    boundary: BoundaryLike | Iterable[BoundaryLike],
+    segments: int | Iterable[int],
+    rule: AnyRule | Iterable[AnyRule] = "mitiguy",
+) -> xarray.Dataset:
+    """Return static errors of chains as one labelled table; they need no beam, its numbers scale out.
+
+    e = y_chain / y_beam - 1
+
+    Parameters
+    ----------
+    boundary : boundary, or iterable of boundaries
+        Without rigid-body motion.
+    segments : int, or iterable of int
+    rule : rule, or iterable of rules
+
+    Returns
+    -------
+    xarray.Dataset
+        Dimensions rule, boundary, segments, static_load; variables tip_deflection_error, tip_rotation_error
+        and midspan_deflection_error, signed and relative; NaN where the tip is held, where the load moves
+        no beam, and where a rule gives no positive springs.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If an argument is not of its kind or outside its range.
+
+    Examples
+    --------
+    >>> import beammodes as bm
+    >>> table = bm.static_dataset(boundary="clamped-free", segments=[4, 10], rule=["mitiguy", "naive"])
+    >>> table.tip_deflection_error.sel(static_load="tip_force").squeeze().values
+    array([[0.     , 0.     ],
+           [0.40625, 0.155  ]])
+    """
+    grid = ChainGrid.of(boundary, segments, rule, MAX_PIECES).canonical
+    for pair in grid.boundaries:
+        _without_rigid_motion(pair)
+    errors = np.full((3, *grid.shape, len(LOADS)), np.nan)
+    for index, chain in grid.chains():
+        errors[:, *index, :] = np.transpose([chain_static_errors(chain, load) for load in LOADS])
+    return labelled(
+        ("rule", "boundary", "segments", "static_load"),
+        {
+            f"{name}_error": (error, f"relative error of the chain's static {name.replace('_', ' ')}", "1")
+            for name, error in zip(STATIC_QUANTITIES, errors, strict=True)
+        },
+        grid.coordinates() | {"static_load": list(LOADS)},
+        "equilibrium in exact fractions",
+    )
+
+
+def chain_static_errors(chain: Chain, load: str) -> list[float]:
+    """Return the errors of `STATIC_QUANTITIES` of a rule's chain, each rounded once from its exact value.
+
+    Examples
+    --------
+    >>> chain_static_errors(Chain(Beam.unit(), "clamped-free", 4, "naive"), "tip_force")[0]
+    0.40625
+    """
+    assert chain.segments is not None  # A rule made it.
+    scale = Fraction(chain.segments) ** (_LENGTHS[load] + 1)
+    exact = beam_statics(Beam.unit(), chain.boundary, load).own
+    factors = (scale * chain.segments, scale, scale * chain.segments)
+    return [
+        float(ours / (theirs * factor) - 1) if theirs else math.nan
+        for ours, theirs, factor in zip(chain_statics(chain, load).own, exact, factors, strict=True)
+    ]
+
+
+def _without_rigid_motion(boundary: Boundary) -> Boundary:
+    """Return `boundary`, or raise ValueError if it has elastic supports or lets the beam move."""
+    if boundary.left.is_elastic or boundary.right.is_elastic:
+        raise ValueError(f"boundary must hold its ends or leave them free, not on springs, got {boundary}")
+    if boundary.rigid_body_modes:
+        firm = ", ".join(pair.name for pair in BOUNDARIES if not pair.rigid_body_modes)
+        raise ValueError(f"boundary must hold the beam still ({firm}), got {shown(boundary.name)}")
+    return boundary
+
+
+def _unit_loads(load: str) -> _Loads:
+    force, moment, spread = (Fraction(name == load) for name in LOADS)
+    return force, moment, spread
+
+
+def _at_tip(boundary: Boundary, deflection: Number, rotation: Number, midspan: Number) -> Response:
+    """Return the response of a beam or chain, leaving out what its tip holds."""
+    tip = boundary.right
+    return Response(
+        math.nan if tip.holds_deflection else deflection,
+        math.nan if tip.holds_rotation else rotation,
+        midspan,
+    )
+
+
 def _beam_response(boundary: Boundary, load: str) -> Response:
     """Return the response for L = EI = 1, the firmer end at 0."""
-    force, moment, spread = unit_loads(load)
+    force, moment, spread = _unit_loads(load)
     curve = [Fraction(0)] * 4 + [spread / 24]
     rows, rest = [], []
     for x, end, shear, couple in ((0, boundary.left, 0, 0), (1, boundary.right, -force, moment)):
@@ -254,7 +323,7 @@ def _beam_response(boundary: Boundary, load: str) -> Response:
             rest.append(value - _polynomial(curve, order, Fraction(x)))
     curve[:4] = _solved(rows, rest)
     values = (_polynomial(curve, order, Fraction(x, 2)) for order, x in ((0, 2), (1, 2), (0, 1)))
-    return at_tip(boundary, *values)
+    return _at_tip(boundary, *values)
 
 
 def _integrated_response(beam: Beam, pair: Boundary, load: str) -> Response:
@@ -305,7 +374,7 @@ def _chain_response(chain: Chain, load: str) -> Response:
     """Return the response in the chain's own units, its firmer end at 0."""
     pair = chain.boundary.canonical
     if not chain.elastic_modes:  # Held rigidly: nothing moves, and reactions may have no definite value.
-        return at_tip(pair, Fraction(0), Fraction(0), Fraction(0))
+        return _at_tip(pair, Fraction(0), Fraction(0), Fraction(0))
     step = 1 if pair == chain.boundary else -1
     position = list(accumulate(chain.scaled.length[::step], initial=Fraction(0)))
     flexibility = [1 / stiffness for stiffness in chain.scaled.joint_stiffness[::step]]
@@ -317,7 +386,7 @@ def _hinged_response(
 ) -> Response:
     """Return the response of hinges with springs, the firmer end at 0."""
     arms = [length - x for x in hinges]
-    loads = unit_loads(load)
+    loads = _unit_loads(load)
     root_angle, force, moment = _reactions(pair, length, arms, flexibility, loads)
     moments = [_moment(loads, arm) + force * arm + moment for arm in arms]
     turns = [f * m for f, m in zip(flexibility, moments, strict=True)]
@@ -327,10 +396,10 @@ def _hinged_response(
             (turn * (x - at) for turn, at in zip(turns, hinges, strict=True) if at < x), Fraction(0)
         )
 
-    return at_tip(pair, deflection(length), root_angle + sum(turns, Fraction(0)), deflection(length / 2))
+    return _at_tip(pair, deflection(length), root_angle + sum(turns, Fraction(0)), deflection(length / 2))
 
 
-def _moment(loads: Loads, arm: Number) -> Any:
+def _moment(loads: _Loads, arm: Number) -> Any:
     """Return the moment of the load beyond a hinge about it, `arm` from the tip.
 
     A rigid piece feels a spread load as half of its share at either end; about any hinge that is arm²/2.
@@ -340,7 +409,7 @@ def _moment(loads: Loads, arm: Number) -> Any:
 
 
 def _reactions(
-    pair: Boundary, length: Number, arms: Sequence[Number], flexibility: Sequence[Number], loads: Loads
+    pair: Boundary, length: Number, arms: Sequence[Number], flexibility: Sequence[Number], loads: _Loads
 ) -> list[Any]:
     """Return θ₀ and the tip's reactions R and S from one condition each."""
 
@@ -372,79 +441,3 @@ def _solved(rows: Sequence[Sequence[Any]], rest: Sequence[Any]) -> list[Any]:
             if i != k:
                 table[i] = [value - row[k] * pivot for value, pivot in zip(row, table[k], strict=True)]
     return [row[-1] for row in table]
-
-
-#: What bends under a static load, as datasets name its relative error with "_error" after it.
-STATIC_QUANTITIES = ("tip_deflection", "tip_rotation", "midspan_deflection")
-
-
-def static_dataset(
-    *,
-    boundary: BoundaryLike | Iterable[BoundaryLike],
-    segments: int | Iterable[int],
-    rule: AnyRule | Iterable[AnyRule] = "mitiguy",
-) -> xarray.Dataset:
-    """Return static errors of chains as one labelled table; they need no beam, its numbers scale out.
-
-    e = y_chain / y_beam - 1
-
-    Parameters
-    ----------
-    boundary : boundary, or iterable of boundaries
-        Without rigid-body motion.
-    segments : int, or iterable of int
-    rule : rule, or iterable of rules
-
-    Returns
-    -------
-    xarray.Dataset
-        Dimensions rule, boundary, segments, static_load; variables tip_deflection_error, tip_rotation_error
-        and midspan_deflection_error, signed and relative; NaN where the tip is held, where the load moves
-        no beam, and where a rule gives no positive springs.
-
-    Raises
-    ------
-    TypeError, ValueError
-        If an argument is not of its kind or outside its range.
-
-    Examples
-    --------
-    >>> import beammodes as bm
-    >>> table = bm.static_dataset(boundary="clamped-free", segments=[4, 10], rule=["mitiguy", "naive"])
-    >>> table.tip_deflection_error.sel(static_load="tip_force").squeeze().values
-    array([[0.     , 0.     ],
-           [0.40625, 0.155  ]])
-    """
-    grid = ChainGrid.of(boundary, segments, rule, MAX_PIECES).canonical
-    for pair in grid.boundaries:
-        without_rigid_motion(pair)
-    errors = np.full((3, *grid.shape, len(LOADS)), np.nan)
-    for index, chain in grid.chains():
-        errors[:, *index, :] = np.transpose([chain_static_errors(chain, load) for load in LOADS])
-    return labelled(
-        ("rule", "boundary", "segments", "static_load"),
-        {
-            f"{name}_error": (error, f"relative error of the chain's static {name.replace('_', ' ')}", "1")
-            for name, error in zip(STATIC_QUANTITIES, errors, strict=True)
-        },
-        grid.coordinates() | {"static_load": list(LOADS)},
-        "equilibrium in exact fractions",
-    )
-
-
-def chain_static_errors(chain: Chain, load: str) -> list[float]:
-    """Return the errors of `STATIC_QUANTITIES` of a rule's chain, each rounded once from its exact value.
-
-    Examples
-    --------
-    >>> chain_static_errors(Chain(Beam.unit(), "clamped-free", 4, "naive"), "tip_force")[0]
-    0.40625
-    """
-    assert chain.segments is not None  # A rule made it.
-    scale = Fraction(chain.segments) ** (LENGTHS[load] + 1)
-    exact = beam_statics(Beam.unit(), chain.boundary, load).own
-    factors = (scale * chain.segments, scale, scale * chain.segments)
-    return [
-        float(ours / (theirs * factor) - 1) if theirs else math.nan
-        for ours, theirs, factor in zip(chain_statics(chain, load).own, exact, factors, strict=True)
-    ]
