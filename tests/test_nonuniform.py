@@ -398,7 +398,7 @@ def test_rotary_inertia_of_pinned_pinned_chains_and_beams(square: float) -> None
     assert exact == pytest.approx(k**2 / np.sqrt(1 + square * k**2), rel=1e-12)
 
 
-@pytest.mark.filterwarnings("ignore::beammodes.accuracy.error_table.SlendernessWarning")
+@pytest.mark.filterwarnings("ignore::beammodes.accuracy.chain_against_beam.SlendernessWarning")
 @pytest.mark.parametrize("rule", RULES)
 def test_rotary_inertia_leaves_order_two(rule: str) -> None:
     beam = bm.Beam(1.0, 1.0, 1.0, 1e-3)
@@ -409,7 +409,7 @@ def test_rotary_inertia_leaves_order_two(rule: str) -> None:
         assert first_error(beam, "pinned-pinned", 80, rule) == pytest.approx(leading, rel=0.01)
 
 
-@pytest.mark.filterwarnings("ignore::beammodes.accuracy.error_table.SlendernessWarning")
+@pytest.mark.filterwarnings("ignore::beammodes.accuracy.chain_against_beam.SlendernessWarning")
 @pytest.mark.parametrize("rule", ["gregory", "half_stub_corrected"])
 def test_rotary_inertia_takes_order_four_from_clamped_ends_too(rule: str) -> None:
     assert order(bm.Beam(1.0, 1.0, 1.0, 1e-2), "clamped-free", rule, 80, 160) == pytest.approx(2, abs=0.15)

@@ -215,26 +215,30 @@ class Store:
             raise ForeignChunk(f"is chunk {place} under another's name")
         return chunk
 
-    def sound(self) -> set[int]:
-        """Return the numbers of the finished chunks.
+    def chunks(self, *, mend: bool = False) -> Iterator[tuple[int, Evaluated]]:
+        """Yield the finished chunks, each once, with a warning of files that are something else.
 
-        With a warning, damaged files are removed, and those of other studies or chunks renamed.
+        With `mend` damaged files are removed, and those of other studies or chunks renamed.
         """
-        found = set()
+        seen = set()
         for number, path in self.finished():
             try:
-                self.load(number, path)
-                found.add(number)
-            except ForeignChunk as fault:
-                aside = path.with_name(f"{path.name}.aside")
-                warnings.warn(
-                    f"{path.name} {fault}, and computed again; the file is now {aside.name}", stacklevel=4
-                )
-                path.replace(aside)
+                chunk = self.load(number, path)
+            except FileNotFoundError:
+                continue  # set aside by a run that is at work
             except BadChunk as fault:
-                warnings.warn(f"{path.name} {fault}, and computed again", stacklevel=4)
-                path.unlink()
-        return found
+                aside = path.with_name(f"{path.name}.aside") if isinstance(fault, ForeignChunk) else None
+                again = ", and computed again" if mend else ""
+                moved = f"; the file is now {aside.name}" if mend and aside else ""
+                warnings.warn(f"{path.name} {fault}{again}{moved}", stacklevel=4)
+                if mend and aside:
+                    path.replace(aside)
+                elif mend:
+                    path.unlink()
+                continue
+            if number not in seen:
+                seen.add(number)
+                yield number, chunk
 
     def clean(self) -> None:
         """Remove what interrupted writing has left behind; only while no other run writes here."""

@@ -6,8 +6,7 @@ The chunks do not depend on who computes them.
 from __future__ import annotations
 
 import math
-import warnings
-from collections.abc import Callable, Container, Iterable, Iterator, Mapping
+from collections.abc import Callable, Container, Iterable, Mapping
 from contextlib import closing
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -19,7 +18,7 @@ from beammodes.accuracy.beam_units import NUMBERS
 from beammodes.batch.cases import MATERIAL, UNIFORM_BEAM, Cases
 from beammodes.batch.executors import computed, executor_of
 from beammodes.batch.quantities import QUANTITIES, REASON, Quantity, quantities_of
-from beammodes.batch.store import BadChunk, Evaluated, Store, definition_digest, locked, made_ready
+from beammodes.batch.store import Evaluated, Store, definition_digest, locked, made_ready
 from beammodes.batch.study_axes import AXES, Axis, axis_values, dimensions_of
 from beammodes.checks import choice, shown, whole_number
 from beammodes.numerics.arrays import Floats
@@ -341,7 +340,7 @@ def open_study(path: str | Path) -> xarray.Dataset:
     (array([-0.005085, -0.001259]), 2, 2)
     """
     store = Store.read(_folder("path", path))
-    return _study_dataset(store.definition, _sound(store))
+    return _study_dataset(store.definition, store.chunks())
 
 
 def _made(axes: tuple[Axis, ...], compute: Any, chunk: int | None) -> Study:
@@ -459,7 +458,7 @@ def _run_study(
         kept = Store.of(folder, study.definition)
         if alone:
             kept.clean()
-        whole = kept.sound()
+        whole = {number for number, _ in kept.chunks(mend=True)}
         try:
             _compute(study, whole, engine, workers, report, kept.save)
         except BaseException as error:
@@ -470,7 +469,7 @@ def _run_study(
                     f"a chunk is {study.chunk} points: give a study of slow points a smaller chunk="
                 )
             raise
-        return _closed(_study_dataset(kept.definition, _sound(kept)), report)
+        return _closed(_study_dataset(kept.definition, kept.chunks()), report)
 
 
 def _closed(found: xarray.Dataset, report: Progress) -> xarray.Dataset:
@@ -511,22 +510,6 @@ def _compute(
             save(number, chunk)
             count += 1
             report(count, study.chunks)
-
-
-def _sound(store: Store) -> Iterator[tuple[int, Evaluated]]:
-    """Yield the finished chunks, each once; what is under a chunk's name and is not it, is warned of."""
-    seen = set()
-    for number, path in store.finished():
-        try:
-            chunk = store.load(number, path)
-        except FileNotFoundError:
-            continue  # set aside by a run that is at work
-        except BadChunk as fault:
-            warnings.warn(f"{path.name} {fault}", stacklevel=4)
-            continue
-        if number not in seen:
-            seen.add(number)
-            yield number, chunk
 
 
 def _study_dataset(definition: Mapping[str, Any], chunks: Iterable[tuple[int, Evaluated]]) -> xarray.Dataset:

@@ -229,13 +229,8 @@ def axis_values(name: str, value: Any) -> tuple[tuple[Any, ...], bool]:
             f"{name} must not be a distribution here: Study.sampled takes them, got {shown(value)}"
         )
     several = not stands_alone(value, kind.single)
-    return tuple(kind.read(item) for item in _items(name, value, kind)), several
-
-
-def _items(name: str, value: Any, kind: AxisKind) -> list[Any]:
-    if isinstance(value, np.ndarray | np.generic):
-        value = value.tolist()
-    return listed(name, value, kind.single)
+    plain = value.tolist() if isinstance(value, np.ndarray | np.generic) else value
+    return tuple(map(kind.read, listed(name, plain, kind.single))), several
 
 
 def _written(rule: Layout) -> str:
