@@ -18,7 +18,7 @@ from beammodes.numerics.arrays import Floats
 from beammodes.problem.beam import Beam
 from beammodes.problem.ends import Boundary, BoundaryLike, is_pair
 from beammodes.problem.loading import Load, checked_load
-from beammodes.progress import Progress
+from beammodes.progress import Progress, progress_of
 from beammodes.version import SOURCE
 from beammodes.vibration.linear import linearize
 from beammodes.vibration.modes import solve_modes
@@ -322,14 +322,14 @@ def derived_error_dataset(
     """
     grid = ChainGrid.of(Boundary.of(boundary), segments, layout_of(rule), MAX_DERIVED).canonical
     mode = np.arange(1, whole_number("modes", modes, most=MAX_MODES) + 1)
+    told = progress_of(False if progress is None else progress, "derivation", "chains")
     exact = exact_frequencies(grid.boundaries[0], mode, Load())
     omega, worst = np.full((*grid.shape, len(mode)), np.nan), 0.0
     for i, count in enumerate(grid.segments):
         found, disagreement = _by_three_routes(Chain(grid.beam, grid.boundaries[0], count, grid.rules[0]))
         worst = max(worst, disagreement)
         omega[0, 0, i, : min(len(mode), len(found))] = found[: len(mode)]
-        if progress is not None:
-            progress(i + 1, len(grid.segments))
+        told(i + 1, len(grid.segments))
     route = "SymPy: nonlinear equations of motion, linearized"
     table = _errors_labelled(grid, omega, exact[None], omega / exact - 1, route=route)
     return table.assign_attrs(disagreement=worst)
