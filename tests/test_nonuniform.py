@@ -106,7 +106,8 @@ def test_a_fine_table_of_a_taper_errs_as_the_taper_does(name: str, rule: str) ->
     for segments in (10, 20, 40):
         expected = first_error(smooth, "clamped-free", segments, rule)
         assert abs(expected) > 1e-8  # none passes through zero
-        for points in (50, 200, 1001):
+        # The coarsest is the hardest; finer tables are tried at one N.
+        for points in (50, 200, 1001) if segments == 20 else (50,):
             found = first_error(tabulated(SHAPES[name], points), "clamped-free", segments, rule)
             assert abs(found - expected) <= 0.05 * abs(expected) + 2e-11
 
@@ -129,20 +130,16 @@ def test_a_coarse_table_keeps_an_order_above_two_at_its_kinks() -> None:
         assert math.log(max(errors[:3]) / max(errors[3:])) / math.log(4) > 2.8
 
 
-@pytest.mark.parametrize("kind", ["equal", "random", "twice"])
-def test_a_hundred_thousand_positions(kind: str) -> None:
-    # Two routes: the function itself, and the table; chord errors are (1e-5)²/8.
+def test_a_hundred_thousand_positions() -> None:
+    # Two routes: the function itself, and the table, of uneven positions and with a step in the middle;
+    # chord errors are about (1e-5)²/8.
     x = np.linspace(0, 1, 100_001)
-    if kind == "random":
-        x[1:-1] = np.sort(np.random.default_rng(3).uniform(0, 1, len(x) - 2))
-    shape = SHAPES["exponential"]
-    values = shape(x)
-    if kind == "twice":
-        x, values = np.insert(x, 50_000, x[50_000]), np.insert(values, 50_000, values[50_000])
-        values[:50_001] *= 2
-    step = (lambda z: np.where(np.asarray(z) < 0.5, 2.0, 1.0)) if kind == "twice" else (lambda _: 1.0)
+    x[1:-1] = np.sort(np.append(np.random.default_rng(3).uniform(0, 1, len(x) - 3), 0.5))
+    shape, half = SHAPES["exponential"], int(np.searchsorted(x, 0.5))
+    x = np.insert(x, half, 0.5)
+    values = shape(x) * np.where(np.arange(len(x)) <= half, 2.0, 1.0)
     table = bm.Beam(1.0, Table(x, values), shape)
-    smooth = bm.Beam(1.0, lambda z: step(z) * shape(z), shape, breaks=[0.5] if kind == "twice" else [])
+    smooth = bm.Beam(1.0, lambda z: np.where(np.asarray(z) < 0.5, 2.0, 1.0) * shape(z), shape, breaks=[0.5])
     pair = ("clamped", bm.End(mass=0.1))
     found = [euler_bernoulli(b, pair, 4).angular_frequency for b in (table, smooth)]
     np.testing.assert_allclose(found[0], found[1], rtol=2e-9)

@@ -721,8 +721,7 @@ print(found.stopped)
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="no such signal")
-@pytest.mark.parametrize("times", [1, 5])
-@pytest.mark.parametrize("integrator", ["rk4", "midpoint", "dop853"])
+@pytest.mark.parametrize(("integrator", "times"), [("rk4", 1), ("midpoint", 5), ("dop853", 1), ("dop853", 5)])
 def test_an_interrupt_from_the_keyboard_within_compiled_code(
     integrator: str, times: int, tmp_path: Path
 ) -> None:
@@ -759,8 +758,10 @@ def pressed(at: set[int]) -> Iterator[list[int]]:
         sys.setprofile(None)
 
 
-@pytest.mark.parametrize("boundary", ["clamped-free", "clamped-pinned"])
-@pytest.mark.parametrize("integrator", MOTION_INTEGRATORS)
+@pytest.mark.parametrize(
+    ("integrator", "boundary"),
+    [*((name, "clamped-free") for name in MOTION_INTEGRATORS), ("rk4", "clamped-pinned")],
+)
 def test_an_interrupt_at_any_moment_keeps_what_is_finished(
     integrator: str, boundary: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -800,15 +801,15 @@ def test_an_interrupt_at_any_moment_keeps_what_is_finished(
         whole = run(tmp_path / "whole.nc")
     # While equations are built, while steps are made, and while the result is put together.
     spans = ((1, stepped[0]), (stepped[0], stepped[-1]), (stepped[-1], calls[0] - 1))
-    moments = np.concatenate([np.linspace(*span, 4).astype(int) for span in spans]).tolist()
+    moments = np.concatenate([np.linspace(*span, 3).astype(int) for span in spans]).tolist()
     outcomes = []
     for number, first in enumerate(moments):
         path = tmp_path / f"{number}.nc"
-        later = (first + 1, first + (calls[0] - first) // 2) if number % 3 == 2 else (first + 1,)
+        later = (first + 1, first + (calls[0] - first) // 2) if number % 4 == 2 else (first + 1,)
         done.clear()
         found = None
         try:
-            with pressed({first, *(later if number % 3 else ())}):
+            with pressed({first, *(later if number % 4 % 3 else ())}):
                 found = run(path)
         except KeyboardInterrupt:
             assert not done and not path.exists()
