@@ -258,8 +258,12 @@ def test_an_interrupt_however_a_library_takes_it(swallowed: str, times: int, tmp
     interrupted(process(["springs", "clamped-free", "--segments", "6"], tmp_path, before))
 
 
+#: Those that read ends, in which the interrupt comes.
+WITH_ENDS = [each for each in COMMANDS if any(flag.endswith("boundary") for flag, _ in each.options)]
+
+
 @POSIX
-@pytest.mark.parametrize("command", COMMANDS, ids=lambda command: command.name)
+@pytest.mark.parametrize("command", WITH_ENDS, ids=lambda command: command.name)
 def test_every_command_can_be_interrupted(command: Any, tmp_path: Path) -> None:
     before = INSIDE.format(place="beammodes.problem.ends.Boundary.of", times=2, swallowed="no")
     before = before.replace(
@@ -429,7 +433,8 @@ HOSTILE = [
 
 def numeric_options(command: Any) -> list[str]:
     """The options of a command that read a number."""
-    return [action.option_strings[0] for action in command.parser()._actions if callable(action.type)]
+    options = command.parser()._actions
+    return [action.option_strings[0] for action in options if callable(action.type) and action.option_strings]
 
 
 def one_call(command: Any, folder: Path) -> list[str]:
@@ -471,7 +476,7 @@ def over_values(
 ) -> None:
     monkeypatch.chdir(in_folder(folder))
     call, options = one_call(command, folder), numeric_options(command)
-    assert options
+    assert options or command.name not in {"recommend", "springs", "audit"}
     for option in options:
         kept = list(call)
         if option in kept:

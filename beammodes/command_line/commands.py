@@ -57,6 +57,9 @@ _BEFORE, _DURING, _AFTER = "before you build a chain", "while you build it", "wh
 _EXAMPLE = "--length 1.2 --ei 85 --rho-a 0.62"
 _EXAMPLE_SI = f"{_EXAMPLE} --units SI"
 
+_BEAM = (*BEAM, UNITS)
+_CHAIN = (BOUNDARY, SEGMENTS, *_BEAM, RULE)
+
 #: What is assumed of every frequency, step and spring that is found here.
 _CASE = {
     "holds_for": "for small vibration about the straight Euler-Bernoulli beam, in vacuum and without gravity"
@@ -87,8 +90,7 @@ def _command(
     BOUNDARY,
     TOLERANCE,
     modes(1),
-    *BEAM,
-    UNITS,
+    *_BEAM,
     INTEGRATOR,
     option("--rule", "only these rules (default: all)", metavar="RULE,..."),
 )
@@ -103,15 +105,8 @@ def _recommend(options: argparse.Namespace) -> Answer:
         rules=options.rule.split(",") if options.rule else None,
         integrator=options.integrator,
     )
-    names = (
-        "rule",
-        "segments",
-        "largest_error",
-        "static_error",
-        "highest_angular_frequency",
-        "stable_time_step",
-        "cost",
-    )
+    names = ["rule", "segments", "largest_error", "static_error"]
+    names += ["highest_angular_frequency", "stable_time_step", "cost"]
     rows = [
         {name: getattr(way, name) for name in names}
         | {"joint_stiffness": way.joint_stiffness.tolist(), "remarks": list(way.remarks)}
@@ -160,8 +155,7 @@ def _way(way: Recommendation) -> list[str]:
     BOUNDARY,
     TOLERANCE,
     modes(1),
-    *BEAM,
-    UNITS,
+    *_BEAM,
     AXIAL_FORCE,
     RULE,
 )
@@ -186,13 +180,9 @@ def _segments(options: argparse.Namespace) -> Answer:
     "error",
     "how wrong is one frequency of a chain of N segments?",
     '"clamped-free(mass=0.5)" --segments 6 --mode 1',
-    BOUNDARY,
-    SEGMENTS,
+    *_CHAIN,
     MODE,
-    *BEAM,
-    UNITS,
     AXIAL_FORCE,
-    RULE,
 )
 def _error(options: argparse.Namespace) -> Answer:
     from beammodes.accuracy.errors import frequency_error
@@ -222,11 +212,7 @@ def _error(options: argparse.Namespace) -> Answer:
     "springs",
     "which joint stiffnesses do I type into my multibody tool?",
     f"clamped-free --segments 4 {_EXAMPLE_SI}",
-    BOUNDARY,
-    SEGMENTS,
-    *BEAM,
-    UNITS,
-    RULE,
+    *_CHAIN,
 )
 def _springs(options: argparse.Namespace) -> Answer:
     chain, units = _chain(options), _units(options)
@@ -262,13 +248,9 @@ def _springs(options: argparse.Namespace) -> Answer:
     "frequencies",
     "at which frequencies do the chain and the beam ring?",
     f"clamped-free --segments 6 --modes 3 {_EXAMPLE_SI}",
-    BOUNDARY,
-    SEGMENTS,
+    *_CHAIN,
     modes(3),
-    *BEAM,
-    UNITS,
     AXIAL_FORCE,
-    RULE,
 )
 def _frequencies(options: argparse.Namespace) -> Answer:
     import numpy as np
@@ -318,14 +300,10 @@ def _frequencies(options: argparse.Namespace) -> Answer:
     "time-step",
     "which fixed time step is stable?",
     f"clamped-free --segments 10 {_EXAMPLE_SI}",
-    BOUNDARY,
-    SEGMENTS,
-    *BEAM,
-    UNITS,
+    *_CHAIN,
     *LOAD,
     *DAMPING,
     INTEGRATOR,
-    RULE,
 )
 def _time_step(options: argparse.Namespace) -> Answer:
     from beammodes.problem.loading import Load
@@ -382,11 +360,7 @@ def _time_step(options: argparse.Namespace) -> Answer:
     "buckling",
     "under which compression do the chain and the beam buckle?",
     f"clamped-free --segments 10 {_EXAMPLE_SI}",
-    BOUNDARY,
-    SEGMENTS,
-    *BEAM,
-    UNITS,
-    RULE,
+    *_CHAIN,
 )
 def _buckling(options: argparse.Namespace) -> Answer:
     from beammodes.accuracy.buckling import buckling_load
@@ -416,10 +390,7 @@ def _formats() -> dict[str, str]:
     "export",
     "can I have the chain as a file for MuJoCo, Gazebo, Drake or URDF tools?",
     f"clamped-free --segments 10 --rule gregory {_EXAMPLE} --output beam.xml",
-    BOUNDARY,
-    SEGMENTS,
-    *BEAM,
-    UNITS,
+    *_CHAIN,
     option(
         "--output",
         lambda: ", ".join(f"{suffix} ({name})" for suffix, name in _formats().items()),
@@ -446,7 +417,6 @@ def _formats() -> dict[str, str]:
     *LOAD,
     *DAMPING,
     option("--force", "overwrite existing files", action="store_true"),
-    RULE,
 )
 def _export(options: argparse.Namespace) -> Answer:
     from beammodes.exporters.export import export_chain
