@@ -17,6 +17,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 from beammodes.chains.chain import Chain
+from beammodes.numerics.arrays import Floats
 from beammodes.vibration.damping import Damping
 from beammodes.vibration.spectrum import is_turned
 
@@ -74,47 +75,38 @@ class _Plane:
             return self
         if len(self.length) == 1:
             return replace(self, near=(self.near[0], turning), far=(across, (0.0, 0.0)))
-        fewer = _Plane(
+        mass, centre, inertia = self.mass[-2], self.centre[-2], self.inertia[-2]
+        point = 0.0 if across[0] == math.inf else self.mass[-1]
+        if point:
+            arm, share = self.length[-2] - centre, point / (mass + point)
+            mass, centre, inertia = mass + point, centre + arm * share, inertia + mass * share * arm**2
+        return _Plane(
             self.length[:-1],
-            self.mass[:-1],
-            self.centre[:-1],
-            self.inertia[:-1],
+            (*self.mass[:-2], mass),
+            (*self.centre[:-2], centre),
+            (*self.inertia[:-2], inertia),
             self.springs[:-1],
             self.near,
             (across, self.springs[-1]),
-        )
-        return fewer if across[0] == math.inf else fewer._with_point(self.mass[-1])
-
-    def _with_point(self, point: float) -> _Plane:
-        total = self.mass[-1] + point
-        if not point:
-            return self
-        arm = self.length[-1] - self.centre[-1]
-        return replace(
-            self,
-            mass=(*self.mass[:-1], total),
-            centre=(*self.centre[:-1], self.centre[-1] + arm * (point / total)),
-            inertia=(*self.inertia[:-1], self.inertia[-1] + self.mass[-1] * (point / total) * arm**2),
         )
 
 
 def _bending_plane(chain: Chain, damping: Damping, turned: bool) -> _Plane:
     """Return a chain's numbers from its left end, or from its right one if `turned`."""
-    rate = damping.stiffness
-    hinges = zip(chain.joint_stiffness.tolist(), damping.joint_damping(chain).tolist(), strict=True)
-    springs: list[Spring] = list(hinges)
-    length, mass, inertia = chain.length.tolist(), chain.mass.tolist(), chain.rotary_inertia.tolist()
-    centre = (chain.length - chain.centre if turned else chain.centre).tolist()
-    ends = [
-        tuple((k, 0.0 if k == math.inf else rate * k) for k in end)
-        for end in chain.support_stiffness.tolist()
-    ]
-    way = slice(None, None, -1 if turned else 1)
-    near, far = ends[way]
-    pieces, masses, centres, inertias = (tuple(column[way]) for column in (length, mass, centre, inertia))
-    return _Plane(
-        pieces, masses, centres, inertias, tuple(springs[way]), (near[0], near[1]), (far[0], far[1])
-    )
+    way = -1 if turned else 1
+
+    def row(values: Floats) -> tuple[float, ...]:
+        return tuple(values.tolist()[::way])
+
+    def support(pair: list[float]) -> tuple[Spring, Spring]:
+        across, turning = ((k, 0.0 if k == math.inf else damping.stiffness * k) for k in pair)
+        return across, turning
+
+    near, far = map(support, chain.support_stiffness.tolist()[::way])
+    centre = chain.length - chain.centre if turned else chain.centre
+    length, mass, middle, inertia = map(row, (chain.length, chain.mass, centre, chain.rotary_inertia))
+    springs = zip(row(chain.joint_stiffness), row(damping.joint_damping(chain)), strict=True)
+    return _Plane(length, mass, middle, inertia, tuple(springs), near, far)
 
 
 @dataclass(frozen=True)
