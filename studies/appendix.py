@@ -12,7 +12,7 @@ import beammodes as bm
 from beammodes.exact.exact_beam import BeamModes, plain_modes
 from beammodes.numerics.arrays import Floats
 from beammodes.views.symbols import COLOURS, GREY
-from studies.plots import label_along, label_line
+from studies.plots import label_along, label_line, plain_ticks
 from studies.study import Kind, Progress, Sheet, Study
 
 BEAM, BOUNDARY = bm.Beam.unit(), "pinned-pinned"
@@ -120,9 +120,7 @@ def _sums(table: xarray.Dataset, ax: Axes) -> None:
 
 def _errors(table: xarray.Dataset, ax: Axes) -> None:
     ax.set(xscale="log", yscale="log", xlim=(0.9, 60), ylim=(1e-4, 60))
-    ax.set_xticks([1, 2, 5, 10, 20, 50], ["1", "2", "5", "10", "20", "50"])
-    ax.set_yticks([10.0**k for k in range(-4, 2)], [f"{10.0**k:g} %" for k in range(-4, 2)])
-    ax.minorticks_off()
+    plain_ticks(ax, [1, 2, 5, 10, 20, 50], [10.0**k for k in range(-4, 2)], unit=" %")
     lines = []
     for quantity, colour in (("moment", "black"), ("deflection", COLOURS[3])):
         error = 100 * table.relative_error.sel(quantity=quantity)

@@ -16,7 +16,7 @@ from beammodes.accuracy.chain_against_beam import chain_errors
 from beammodes.chains.rules import AnyRule, axially_corrected
 from beammodes.problem.loading import Load
 from beammodes.views.symbols import COLOURS, GREY
-from studies.plots import label_along, mark_point, method_style
+from studies.plots import label_along, mark_point, method_style, plain_ticks
 from studies.study import Kind, Progress, Sheet, Study
 
 BOUNDARIES = ("pinned-pinned", "clamped-free")
@@ -174,10 +174,7 @@ def _draw_errors(
     ax.set_title(f"{pair}, half the buckling load", fontsize=11, loc="left")
     ax.set_ylabel("|error of the first frequency|")
     ax.set(xscale="log", yscale="log", xlim=(2.7, 230), ylim=(1e-7, 100), xlabel="number of segments N")
-    ax.set_xticks([3, 10, 30, 100, 200], ["3", "10", "30", "100", "200"])
-    ticks = 10.0 ** np.arange(-6, 3, 2)
-    ax.set_yticks(ticks, [f"{tick:.6f}".rstrip("0").rstrip(".") + " %" for tick in ticks])
-    ax.minorticks_off()
+    plain_ticks(ax, [3, 10, 30, 100, 200], 10.0 ** np.arange(-6, 3, 2), unit=" %")
     return [(lines[case], *place) for case, place in LABELS[pair].items()]
 
 

@@ -16,7 +16,7 @@ from beammodes.vibration.stability import (
     highest_angular_frequency,
     published_constants,
 )
-from studies.plots import label_line, plot_step_constants
+from studies.plots import label_line, plain_ticks, plot_step_constants
 from studies.study import Progress, Sheet, Study
 from studies.tables import markdown_table
 
@@ -99,8 +99,7 @@ def draw(table: xarray.Dataset, figure: Figure) -> None:
     plot_step_constants(*_parts(table), ax)
     ax.set_xlim(0.9, 40)
     ax.set_ylim(7e-4, 3.0)
-    ax.set_xticks([1, 2, 5, 10, 20], ["1", "2", "5", "10", "20"])
-    ax.minorticks_off()
+    plain_ticks(ax, [1, 2, 5, 10, 20])
     published, single, free, clamped = ax.get_lines()
     label_line(ax, published, "published: C = 8/K,\n2.83 times too long for that mode", offset=(9, 4))
     label_line(

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 import beammodes as bm
 from beammodes.problem.loading import PLANES
 from beammodes.views.symbols import COLOURS, GREY
-from studies.plots import label_along, label_line, method_style
+from studies.plots import label_along, label_line, method_style, plain_ticks
 from studies.study import Kind, Progress, Sheet, Study
 
 Side = Literal["above", "below"]
@@ -128,9 +128,7 @@ def _errors(table: xarray.Dataset, ax: Axes) -> list[Label]:
         look = method_style(rule) | ({} if spin else {"linestyle": (0, (1, 1.2))})
         (line,) = ax.plot(table["count"], error, **look)
         labels.append((line, f"{rule}, Ω = {spin:g}" if spin else f"{rule}, at rest", at, side))
-    ax.set_xticks([4, 10, 20, 50, 100], ["4", "10", "20", "50", "100"])
-    ax.set_yticks([10.0**k for k in range(-6, 1)], [f"{10.0**k:.{max(0, -k)}f} %" for k in range(-6, 1)])
-    ax.minorticks_off()
+    plain_ticks(ax, [4, 10, 20, 50, 100], [10.0**k for k in range(-6, 1)], unit=" %")
     ax.set_xlabel("number of segments N")
     ax.set_title("|error| of flap 1: turning, as 1/N²", fontsize=11, loc="left")
     return labels

@@ -14,7 +14,7 @@ import beammodes as bm
 from beammodes.chains.rules import AnyRule
 from beammodes.views.symbols import GREY
 from studies.common import MATCHED, largest_error
-from studies.plots import label_along, mark_exact, mark_point, method_style, places_along
+from studies.plots import label_along, mark_exact, mark_point, method_style, places_along, plain_ticks
 from studies.study import Progress, Sheet, Study
 
 BOUNDARY = "clamped-free"
@@ -80,8 +80,7 @@ def draw(table: xarray.Dataset, figure: Figure) -> None:
     """Draw a line for each rule over the front of all of them."""
     ax = figure.subplots()
     ax.set(xscale="log", yscale="log", xlim=(45, 2e7), ylim=(1e-3, 100))
-    ax.set_yticks([10.0**k for k in range(-3, 3)], [f"{10.0**k:.12g} %" for k in range(-3, 3)])
-    ax.minorticks_off()
+    plain_ticks(ax, y=[10.0**k for k in range(-3, 3)], unit=" %")
     ax.set_ylabel("largest |frequency error| of modes 1 to 3")
     ax.set_xlabel("cost = segments × Runge-Kutta steps at the stability limit in one period of mode 1")
     ax.axhline(100 * TOLERANCE, color=GREY, linewidth=0.9, linestyle=(0, (4, 3)), zorder=1)

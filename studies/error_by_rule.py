@@ -13,7 +13,7 @@ from matplotlib.lines import Line2D
 import beammodes as bm
 from beammodes.views.symbols import GREY
 from studies.common import MATCHED, MODES, element_errors, largest_error
-from studies.plots import label_along, mark_exact, mark_point, method_style, places_along
+from studies.plots import label_along, mark_exact, mark_point, method_style, places_along, plain_ticks
 from studies.study import Progress, Sheet, Study
 
 BOUNDARIES = ("clamped-free", "clamped-clamped")
@@ -84,9 +84,7 @@ def draw(table: xarray.Dataset, figure: Figure) -> None:
     panels = figure.subplots(1, 2, sharex=True, sharey=True)
     for ax, boundary in zip(panels, BOUNDARIES, strict=True):
         ax.set(xscale="log", yscale="log", xlim=(2.5, 1600), ylim=(1e-4, 100))
-        ax.set_xticks([3, 10, 30, 100, 300, 1000], ["3", "10", "30", "100", "300", "1000"])
-        ax.set_yticks([10.0**k for k in range(-4, 3)], [f"{10.0**k:.12g} %" for k in range(-4, 3)])
-        ax.minorticks_off()
+        plain_ticks(ax, [3, 10, 30, 100, 300, 1000], [10.0**k for k in range(-4, 3)], unit=" %")
         ax.set_title(f"{boundary}  (dots: N for 1 % and 0.001 %)", fontsize=11, loc="left")
         ax.set_xlabel("N, number of segments or finite elements")
     panels[0].set_ylabel("largest |frequency error| of modes 1 to 3")

@@ -8,7 +8,7 @@ import xarray
 from matplotlib.figure import Figure
 
 from beammodes.accuracy.error_table import derived_error_dataset
-from studies.plots import label_line, plot_errors
+from studies.plots import label_line, plain_ticks, plot_errors
 from studies.study import Progress, Sheet, Study
 
 COLUMNS = (
@@ -35,9 +35,7 @@ def draw(table: xarray.Dataset, figure: Figure) -> None:
     linear.set_xticks(range(0, 21, 5))
     plot_errors(table, logarithmic, magnitude=True)
     logarithmic.set_xlim(0.9, 40)
-    logarithmic.set_xticks([1, 2, 5, 10, 20], ["1", "2", "5", "10", "20"])
-    logarithmic.set_yticks([0.01, 0.1, 1, 10], ["0.01", "0.1", "1", "10"])
-    logarithmic.minorticks_off()
+    plain_ticks(logarithmic, [1, 2, 5, 10, 20], [0.01, 0.1, 1, 10])
     logarithmic.axhline(1.0, color="#555555", linewidth=0.9, linestyle=(0, (4, 3)))
     logarithmic.text(0.95, 1.06, "1 %", color="#555555", va="bottom")
     linear.set_title("signed, as in the report", fontsize=11, loc="left")

@@ -15,7 +15,7 @@ import beammodes as bm
 from beammodes.dynamics.simulation import mode_start
 from beammodes.views.symbols import COLOURS, GREY
 from studies.common import moved
-from studies.plots import label_along
+from studies.plots import label_along, plain_ticks
 from studies.study import Kind, Progress, Sheet, Study, repeatable
 
 BEAM, BOUNDARY, RULE = bm.Beam.unit(), "clamped-free", "gregory"
@@ -114,9 +114,7 @@ def _spectrum(table: xarray.Dataset, ax: Axes) -> None:
         )
     shown = table.isel(omega=slice(1, None))
     ax.plot(shown.omega, shown.amplitude_of, color=COLOURS[0], linewidth=1.0)
-    ax.set_xticks([3, 10, 30, 100, 300], ["3", "10", "30", "100", "300"])
-    ax.set_yticks([10.0**-k for k in range(6)], ["1", *(f"{10.0**-k:.{k}f}" for k in range(1, 6))])
-    ax.minorticks_off()
+    plain_ticks(ax, [3, 10, 30, 100, 300], [10.0**-k for k in range(6)])
     ax.set_xlabel("angular frequency  ω √(ρAL⁴/EI)")
     ax.set_ylabel("spectrum of the last rod's rate")
     apart = f"{100 * float(np.abs(table.difference).max()):.3f}"
@@ -139,9 +137,7 @@ def _shift(table: xarray.Dataset, ax: Axes) -> None:
             "-", "−"
         )
         labels.append((line, text, 0.11, "below"))
-    ax.set_xticks([0.02, 0.05, 0.1, 0.2, 0.5, 1], ["0.02", "0.05", "0.1", "0.2", "0.5", "1"])
-    ax.set_yticks([10.0**k for k in range(-3, 2)], [f"{10.0**k:g} %" for k in range(-3, 2)])
-    ax.minorticks_off()
+    plain_ticks(ax, [0.02, 0.05, 0.1, 0.2, 0.5, 1], [10.0**k for k in range(-3, 2)], unit=" %")
     ax.set_xlabel("a rod's largest first angle  [rad]")
     ax.set_title("bent far: |shift of the frequency|,\nas the amplitude squared", fontsize=11, loc="left")
     ax.text(

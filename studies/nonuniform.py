@@ -14,7 +14,7 @@ import beammodes as bm
 from beammodes.accuracy.chain_against_beam import chain_errors
 from beammodes.problem.profiles import Table, value_at
 from beammodes.views.symbols import COLOURS, GREY
-from studies.plots import label_along, method_style
+from studies.plots import label_along, method_style, plain_ticks
 from studies.study import Kind, Progress, Sheet, Study
 
 BOUNDARY, RULES = "clamped-free", ("mitiguy", "gregory")
@@ -121,10 +121,7 @@ def _curves(
         look = method_style(rule) | ({"linestyle": (0, (4, 1.5))} if "middle" in case else {})
         labels.append((*ax.plot(line.segments, line, **look), text, at, side))
     ax.set(xscale="log", yscale="log", xlim=(3.5, 230), ylim=(1e-6, 20), xlabel="number of segments N")
-    ax.set_xticks([4, 10, 30, 100, 200], ["4", "10", "30", "100", "200"])
-    ticks = 10.0 ** np.arange(-6, 2)
-    ax.set_yticks(ticks, [f"{tick:.6f}".rstrip("0").rstrip(".") + " %" for tick in ticks])
-    ax.minorticks_off()
+    plain_ticks(ax, [4, 10, 30, 100, 200], 10.0 ** np.arange(-6, 2), unit=" %")
     ax.text(0.05, 0.04, note, transform=ax.transAxes, va="bottom", fontsize=10)
     return labels
 

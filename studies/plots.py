@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
@@ -22,6 +22,7 @@ __all__ = [
     "mark_point",
     "method_style",
     "places_along",
+    "plain_ticks",
     "plot_errors",
     "plot_number_map",
     "plot_step_constants",
@@ -157,6 +158,26 @@ def label_along(
             color=line.get_color(),
             path_effects=[withStroke(linewidth=1.5, foreground="white")],
         ).set_in_layout(False)
+
+
+def plain_ticks(
+    ax: Axes, x: Sequence[float] | None = None, y: Sequence[float] | None = None, *, unit: str = ""
+) -> None:
+    """Put ticks at these values only, written as plain numbers, those of y with a unit.
+
+    Examples
+    --------
+    >>> from matplotlib.figure import Figure
+    >>> ax = Figure().subplots()
+    >>> plain_ticks(ax, [1, 10], [-1e-5, 0.1], unit=" %")
+    >>> [text.get_text() for text in (*ax.get_xticklabels(), *ax.get_yticklabels())]
+    ['1', '10', '−0.00001 %', '0.1 %']
+    """
+    for axis, values, after in ((ax.xaxis, x, ""), (ax.yaxis, y, unit)):
+        if values is not None:
+            numbers = [np.format_float_positional(value, trim="-").replace("-", "−") for value in values]
+            axis.set_ticks(values, [f"{number}{after}" for number in numbers])
+    ax.minorticks_off()
 
 
 def mark_point(

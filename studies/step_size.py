@@ -22,6 +22,7 @@ from beammodes.vibration.integrators import accuracy_limit
 from beammodes.vibration.stability import published_constants
 from beammodes.views.symbols import COLOURS, GREY
 from studies.c_table import SAFE_CONSTANT, step_constants
+from studies.plots import plain_ticks
 from studies.step_trials import equal_start, largest_angles, modal_motion, variable_step_cost
 from studies.study import Kind, Progress, Sheet, Study
 from studies.tables import markdown_table
@@ -208,8 +209,7 @@ def _draw_constants(table: xarray.Dataset, ax: Axes) -> None:
     _write(ax, 0.95, 6.6e-3, "Runge-Kutta,\n3 modes accurate\n(and stable)", COLOURS[2])
     _write(ax, 7.4, 8e-4, "Runge-Kutta, stable\nwith joint damping:\n1 % in mode 1", COLOURS[4], ha="right")
     ax.set(xscale="log", yscale="log", xlim=(0.9, 26), ylim=(3e-4, 1.3))
-    ax.set_xticks([1, 2, 3, 4, 6, 8, 12], ["1", "2", "3", "4", "6", "8", "12"])
-    ax.minorticks_off()
+    plain_ticks(ax, [1, 2, 3, 4, 6, 8, 12])
     ax.set_xlabel("number of segments N")
     ax.set_ylabel("C in  h = C L² √(ρA/EI)")
     ax.set_title("Clamped-free: the constant C", fontsize=11, loc="left")
@@ -255,9 +255,7 @@ def _draw_recipe(table: xarray.Dataset, ax: Axes) -> None:
         _write(ax, 13, float(end.evaluations), f"{name}\nvariable step", colour)
         _write(ax, 13, 4 * float(end.step_over_limit_asked), "fixed, at limit", colour)
     ax.set(xscale="log", yscale="log", xlim=(0.9, 34), ylim=(1, 5000))
-    ax.set_xticks([1, 2, 3, 4, 6, 8, 12], ["1", "2", "3", "4", "6", "8", "12"])
-    ax.set_yticks([1, 4, 10, 100, 1000], ["1", "4", "10", "100", "1000"])
-    ax.minorticks_off()
+    plain_ticks(ax, [1, 2, 3, 4, 6, 8, 12], [1, 4, 10, 100, 1000])
     ax.set_xlabel("number of segments N")
     ax.set_ylabel("evaluations per published step")
     ax.set_title("What the variable step (tolerance 0.001) does", fontsize=11, loc="left")

@@ -12,7 +12,7 @@ from matplotlib.patheffects import withStroke
 
 import beammodes as bm
 from beammodes.views.symbols import GREY
-from studies.plots import method_style
+from studies.plots import method_style, plain_ticks
 from studies.study import Kind, Progress, Sheet, Study
 
 FIGURES = {"clamped-free": "Figure 6", "clamped-clamped": "Figure 7"}
@@ -127,9 +127,7 @@ def _draw_panel(ax: Axes, one: xarray.Dataset) -> None:
                 ax.text(float(line.segments[0]), 1.3 * highest, str(mode), ha="center", fontsize=10)
         _mark_enough(ax, rule, one.sel(rule=rule))
     ax.set(xscale="log", yscale="log", xlim=(0.8, 48), ylim=(0.009, 130), xlabel="number of segments N")
-    ax.set_xticks([1, 2, 5, 10, 20, 40], ["1", "2", "5", "10", "20", "40"])
-    ax.set_yticks([0.01, 0.1, 1, 10, 100], ["0.01", "0.1", "1", "10", "100"])
-    ax.minorticks_off()
+    plain_ticks(ax, [1, 2, 5, 10, 20, 40], [0.01, 0.1, 1, 10, 100])
     _draw_bands(ax, 100 * float(one.narrowest[0]))
 
 
