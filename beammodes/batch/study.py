@@ -21,7 +21,6 @@ from beammodes.batch.quantities import QUANTITIES, REASON, Quantity, quantities_
 from beammodes.batch.store import Evaluated, Store, definition_digest, locked, made_ready
 from beammodes.batch.study_axes import AXES, Axis, axis_values, dimensions_of
 from beammodes.checks import choice, shown, whole_number
-from beammodes.numerics.arrays import Floats
 from beammodes.numerics.distributions import MAX_SEED, Normal, Uniform
 from beammodes.problem.sections import SECTIONS
 from beammodes.progress import Progress, ProgressLine, progress_of
@@ -201,9 +200,8 @@ class Study:
     def shape(self) -> dict[str, int]:
         """The dimensions and their sizes, modes last."""
         sizes = {axis.dimension: axis.size for axis in self.axes if axis.dimension}
-        return {name: size for name, size in sizes.items() if name != "mode"} | (
-            {"mode": sizes["mode"]} if "mode" in sizes else {}
-        )
+        modes = sizes.pop("mode", None)
+        return sizes if modes is None else sizes | {"mode": modes}
 
     @property
     def size(self) -> int:
@@ -298,7 +296,16 @@ class Study:
         ...     study.run(store=folder).identical(first)                   # reads what is there
         True
         """
-        return _run_study(self, store, engine=engine, workers=workers, progress=progress)
+        report = progress_of(progress, "study", "chunks")
+        if store is None:
+            chunks: dict[int, Evaluated] = {}
+            _compute(self, chunks, engine, workers, report, chunks.__setitem__)
+            found = _study_dataset(self.definition, sorted(chunks.items()))
+        else:
+            found = _run_stored(self, _folder("store", store), engine, workers, report)
+        if isinstance(report, ProgressLine) and found.failed_cases:
+            report.say(f"{found.failed_cases} of {found.cases} cases have no answer: {found.reasons}")
+        return found
 
 
 def open_study(path: str | Path) -> xarray.Dataset:
@@ -443,16 +450,9 @@ def _all_dimensions() -> set[str]:
     return {size for name in SECTIONS for size in dimensions_of(name)}
 
 
-def _run_study(
-    study: Study, store: str | Path | None, *, engine: Any, workers: int | None, progress: Any
+def _run_stored(
+    study: Study, folder: Path, engine: Any, workers: int | None, report: Progress
 ) -> xarray.Dataset:
-    """Compute what is not in the store, and return everything; see `Study.run`."""
-    report = progress_of(progress, "study", "chunks")
-    if store is None:
-        found: dict[int, Evaluated] = {}
-        _compute(study, found, engine, workers, report, found.__setitem__)
-        return _closed(_study_dataset(study.definition, sorted(found.items())), report)
-    folder = _folder("store", store)
     made_ready(folder)
     with locked(folder) as alone:
         kept = Store.of(folder, study.definition)
@@ -469,14 +469,7 @@ def _run_study(
                     f"a chunk is {study.chunk} points: give a study of slow points a smaller chunk="
                 )
             raise
-        return _closed(_study_dataset(kept.definition, kept.chunks()), report)
-
-
-def _closed(found: xarray.Dataset, report: Progress) -> xarray.Dataset:
-    """Say on the line of progress, if there is one, how many cases have no answer, and return the dataset."""
-    if isinstance(report, ProgressLine) and found.failed_cases:
-        report.say(f"{found.failed_cases} of {found.cases} cases have no answer: {found.reasons}")
-    return found
+        return _study_dataset(kept.definition, kept.chunks())
 
 
 def _folder(name: str, path: object) -> Path:
@@ -513,39 +506,34 @@ def _compute(
 
 
 def _study_dataset(definition: Mapping[str, Any], chunks: Iterable[tuple[int, Evaluated]]) -> xarray.Dataset:
-    """Return the finished chunks of a study as one table.
-
-    Parameters
-    ----------
-    definition : mapping
-        As `Study.definition`.
-    chunks : iterable of (int, Evaluated)
-        In the order of their numbers.
-
-    Returns
-    -------
-    xarray.Dataset
-        The study's dimensions, modes last; a variable for each quantity; if some cases have no answer,
-        variable `reason` with what was said of each. Attributes: `cases`, `finished_cases` and
-        `failed_cases`, not counting modes; `complete`, 1 or 0; `reasons`, the first few.
-    """
+    """Return the finished chunks of a study as one table, NaN for what is not there."""
     import xarray
 
     axes = [Axis.from_definition(name, written) for name, written in definition["axes"].items()]
     sizes = {axis.dimension: axis.size for axis in axes if axis.dimension}
     modes = sizes.pop("mode", 0)
-    arrays, done, reasons = _filled(definition, math.prod(sizes.values()), modes or 1, chunks)
+    total, step = math.prod(sizes.values()), definition["chunk"]
+    arrays = {
+        name: np.full((total, modes or 1) if kind["per_mode"] else (total,), np.nan)
+        for name, kind in definition["compute"].items()
+    }
+    done, reasons = 0, {}
+    for number, chunk in chunks:
+        start = number * step
+        for name, array in arrays.items():
+            array[start : start + step] = chunk.values[name]
+        done += min(step, total - start)
+        reasons.update({start + place: reason for place, reason in chunk.reasons.items()})
     own = not any(axis.name == "length" for axis in axes)
     variables = {}
     for name, array in arrays.items():
         spread = sizes | ({"mode": modes} if modes and array.ndim == 2 else {})
         variables[name] = (tuple(spread), array.reshape(tuple(spread.values())), _attributes(name, own))
     if reasons:
-        said = np.full(math.prod(sizes.values()), "", dtype=object)
+        said = np.full(total, "", dtype=object)
         said[list(reasons)] = list(reasons.values())
         long_name = {"long_name": "why numbers are NaN"}
         variables[REASON] = (tuple(sizes), said.reshape(tuple(sizes.values())), long_name)
-    total = math.prod(sizes.values())
     return xarray.Dataset(
         variables,
         coords={axis.name: _coordinate(axis, own) for axis in axes},
@@ -559,26 +547,6 @@ def _study_dataset(definition: Mapping[str, Any], chunks: Iterable[tuple[int, Ev
             "reasons": "; ".join(list(dict.fromkeys(reasons.values()))[:_MAX_REASONS]),
         },
     )
-
-
-def _filled(
-    definition: Mapping[str, Any], total: int, modes: int, chunks: Iterable[tuple[int, Evaluated]]
-) -> tuple[dict[str, Floats], int, dict[int, str]]:
-    """Return an array of every quantity, shape (cases, modes) or (cases,), how many cases are there, and by
-    the places of cases why they are NaN.
-    """
-    step, compute = definition["chunk"], definition["compute"]
-    arrays = {
-        name: np.full((total, modes) if kind["per_mode"] else (total,), np.nan)
-        for name, kind in compute.items()
-    }
-    done, reasons = 0, {}
-    for number, chunk in chunks:
-        for name, array in arrays.items():
-            array[number * step : (number + 1) * step] = chunk.values[name]
-        done += min(step, total - number * step)
-        reasons.update({number * step + place: reason for place, reason in chunk.reasons.items()})
-    return arrays, done, reasons
 
 
 def _attributes(name: str, own: bool) -> dict[str, str]:
