@@ -10,7 +10,7 @@ from itertools import islice
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from beammodes.numerics.arrays import Floats
 
@@ -28,6 +28,7 @@ __all__ = [
     "shown",
     "small_fraction",
     "whole_number",
+    "whole_numbers",
 ]
 
 #: Numbers that a list or range may have: each is an object of Python's. Arrays may have more.
@@ -244,6 +245,32 @@ def plain_array(name: str, value: Any) -> NDArray[Any]:
 
 def _is_real(item: object) -> bool:
     return isinstance(item, numbers.Real) and not isinstance(item, bool)
+
+
+def whole_numbers(name: str, value: ArrayLike, *, least: int = 1, most: int) -> NDArray[np.int64]:
+    """Return `value` as int64, refusing what is not whole numbers in `least..most` in one regular array.
+
+    Examples
+    --------
+    >>> whole_numbers("mode", [[1], [2]], most=10).shape
+    (2, 1)
+    """
+    if isinstance(value, int | np.integer):
+        return np.asarray(whole_number(name, value, least=least, most=most))
+    array = plain_array(name, value)
+    if array.ndim == 0:
+        return np.asarray(whole_number(name, array.item(), least=least, most=most))
+    if array.dtype.kind not in "iu":
+        items = array.ravel().tolist()
+        if not all(isinstance(item, numbers.Integral) and not isinstance(item, bool) for item in items):
+            allowed = f"whole numbers of at least {least} and at most {most}"
+            raise TypeError(f"{name} must be {allowed}, got {shown(value)}")
+        whole = [whole_number(name, item, least=least, most=most) for item in items]
+        return np.array(whole, dtype=np.int64).reshape(array.shape)
+    outside = (array < least) | (array > most)
+    if outside.any():
+        whole_number(name, int(array[outside][0]), least=least, most=most)
+    return array.astype(np.int64, copy=False)
 
 
 def real_numbers(name: str, value: Any, *, finite: bool = True) -> Floats:

@@ -14,9 +14,10 @@ from numpy.typing import ArrayLike, NDArray
 
 from beammodes.accuracy.beam_units import distinct, looked_up
 from beammodes.chains.rules import AnyRule, AxiallyCorrected, Layout, Rule, RuleMaker, layout_of
+from beammodes.checks import whole_numbers
 from beammodes.closed_form.relative_errors import relative_error
 from beammodes.closed_form.uniform_chains import MAX_MODE, MAX_SEGMENTS
-from beammodes.exact.exact_beam import wavenumber, whole_numbers
+from beammodes.exact.exact_beam import wavenumber
 from beammodes.numerics.arrays import Floats
 from beammodes.problem.beam import Beam
 from beammodes.problem.ends import (

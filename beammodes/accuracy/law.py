@@ -40,10 +40,10 @@ from numpy.typing import NDArray
 
 from beammodes.accuracy.segments import first_lasting, segment_grid
 from beammodes.chains.rules import CANCELLED, HIGHEST_ORDER, RuleLike, RuleMaker, rule_named
-from beammodes.checks import positive_real, whole_number
+from beammodes.checks import positive_real, whole_number, whole_numbers
 from beammodes.closed_form.relative_errors import relative_error
 from beammodes.closed_form.uniform_chains import MAX_SEGMENTS
-from beammodes.exact.exact_beam import BeamModes, plain_modes, whole_numbers
+from beammodes.exact.exact_beam import BeamModes, plain_modes
 from beammodes.numerics.arrays import Floats
 from beammodes.problem.beam import Beam
 from beammodes.problem.ends import Boundary, BoundaryLike

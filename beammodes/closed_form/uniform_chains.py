@@ -13,9 +13,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from beammodes.chains.rules import Rule, RuleLike, Weight, rule_named
-from beammodes.checks import bounded, shown
+from beammodes.checks import bounded, shown, whole_numbers
 from beammodes.closed_form.waves import SHORT, EndWaves, Minors, Swing, end_waves, phase, swing
-from beammodes.exact.exact_beam import wavenumber_of_code, whole_numbers
+from beammodes.exact.exact_beam import wavenumber_of_code
 from beammodes.numerics.arrays import Floats
 from beammodes.problem.ends import BOUNDARIES, Boundary, BoundaryLike, boundary_codes, with_pairs_read
 

@@ -14,13 +14,12 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
-from numbers import Integral
 from typing import Any, NamedTuple, Protocol, TypeAlias, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from beammodes.checks import plain_array, row_shown, shown, whole_number
+from beammodes.checks import row_shown, shown, whole_number, whole_numbers
 from beammodes.numerics.arrays import Floats
 from beammodes.problem.beam import Beam, positions_on
 from beammodes.problem.ends import BOUNDARIES, Boundary, BoundaryLike, End, boundary_codes
@@ -34,7 +33,6 @@ __all__ = [
     "plain_modes",
     "wavenumber",
     "wavenumber_of_code",
-    "whole_numbers",
 ]
 
 Integers = NDArray[np.integer[Any]]
@@ -109,32 +107,6 @@ def _split(codes: Integers, mode: Integers) -> tuple[Floats, Floats]:
 def _joined(half_waves: Floats, correction: Floats) -> Floats:
     """Return q π + δ; π enters in two parts, of which q times the first is exact."""
     return half_waves * _PI_HEAD + (half_waves * _PI_TAIL + correction)
-
-
-def whole_numbers(name: str, value: ArrayLike, *, least: int = 1, most: int) -> NDArray[np.int64]:
-    """Return `value` as int64, refusing what is not whole numbers in `least..most` in one regular array.
-
-    Examples
-    --------
-    >>> whole_numbers("mode", [[1], [2]], most=10).shape
-    (2, 1)
-    """
-    if isinstance(value, int | np.integer):
-        return np.asarray(whole_number(name, value, least=least, most=most))
-    array = plain_array(name, value)
-    if array.ndim == 0:
-        return np.asarray(whole_number(name, array.item(), least=least, most=most))
-    if array.dtype.kind not in "iu":
-        items = array.ravel().tolist()
-        if not all(isinstance(item, Integral) and not isinstance(item, bool) for item in items):
-            allowed = f"whole numbers of at least {least} and at most {most}"
-            raise TypeError(f"{name} must be {allowed}, got {shown(value)}")
-        whole = [whole_number(name, item, least=least, most=most) for item in items]
-        return np.array(whole, dtype=np.int64).reshape(array.shape)
-    outside = (array < least) | (array > most)
-    if outside.any():
-        whole_number(name, int(array[outside][0]), least=least, most=most)
-    return array.astype(np.int64, copy=False)
 
 
 @overload
