@@ -385,6 +385,12 @@ def _formats() -> dict[str, str]:
     return {kind.suffix: name for name, kind in FORMATS.items()}
 
 
+def _mujoco() -> str:
+    from beammodes.exporters.export import MUJOCO_INTEGRATORS
+
+    return ", ".join(MUJOCO_INTEGRATORS)
+
+
 @_command(
     _DURING,
     "export",
@@ -407,7 +413,7 @@ def _formats() -> dict[str, str]:
         type=as_number,
         metavar="h",
     ),
-    option("--integrator", "MuJoCo's RK4, Euler, implicit or implicitfast (default: RK4)", default="RK4"),
+    option("--integrator", lambda: f"MuJoCo's: {_mujoco()} (default: RK4)", default="RK4"),
     option(
         "--ei-across",
         "EI of bending along y [N m²]: hinges about both axes (not CSV)",

@@ -21,10 +21,10 @@ from beammodes.problem.loading import Load
 from beammodes.vibration.damping import Damping
 from beammodes.vibration.integrators import INTEGRATORS
 
-__all__ = ["export_chain"]
+__all__ = ["MUJOCO_INTEGRATORS", "export_chain"]
 
 #: Integrators that a file may ask MuJoCo for: not the one that takes springs implicitly, which adds damping.
-_MUJOCO = tuple(
+MUJOCO_INTEGRATORS = tuple(
     alias.removeprefix("MuJoCo ")
     for record in INTEGRATORS.values()
     for alias in record.engines
@@ -118,7 +118,7 @@ def export_chain(
     place, kind = _place_and_format(path, format)
     flag("fragment", fragment), flag("force", force)
     if not isinstance(integrator, str):
-        raise TypeError(f"integrator must be one of {', '.join(_MUJOCO)}, got {shown(integrator)}")
+        raise TypeError(f"integrator must be one of {', '.join(MUJOCO_INTEGRATORS)}, got {shown(integrator)}")
     if units is not None:
         choice("units", units, UNIT_SYSTEMS)
     given: dict[str, object] = {"fragment": fragment or None, "second": second, "damping": damping}
@@ -143,13 +143,11 @@ def export_chain(
         facts += [f"along y: {line}" for line in facts_about(second, damping, straight, units)[1:-1]]
     step = 0.0
     if kind.engine:
-        words = (
-            [kind.engine, choice("integrator", integrator, _MUJOCO)]
-            if "integrator" in kind.takes
-            else [kind.engine]
-        )
+        engine = kind.engine
+        if "integrator" in kind.takes:
+            engine += f" {choice('integrator', integrator, MUJOCO_INTEGRATORS)}"
         chains = [chain] if second is None else [chain, second]
-        step, lines = engine_step(chains, " ".join(words), tree, damping, timestep, load, units)
+        step, lines = engine_step(chains, engine, tree, damping, timestep, load, units)
         facts += lines
     gravity = _gravity(load, tree.turned)
     model = Model(chain, tree, tuple(facts), name, paths, fragment, step, integrator, gravity)
