@@ -59,8 +59,8 @@ def stiffness_from_frequency(
         If an argument is not of its kind or range, or no stiffness gives this frequency: on springs even a
         rigid beam's is finite.
 
-    Source
-    ------
+    References
+    ----------
     ω of `euler_bernoulli`; the method is that of ASTM E1876 for free bars, here for any ends.
 
     Examples
@@ -158,10 +158,6 @@ def stiffness_from_deflection(
     TypeError, ValueError
         If an argument is not of its kind, not exactly one load is given, or the load does not move that
         point, or moves it the other way.
-
-    Source
-    ------
-    `beam_statics`.
 
     Examples
     --------

@@ -57,8 +57,8 @@ def modal_assurance(a: ArrayLike, b: ArrayLike, mass: ArrayLike | None = None) -
         If an array is not of finite real numbers or of its shape, `mass` is not symmetric, or a shape
         has no positive modal mass.
 
-    Source
-    ------
+    References
+    ----------
     R. J. Allemang and D. L. Brown, A correlation coefficient for modal vector analysis, Proceedings of the
     1st International Modal Analysis Conference (1982), 110-116; M weighs its products.
 
@@ -114,10 +114,6 @@ def shape_dataset(
     ------
     TypeError, ValueError
         If an argument is not of its kind or outside its range.
-
-    Source
-    ------
-    As `modal_assurance`.
 
     Examples
     --------

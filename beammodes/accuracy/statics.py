@@ -153,8 +153,8 @@ def beam_statics(beam: Beam, boundary: BoundaryLike, load: str) -> Statics:
     ArithmeticError
         If the integrals of 1/EI do not converge, EI not being smooth between the beam's breaks.
 
-    Source
-    ------
+    References
+    ----------
     S. P. Timoshenko, Strength of Materials, part I (1930), chapters V and X.
 
     Examples
@@ -194,8 +194,8 @@ def chain_statics(chain: Chain, load: str) -> Statics:
     TypeError, ValueError
         If an argument is not of its kind, or the ends let the chain move rigidly.
 
-    Source
-    ------
+    References
+    ----------
     Equilibrium, and least work where it leaves reactions open: Timoshenko, Strength of Materials, part I
     (1930), chapter X.
 
