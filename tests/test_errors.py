@@ -100,7 +100,6 @@ def test_segments_needed_by_scanning(boundary: str, rule: str) -> None:
             assert answer == stays_within(boundary, rule, 3, tolerance, answer)
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("boundary", PAIRS)
 @pytest.mark.parametrize("rule", RULES)
 def test_segments_needed_around_the_answer(boundary: str, rule: str) -> None:

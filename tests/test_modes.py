@@ -139,7 +139,6 @@ def test_long_uneven_chain_against_extended_precision() -> None:
     np.testing.assert_allclose(found, np.sort(reference), rtol=1e-12)
 
 
-@pytest.mark.slow
 def test_a_million_springs() -> None:
     segments = 1_000_000
     found = solve_modes(linearize(Chain(Beam.unit(), "pinned-pinned", segments)), 3).angular_frequency

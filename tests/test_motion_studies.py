@@ -204,7 +204,6 @@ def test_spin_up_film() -> None:
         assert lowest == pytest.approx(-0.57375, rel=most)
 
 
-@pytest.mark.slow
 def test_spin_up_of_the_beam_itself() -> None:
     """Chains of 10 and 20 rods, extrapolated by 1/N²."""
     beam, base = bm.Beam(10.0, 14000.0, 1.2), BaseMotion(angle=spin_up(6.0, 15.0))

@@ -251,8 +251,8 @@ def test_a_function_with_a_step_is_the_list_with_it(boundary: str) -> None:
         (STEP, "clamped-guided", 20, 80),
         (KINK, "clamped-free", 20, 80),
         # Errors of the step and of the ends cancel in short chains of these.
-        pytest.param(STEP, "clamped-clamped", 80, 320, marks=pytest.mark.slow),
-        pytest.param(KINK, "clamped-clamped", 80, 320, marks=pytest.mark.slow),
+        (STEP, "clamped-clamped", 80, 320),
+        (KINK, "clamped-clamped", 80, 320),
     ],
 )
 def test_a_hinge_on_a_step_or_kink_keeps_the_order(beam: bm.Beam, boundary: str, few: int, many: int) -> None:
@@ -517,7 +517,6 @@ def slope(errors: NDArray[np.float64], segments: NDArray[np.int64]) -> float:
     return float(-np.polyfit(np.log(segments[shown]), np.log(np.abs(errors[shown])), 1)[0])
 
 
-@pytest.mark.slow
 def test_study_of_nonuniform_beams_shows_the_orders_that_it_names() -> None:
     table = computed("nonuniform")
     named = {"1/N": 1, "1/N²": 2, "1/N⁴": 4}
@@ -531,7 +530,6 @@ def test_study_of_nonuniform_beams_shows_the_orders_that_it_names() -> None:
     assert report == pytest.approx([-0.000725, -0.002415, -0.003801], rel=1e-3)
 
 
-@pytest.mark.slow
 def test_study_of_axial_force_shows_the_orders_that_it_names() -> None:
     table = computed("axial_force")
     named = {"1/N²": 2, "1/N³": 3, "1/N⁴": 4}

@@ -406,7 +406,6 @@ def test_the_bound_on_the_highest_frequency_holds_with_springs_bodies_and_centre
             assert highest_angular_frequency(chain, load=load) >= top_frequency(chain, load) * (1 - 1e-9)
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("pair", [(End(1e8, 1e8), End(1e8, 1e8)), ("clamped", BODY)], ids=str)
 @pytest.mark.parametrize("rule", ["mitiguy", "half_stub", "hencky"])
 def test_the_bound_is_close_on_long_chains(pair: Any, rule: str) -> None:

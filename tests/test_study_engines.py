@@ -64,12 +64,10 @@ def test_threads_give_the_same_bits(tmp_path: Path, serial: tuple[Path, xarray.D
         same(tmp_path, study().run(store=tmp_path, engine=pool), serial)
 
 
-@pytest.mark.slow
 def test_processes_give_the_same_bits(tmp_path: Path, serial: tuple[Path, xarray.Dataset]) -> None:
     same(tmp_path, study().run(store=tmp_path, engine="processes", workers=2), serial)
 
 
-@pytest.mark.slow
 @pytest.mark.filterwarnings("default")  # of Dask, not ours
 def test_a_dask_cluster_gives_the_same_bits(tmp_path: Path, serial: tuple[Path, xarray.Dataset]) -> None:
     distributed = pytest.importorskip("distributed")
@@ -154,7 +152,6 @@ def crash(case: bm.Case) -> float:
     return 1.0
 
 
-@pytest.mark.slow
 @pytest.mark.skipif(sys.platform == "win32", reason="no SIGKILL there")
 def test_a_worker_that_dies_loses_no_finished_chunk(tmp_path: Path) -> None:
     from concurrent.futures.process import BrokenProcessPool
@@ -195,7 +192,6 @@ print(many.own.values.tolist(), many.closed.values.tolist(), many.reasons)
 """
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("typed", [True, False], ids=["notebook", "script"])
 def test_functions_of_a_notebook_or_script_reach_the_workers(tmp_path: Path, typed: bool) -> None:
     # Typed: a program that no file holds. In neither case is there a guard of the main module.
@@ -219,7 +215,6 @@ def limited(case: bm.Case) -> float:
     return LIMIT * case.segments
 
 
-@pytest.mark.slow
 def test_a_worker_does_not_run_other_code_than_the_study_was_made_of(monkeypatch: pytest.MonkeyPatch) -> None:
     # A worker would load the module from its file, in which LIMIT is 1.
     grid = {"boundary": "free-free", "segments": [2, 3], "compute": limited}
@@ -231,7 +226,6 @@ def test_a_worker_does_not_run_other_code_than_the_study_was_made_of(monkeypatch
         study.run(engine="processes", workers=1)
 
 
-@pytest.mark.slow
 def test_what_cannot_be_sent_is_told(tmp_path: Path) -> None:
     with (tmp_path / "open.txt").open("w") as file:
 
@@ -259,7 +253,6 @@ def _chunks(folder: Path) -> int:
     return len(list(folder.glob("chunk-*.nc")))
 
 
-@pytest.mark.slow
 @pytest.mark.skipif(not Path("/proc/self/stat").exists(), reason="reads /proc")
 @pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGINT])
 def test_workers_end_with_their_parent(tmp_path: Path, number: signal.Signals) -> None:
