@@ -492,14 +492,14 @@ def start(folder: Path, *more: str) -> subprocess.Popen[bytes]:
     return subprocess.Popen([sys.executable, "-c", PROGRAM, str(folder), *more], **pipes)
 
 
-@pytest.mark.slow
+@pytest.mark.parametrize("times", [3, pytest.param(10, marks=pytest.mark.slow)])
 @pytest.mark.skipif(sys.platform == "win32", reason="no SIGKILL there")
-def test_killed_ten_times_the_store_is_the_same(tmp_path: Path) -> None:
-    # Ten times killed at random moments of a chunk's computing and writing, once it has written others.
+def test_killed_many_times_the_store_is_the_same(times: int, tmp_path: Path) -> None:
+    # Killed at random moments of a chunk's computing and writing, once it has written others.
     assert start(tmp_path / "whole").wait() == 0
     folder, moments = tmp_path / "killed", random.Random(8)
     counts = []
-    for _ in range(10):
+    for _ in range(times):
         with start(folder, "in lockstep") as process:
             assert process.stdin is not None and process.stdout is not None
             for _ in range(moments.randint(2, 12)):
