@@ -11,12 +11,11 @@ from beammodes.chains.chain import Chain
 from beammodes.checks import choice, whole_number
 from beammodes.dynamics.base_motion import BaseMotion
 from beammodes.dynamics.forward_dynamics import base_vector
+from beammodes.dynamics.implicit import ImplicitStepper
 from beammodes.dynamics.runs import (
     Rate,
     Run,
     Stepper,
-    implicit_midpoint,
-    momentum_map,
     projection,
     runge_kutta,
 )
@@ -103,12 +102,13 @@ def modal_motion(
     q, _ = mode_start(chain, mode, amplitude)
     size, frequency = len(q), float(solve_modes(linearize(chain), mode).angular_frequency[-1])
     weight = q
+    stepper: Stepper | ImplicitStepper
     if choice("integrator", integrator, ("rk4", "midpoint")) == "rk4":
         stepper = runge_kutta(chain)
     else:
-        stepper = implicit_midpoint(chain)
+        stepper = ImplicitStepper(chain)
         # The midpoint rule's second half of a state is momentum: M q' for small motions.
-        weight = np.array(momentum_map(chain)[0](np.zeros(size), q, base_vector(_STILL, 0.0)))[:, 0]
+        weight = stepper.momenta(np.zeros(size), q, base_vector(_STILL, 0.0))
     start = np.concatenate([q, np.zeros(size)])
     states = np.vstack([start, stepper.steps(start, step, 0.0, count, _STILL)])
     position, speed = states[:, :size] @ q / (q @ q), states[:, size:] @ q / (weight @ q)

@@ -53,6 +53,7 @@ MAY_IMPORT = {
     "symbolic": {"sympy"},
     "numeric": {"casadi"},
     "forward_dynamics": {"casadi"},
+    "implicit": {"casadi"},
     "runs": {"casadi"},
     "derivation": {"sympy"},
 }

@@ -25,7 +25,8 @@ from beammodes.chains.chain import Chain
 from beammodes.dynamics import runs
 from beammodes.dynamics.base_motion import BaseMotion, harmonic, spin_up
 from beammodes.dynamics.forward_dynamics import base_vector
-from beammodes.dynamics.runs import implicit_midpoint, momentum_map, runge_kutta
+from beammodes.dynamics.implicit import ImplicitStepper
+from beammodes.dynamics.runs import runge_kutta
 from beammodes.dynamics.simulation import (
     MOTION_INTEGRATORS,
     DivergedWarning,
@@ -971,8 +972,7 @@ def test_midpoint_without_a_solution_is_no_result() -> None:
     # Ten times the longest step of Runge-Kutta in a whirl: where Newton's method finds nothing, say so.
     whirl = (np.array([0.0, 2.0, -2.0]), np.array([90.0, -70.0, 80.0]))
     chain, step = CANTILEVER, 1.0
-    stepper = implicit_midpoint(chain)
-    momentum, speed = momentum_map(chain)
+    stepper = ImplicitStepper(chain)
     still = base_vector(BaseMotion(), 0.0)
     try:
         motion = simulate(
@@ -981,11 +981,13 @@ def test_midpoint_without_a_solution_is_no_result() -> None:
     except DivergedWarning:
         return
     # Else every step must satisfy the rule: (q₁ - q₀)/h is the velocity that (p₀ + p₁)/2 has at the middle.
-    state = np.concatenate([whirl[0], momentum(whirl[0], whirl[1], still).full()[:, 0]])
+    state = np.concatenate([whirl[0], stepper.momenta(*whirl, still)])
     states = np.vstack([state, stepper.steps(state, step, 0.0, motion.time.size - 1, BaseMotion())])
     q, p = states[:, :3], states[:, 3:]
     for k in range(len(q) - 1):
-        middle = speed((q[k] + q[k + 1]) / 2, (p[k] + p[k + 1]) / 2, still).full()[:, 0]
+        (middle,) = stepper.speeds(
+            (q[k : k + 1] + q[k + 1]) / 2, (p[k : k + 1] + p[k + 1]) / 2, still[:, None]
+        )
         np.testing.assert_allclose((q[k + 1] - q[k]) / step, middle, rtol=1e-6, atol=1e-6)
 
 
@@ -1205,21 +1207,6 @@ def test_modes_that_there_are_not(value: Any) -> None:
 def test_amplitudes_that_are_none(value: Any) -> None:
     with pytest.raises((TypeError, ValueError), match=r"^amplitude must be"):
         mode_start(CANTILEVER, 1, value)
-
-
-@pytest.mark.parametrize("segments", [10, 100, 450])
-def test_speeds_are_found_again_from_momenta(segments: int) -> None:
-    chain = Chain(UNIT, "clamped-free", segments)
-    momentum, speed = momentum_map(chain)
-    base = base_vector(BaseMotion(), 0.0)
-    q, u = np.linspace(0.1, 2.0, segments), np.linspace(3.0, -1.0, segments) ** 3
-    found = np.array(speed(q, np.array(momentum(q, u, base)), base))[:, 0]
-    np.testing.assert_allclose(found, u, atol=1e-7 * segments**2 / 450**2)
-
-
-def test_midpoint_refuses_long_chains() -> None:
-    with pytest.raises(ValueError, match="at most 500 pieces"):
-        simulate(Chain(UNIT, "clamped-free", 501), duration=0.1, integrator="midpoint")
 
 
 @pytest.mark.parametrize("integrator", MOTION_INTEGRATORS)

@@ -10,8 +10,8 @@ wanted does not enter the former. Two families cover all integrators here:
   explicitly, and the damper explicitly (v* = v) or implicitly (v* = v').
 
 A new integrator is one record below, from which limits, `simulate`, studies, exports and the command line
-take it. One that is no explicit Runge-Kutta method moves chains only with a run of its own in
-`beammodes.dynamics.runs`.
+take it. One that is no Runge-Kutta method, explicit or diagonally implicit of second order or more, moves
+chains only with a run of its own in `beammodes.dynamics.runs`.
 """
 
 from __future__ import annotations
@@ -62,8 +62,8 @@ class Integrator:
         Where it is not as `damping`: that of MuJoCo's tendons, by which an exported chain's far support is
         damped.
     run : str
-        Kind of its run in `simulate`: "runge_kutta", "midpoint", "variable", or empty. An explicit
-        Runge-Kutta method is run as one.
+        Kind of its run in `simulate`: "runge_kutta", "implicit", "variable", or empty. A Runge-Kutta method,
+        explicit or diagonally implicit of second order or more, is run by its stages.
     springs : str
         "explicit" or "implicit".
 
@@ -89,6 +89,10 @@ class Integrator:
         if any(len(row) > i for i, row in enumerate(self.stages)):
             object.__setattr__(self, "springs", "implicit")
             object.__setattr__(self, "damping", "implicit")
+            # Stage by stage, each with its own rate alone unknown. One of first order loses a motion's energy
+            # at any step that is worth its cost, so `simulate` does not offer it.
+            if self.order > 1 and all(len(row) == i + 1 and row[i] for i, row in enumerate(self.stages)):
+                object.__setattr__(self, "run", "implicit")
         elif self.stages:
             object.__setattr__(self, "run", "runge_kutta")
 
@@ -120,6 +124,9 @@ def _determinant(matrix: Floats) -> Floats:
     return np.array(found)
 
 
+# Of the two-stage method of second order that damps all that a step cannot resolve (R → 0).
+_ALEXANDER = 1 - math.sqrt(0.5)
+
 _RECORDS = (
     Integrator(
         name="rk4",
@@ -134,7 +141,6 @@ _RECORDS = (
         order=2,
         stages=((1 / 2,),),
         weights=(1.0,),
-        run="midpoint",
         source="E. Hairer, C. Lubich and G. Wanner, Geometric Numerical Integration (2006), § II.1.1",
     ),
     Integrator(
@@ -170,6 +176,13 @@ _RECORDS = (
         stages=((1.0,),),
         weights=(1.0,),
         source="MuJoCo measured by the tests; DART's joints add h d + h² k to their inertia, by its sources",
+    ),
+    Integrator(
+        name="sdirk2",
+        order=2,
+        stages=((_ALEXANDER,), (1 - _ALEXANDER, _ALEXANDER)),
+        weights=(1 - _ALEXANDER, _ALEXANDER),
+        source="R. Alexander, SIAM Journal on Numerical Analysis 14 (1977), 1006-1021",
     ),
     Integrator(
         name="rk45",
