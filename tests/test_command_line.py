@@ -718,6 +718,12 @@ def test_help_groups_commands_by_the_work_and_gives_an_example_of_each(
         assert "--json" in own
 
 
+def test_the_help_of_export_names_every_format_and_integrator(capsys: pytest.CaptureFixture[str]) -> None:
+    words = re.split(r"[\s,():]+", Ran(["export", "--help"], capsys).out)
+    assert {*FORMATS, *(kind.suffix for kind in FORMATS.values())} <= set(words)
+    assert {"RK4", "Euler", "implicit", "implicitfast"} <= set(words) and "discrete" not in words
+
+
 def test_every_example_in_the_help_runs_in_order(
     capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

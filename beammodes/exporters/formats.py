@@ -76,7 +76,8 @@ class Format:
         The optional arguments of `export_chain` that it can hold.
     write : function of a Model
     engine : str
-        The start of its integrators' names, such as "MuJoCo", or the one that a step is for.
+        The integrator that the file's step is for, such as "Drake discrete"; only the engine, "MuJoCo", where
+        the argument `integrator` completes it; empty for a format without a step.
     beside : str
         Suffix of a second file, if it has one.
     most_bodies : int or None
