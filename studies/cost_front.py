@@ -64,7 +64,9 @@ def data(progress: Progress) -> xarray.Dataset:
         # Matched springs have no error to lower: their shortest chain is the one to take.
         counts = SEGMENTS[:1] if rule is MATCHED else SEGMENTS
         error[i, : len(counts)] = largest_error(BOUNDARY, rule, counts)
-        price[i, : len(counts)] = [cost(rule, int(n)) for n in counts]
+        price[i, : len(counts)] = [
+            cost(rule, int(n)) if np.isfinite(e) else np.nan for n, e in zip(counts, error[i], strict=False)
+        ]
         progress(i + 1, len(rules))
     price[np.isnan(error)] = np.nan
     best = np.zeros(error.shape, dtype=bool)

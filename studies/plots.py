@@ -32,7 +32,7 @@ __all__ = [
 NUMBER_MAP = "YlGnBu"
 _MARKERS = ("o", "s", "^", "D", "v", "P", "X")
 
-# Six rules that tell the story have a colour; the rest stay grey, apart by their dashes.
+# Those that tell the story have a colour; the rest stay grey, apart by their dashes. A new one is black.
 _LOOKS: dict[str, tuple[str, str | tuple[int, tuple[int, ...]]]] = {
     "mitiguy": (COLOURS[0], "-"),
     "gregory": (COLOURS[1], "-"),
@@ -45,6 +45,8 @@ _LOOKS: dict[str, tuple[str, str | tuple[int, tuple[int, ...]]]] = {
     "half_stub": (GREY, (0, (1, 1))),
     "gregory2": (GREY, "-"),
     "rigid_stub_corrected": (GREY, (0, (6, 2, 1, 2))),
+    "simpson": ("#7B3FA0", "-"),
+    "cubic finite elements": (COLOURS[6], (0, (2, 1))),
 }
 
 
@@ -97,7 +99,7 @@ def method_style(name: str) -> dict[str, Any]:
     >>> method_style("matched(3)")["color"]
     '#000000'
     """
-    colour, dashes = _LOOKS.get(name.split("(")[0], (COLOURS[6], (0, (2, 1))))
+    colour, dashes = _LOOKS.get(name.split("(")[0], (COLOURS[6], (0, (4, 1, 1, 1))))
     return {"color": colour, "linestyle": dashes, "linewidth": 1.1 if colour == GREY else 2.0}
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Callable
 from typing import NamedTuple
@@ -34,7 +35,10 @@ class Panel(NamedTuple):
 
 def sections() -> dict[str, list[Panel]]:
     """Return the panels by heading."""
-    chains = [bm.Chain(UNIT, "clamped-free", DRAWN, rule) for rule in bm.RULES]
+    chains = [
+        bm.Chain(UNIT, "clamped-free", next(n for n in itertools.count(DRAWN) if rule.fits(n)), rule)
+        for rule in bm.RULES.values()
+    ]
     rules = [
         Panel(chain, name, f"order {rule.declared_order(chain.boundary)}")
         for chain, (name, rule) in zip(chains, bm.RULES.items(), strict=True)
@@ -66,7 +70,7 @@ def sections() -> dict[str, list[Panel]]:
         Panel(bm.Chain(UNIT, ("pinned", BLOCK), 8), "falling", "pinned, with a body", _falling),
     ]
     return {
-        f"Ten rules at a clamped end, {DRAWN} segments: springs in EI/ℓ": rules,
+        f"The rules at a clamped end, {DRAWN} segments: springs in EI/ℓ": rules,
         "Pairs of ends, in a mode": pairs,
         "Bodies and springs at the ends": bodies,
         "Large deflections": bent,

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from drawn_ends import EVERY_N
 
 import beammodes as bm
 from beammodes.accuracy.chain_against_beam import chain_errors
@@ -68,7 +69,7 @@ def test_suggested_springs_give_the_errors_they_promise() -> None:
 
 
 @pytest.mark.parametrize("boundary", ["clamped-free", "free-clamped", "clamped-clamped", "guided-clamped"])
-@pytest.mark.parametrize("rule", RULES)
+@pytest.mark.parametrize("rule", EVERY_N)
 def test_every_rule_is_recognized(rule: str, boundary: str) -> None:
     chain = Chain(BEAM, boundary, 8, rule)
     found = audit_chain(BEAM, boundary, **arrays(chain))

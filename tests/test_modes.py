@@ -8,6 +8,7 @@ from collections.abc import Callable
 import mpmath
 import numpy as np
 import pytest
+from drawn_ends import EVERY_N
 
 from beammodes.chains.chain import Chain
 from beammodes.chains.rules import RULES
@@ -29,7 +30,7 @@ def relative_errors(found: np.ndarray, exact: list[mpmath.mpf], unit: float) -> 
 def test_every_frequency_of_a_short_chain_keeps_its_digits(
     boundary: str, frequencies_in_50_digits: Exact
 ) -> None:
-    for segments, rule in itertools.product((1, 2, 5, 12), RULES):
+    for segments, rule in itertools.product((1, 2, 5, 12), EVERY_N):
         if min(RULES[rule].hinge_weights(Boundary.of(boundary), segments), default=1) <= 0:
             continue
         chain = Chain(Beam(1.3, 2.0, 0.7), boundary, segments, rule)

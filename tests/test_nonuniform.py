@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 import pytest
 from computed_studies import computed
+from drawn_ends import EVERY_N
 from numpy.typing import NDArray
 
 import beammodes as bm
@@ -233,7 +234,7 @@ def test_a_function_with_a_step_is_the_list_with_it(boundary: str) -> None:
     stepped = bm.Beam(1.0, lambda x: np.where(x < 0.5, 1.0, 0.25), lambda x: 2.0 - (x < 0.5), breaks=[0.5])
     listed = bm.Beam(1.0, [1.0, 0.25], [1.0, 2.0])
     assert stepped.breaks == listed.breaks
-    for rule in RULES:
+    for rule in EVERY_N:
         chains = [bm.Chain(beam, boundary, 8, rule) for beam in (stepped, listed)]
         for name in ("joint_stiffness", "mass", "centre", "rotary_inertia"):
             np.testing.assert_allclose(*(getattr(chain, name) for chain in chains), rtol=1e-13, atol=1e-18)
@@ -396,7 +397,7 @@ def test_rotary_inertia_of_pinned_pinned_chains_and_beams(square: float) -> None
 
 
 @pytest.mark.filterwarnings("ignore::beammodes.accuracy.chain_against_beam.SlendernessWarning")
-@pytest.mark.parametrize("rule", RULES)
+@pytest.mark.parametrize("rule", EVERY_N)
 def test_rotary_inertia_leaves_order_two(rule: str) -> None:
     beam = bm.Beam(1.0, 1.0, 1.0, 1e-3)
     assert order(beam, "pinned-pinned", rule, 40, 80) == pytest.approx(2, abs=0.05)

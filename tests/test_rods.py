@@ -11,12 +11,12 @@ from typing import Any
 import numpy as np
 import pytest
 import scipy.integrate
+from drawn_ends import EVERY_N
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from beammodes.chains.chain import Chain
 from beammodes.chains.rods import MissedFeatureWarning, missed_feature
-from beammodes.chains.rules import RULES
 from beammodes.chains.units import ExactUnits
 from beammodes.problem.beam import Beam
 from beammodes.problem.ends import End
@@ -107,7 +107,7 @@ def test_hinges_at_a_step_have_the_mean_flexibility_of_both_sides() -> None:
     np.testing.assert_allclose(chain.joint_stiffness, 1 / (0.25 * flexibility), rtol=1e-14)
 
 
-@pytest.mark.parametrize("rule", RULES)
+@pytest.mark.parametrize("rule", EVERY_N)
 def test_hinges_take_the_stiffness_where_they_stand(rule: str) -> None:
     # design: the same quadrature, w_j ell/EI(x_j).
     beam = Beam(LENGTH, WAVY, 1.0)
@@ -164,7 +164,7 @@ def notched(centre: float, width: float) -> Callable[[Any], Any]:
 ADDED = np.pi**0.5 * sum(0.9**k / k**0.5 for k in range(1, 400))
 
 
-@pytest.mark.parametrize("rule", RULES)
+@pytest.mark.parametrize("rule", EVERY_N)
 @pytest.mark.parametrize("centre", [0.05, 0.1, 0.137, 0.37, 0.5, 0.98])
 @pytest.mark.parametrize("told", ["function", "table", "parts"])
 def test_a_notch_between_hinges_or_on_one_is_told(rule: str, centre: float, told: str) -> None:
@@ -190,7 +190,7 @@ def test_the_part_that_is_told_is_the_notchs(width: float) -> None:
     assert found[1] == pytest.approx(width * ADDED / (1 + width * ADDED), rel=1e-9)
 
 
-@pytest.mark.parametrize("rule", RULES)
+@pytest.mark.parametrize("rule", EVERY_N)
 @pytest.mark.parametrize("segments", [4, 5, 10, 40])
 def test_what_varies_smoothly_or_in_steps_is_not_told(rule: str, segments: int) -> None:
     # Warnings are errors here.
@@ -206,7 +206,7 @@ def test_what_varies_smoothly_or_in_steps_is_not_told(rule: str, segments: int) 
         Chain(Beam(LENGTH, stiffness, 1.0), "clamped-free", segments, rule)
 
 
-@pytest.mark.parametrize("rule", RULES)
+@pytest.mark.parametrize("rule", EVERY_N)
 @pytest.mark.parametrize("segments", [4, 5])
 def test_hinges_too_few_for_a_coarse_table_are_told(rule: str, segments: int) -> None:
     with pytest.warns(

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 import pytest
 import sympy
+from drawn_ends import EVERY_N
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -23,7 +24,7 @@ from beammodes.problem.ends import BOUNDARIES, ENDS, Boundary
 
 PAIRS = [f"{a}-{b}" for a in ENDS for b in ENDS]
 SEGMENTS = (1, 2, 3, 4, 5, 7, 12, 50)
-EVERY_RULE = pytest.mark.parametrize("name", RULES)
+EVERY_RULE = pytest.mark.parametrize("name", EVERY_N)
 
 # theory.md section 4: third-order Gregory end weights.
 GREGORY = tuple(Weight(Fraction(a, b)) for a, b in ((3, 8), (7, 6), (23, 24)))

@@ -6,9 +6,9 @@ import math
 
 import numpy as np
 import pytest
+from drawn_ends import EVERY_N
 
 from beammodes.chains.chain import Chain
-from beammodes.chains.rules import RULES
 from beammodes.problem.beam import Beam
 from beammodes.problem.ends import BOUNDARIES
 from beammodes.vibration.integrators import stability_limit
@@ -95,7 +95,7 @@ def test_no_chain_exceeds_the_band_edge(boundary: str, rule: str) -> None:
 def test_the_bound_of_long_chains_is_just_above_their_highest_frequency(
     boundary: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    for rule in RULES:
+    for rule in EVERY_N:
         chain = Chain(Beam(1.3, 2.0, 0.7), boundary, 120, rule)
         solved = highest_angular_frequency(chain)
         with monkeypatch.context() as patch:

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 import sympy
+from drawn_ends import EVERY_N
 from scipy.integrate import quad
 
 from beammodes.accuracy.statics import LOADS, Response, Statics, beam_statics, chain_statics, static_dataset
@@ -25,8 +26,8 @@ UNIT = Beam.unit()
 STEEL = Beam(length=1.2, bending_stiffness=85.0, mass_per_length=0.62)
 FIRM = [pair.name for pair in BOUNDARIES if not pair.rigid_body_modes]
 LOOSE = [pair.name for pair in BOUNDARIES if pair.rigid_body_modes]
-EVERY_RULE = pytest.mark.parametrize("rule", RULES)
-AT_WALL = [name for name, rule in RULES.items() if rule.stub == 0]
+EVERY_RULE = pytest.mark.parametrize("rule", EVERY_N)
+AT_WALL = [name for name in EVERY_N if RULES[name].stub == 0]
 # Rotation goes as L³ q, L² F or L M over EI; a deflection has one more length.
 LENGTHS = {"tip_force": 2, "tip_moment": 1, "uniform_load": 3}
 
@@ -224,7 +225,7 @@ def test_reciprocity(rule: str) -> None:
 def test_a_load_on_a_held_tip_moves_nothing(boundary: str) -> None:
     tip = ENDS[boundary.split("-")[1]]
     held = {"tip_force": tip.holds_deflection, "tip_moment": tip.holds_rotation}
-    for load, (rule, segments) in itertools.product(LOADS[:2], itertools.product(RULES, (3, 6))):
+    for load, (rule, segments) in itertools.product(LOADS[:2], itertools.product(EVERY_N, (3, 6))):
         found = (
             beam_statics(UNIT, boundary, load),
             chain_statics(Chain(UNIT, boundary, segments, rule), load),
@@ -294,8 +295,8 @@ def test_uneven_pieces_in_fractions_and_floats(boundary: str) -> None:
 
 
 def test_dataset_is_labelled() -> None:
-    table = static_dataset(boundary=FIRM, segments=range(1, 5), rule=list(RULES))
-    assert dict(table.sizes) == {"rule": len(RULES), "boundary": len(FIRM), "segments": 4, "static_load": 3}
+    table = static_dataset(boundary=FIRM, segments=range(1, 5), rule=EVERY_N)
+    assert dict(table.sizes) == {"rule": len(EVERY_N), "boundary": len(FIRM), "segments": 4, "static_load": 3}
     assert list(table.data_vars) == [
         "tip_deflection_error",
         "tip_rotation_error",
@@ -307,7 +308,7 @@ def test_dataset_is_labelled() -> None:
         for array in table.data_vars.values()
     )
     assert table["static_load"].values.tolist() == list(LOADS)
-    for rule, segments, load in itertools.product(RULES, range(1, 5), LOADS):
+    for rule, segments, load in itertools.product(EVERY_N, range(1, 5), LOADS):
         point = table.sel(rule=rule, boundary="clamped-free", segments=segments, static_load=load)
         for name, quantity in (("tip_deflection", "deflection"), ("tip_rotation", "rotation")):
             expected = float(error("clamped-free", segments, rule, load, quantity))
@@ -315,7 +316,7 @@ def test_dataset_is_labelled() -> None:
 
 
 def test_dataset_is_missing_only_where_there_is_nothing_to_compare() -> None:
-    table = static_dataset(boundary=FIRM, segments=[4, 7], rule=list(RULES))
+    table = static_dataset(boundary=FIRM, segments=[4, 7], rule=EVERY_N)
     for boundary, load in itertools.product(FIRM, LOADS):
         exact = beam_statics(UNIT, boundary, load).own
         for array, value in zip(table.data_vars.values(), exact, strict=True):

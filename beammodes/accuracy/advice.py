@@ -227,7 +227,7 @@ class _Judge(NamedTuple):
         """Return the N from which errors stay in bounds; raises ToleranceOutOfReach."""
         if self._is_plain:
             return segments_needed(self.boundary, self.tolerance, self.modes, record, beam=self.beam)
-        grid = solved_grid(self.modes)
+        grid = solved_grid(self.modes, record)
         needed = first_lasting_upwards(
             lambda count: not (np.abs(self.errors(record, count)) <= self.tolerance).all(), grid, ahead=3
         )

@@ -13,7 +13,16 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from beammodes.accuracy.beam_units import distinct, looked_up
-from beammodes.chains.rules import AnyRule, AxiallyCorrected, Layout, Rule, RuleMaker, layout_of
+from beammodes.chains.rules import (
+    AnyRule,
+    AxiallyCorrected,
+    Layout,
+    NotClosed,
+    Rule,
+    RuleMaker,
+    is_closed,
+    layout_of,
+)
 from beammodes.checks import whole_numbers
 from beammodes.closed_form.relative_errors import relative_error
 from beammodes.closed_form.uniform_chains import MAX_MODE, MAX_SEGMENTS
@@ -102,10 +111,11 @@ def frequency_error(
     Returns
     -------
     float or ndarray
-        NaN where the chain has no such mode, or its springs would not be positive (`mode_tuned` with
-        N ≤ σβ/3). Near the chain's last mode every rule is wrong by tens of percent. A rule of high order
-        may be worse than a simple one there, where its end corrections do not fit into the chain (`gregory`
-        with one hinge: -19.6 %, `mitiguy` -14.7 %), and under load, which leaves it order 2: `error_remarks`
+        NaN where the chain has no such mode, its springs would not be positive (`mode_tuned` with N ≤ σβ/3),
+        or the rule's pattern does not fit N (`Rule.fits`; "simpson" needs even N). Near the chain's last mode
+        every rule is wrong by tens of percent. A rule of high order may be worse than a simple one there,
+        where its end corrections do not fit into the chain (`gregory` with one hinge: -19.6 %, `mitiguy`
+        -14.7 %), and under load, which leaves it order 2: `error_remarks`
         tells it, case by case.
 
     Raises
@@ -143,6 +153,9 @@ def errors_in_multiples(boundary: Any, segments: Any, mode: Any, rule: Any, load
                 return _errors_of_maker(boundary, segments, mode, rule)
             if isinstance(rule, Rule) or not isinstance(rule, Layout):
                 return relative_error(boundary, segments, mode, rule)
+        except NotClosed:
+            if not isinstance(rule, str | Layout):
+                return _errors_by_rule(boundary, segments, mode, rule)
         except NotPlain:
             pass
     return _errors_of_roots(boundary, segments, mode, rule, load)
@@ -159,6 +172,19 @@ def _errors_of_maker(boundary: Any, segments: Any, mode: Any, maker: RuleMaker) 
         here, pair = codes == code, BOUNDARIES[code]
         found[here] = relative_error(pair, counts[here], modes[here], maker.rule_for(pair))
     return found if found.ndim else float(found)
+
+
+def _errors_by_rule(boundary: Any, segments: Any, mode: Any, rule: Any) -> Floats:
+    """Return errors where only some of several rules have closed forms."""
+    records, which = distinct("rule", rule, (str, Layout), layout_of)
+    pairs, ends = distinct("boundary", with_pairs_read(boundary), (str, Boundary), Boundary.of)
+    which, ends, counts, modes = np.broadcast_arrays(which, ends, np.asarray(segments), np.asarray(mode))
+    found = np.full(which.shape, np.nan)
+    for k, record in enumerate(records):
+        here = which == k
+        boundaries = [pairs[end] for end in ends[here]]
+        found[here] = errors_in_multiples(boundaries, counts[here], modes[here], record, Load())
+    return found
 
 
 def _errors_of_roots(
@@ -211,9 +237,14 @@ def _chain_frequencies(boundary: Boundary, segments: int, modes: int, record: La
     """
     if isinstance(record, RuleMaker):
         record = record.rule_for(boundary)
-    if load.is_axial and isinstance(record, Rule):
+    if load.is_axial and isinstance(record, Rule) and is_closed(record):
         return _closed_form(boundary, segments, modes, record, load)
-    if load.is_axial and isinstance(record, AxiallyCorrected) and isinstance(record.rule, Rule):
+    if (
+        load.is_axial
+        and isinstance(record, AxiallyCorrected)
+        and isinstance(record.rule, Rule)
+        and is_closed(record.rule)
+    ):
         # Springs that are all s times a rule's have √s times the frequencies of the rule's own, under 1/s of
         # the force and between 1/s of the supports.
         stiffer = record.spring_factor(segments)
@@ -237,7 +268,7 @@ def _chain_frequencies(boundary: Boundary, segments: int, modes: int, record: La
     try:
         chain = Chain(Beam.unit(), boundary, segments, record)
     except ValueError:
-        # No positive springs for this boundary and N.
+        # No positive springs for this boundary and N, or a pattern that does not fit N.
         return omega
     solved = solve_modes(linearize(chain, load=load), modes).angular_frequency
     omega[: len(solved)] = solved

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import itertools
+from collections.abc import Callable, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
 from beammodes.accuracy.beam_units import looked_up
 from beammodes.accuracy.errors import errors_in_multiples
-from beammodes.chains.rules import AnyRule, AxiallyCorrected, Rule, RuleMaker, layout_of
+from beammodes.chains.rules import AnyRule, AxiallyCorrected, Layout, fits_of, is_closed, layout_of
 from beammodes.checks import shown, small_fraction, whole_number
 from beammodes.closed_form.uniform_chains import MAX_SEGMENTS
 from beammodes.problem.beam import Beam
@@ -57,8 +58,9 @@ def segments_needed(
         N = min { n : |e_k(n')| ≤ tolerance for all n' ≥ n and k = 1..modes }
 
     With springs or bodies at the ends or an axial force, N is sought up to 10⁵, and every larger N stands for
-    those of a grid: all up to 30, then steps of a tenth. Where each chain is solved, under spin or weight and
-    with a `Layout` that is no `Rule`, N is sought up to 1000.
+    those of a grid: all up to 30, then steps of a tenth. Where each chain is solved, under spin or weight,
+    with a `Layout` that is no `Rule`, or one with a pattern inside, N is sought up to 1000, where the pattern
+    fits.
 
     Parameters
     ----------
@@ -103,15 +105,15 @@ def segments_needed(
         error = errors_in_multiples(ends, count[:, None], mode, record, pull)
         return np.asarray(~(np.abs(error) <= limit).all(axis=1))
 
-    closed = isinstance(record, Rule | RuleMaker)
-    corrected = isinstance(record, AxiallyCorrected) and isinstance(record.rule, Rule)
+    closed = is_closed(record)
+    corrected = isinstance(record, AxiallyCorrected) and is_closed(record.rule)
     if closed and ends.is_plain and pull == Load():
         grid = segment_grid(len(mode))
     elif (closed or corrected) and pull.is_axial:
         grid = _sparse_grid(len(mode), _LONGEST)
     else:
-        grid = solved_grid(len(mode))
-    needed = first_lasting(fails, grid, len(mode))
+        grid = solved_grid(len(mode), record)
+    needed = first_lasting(fails, grid, len(mode), fits_of(record))
     if needed is None:
         raise ToleranceOutOfReach(
             f"tolerance must be larger: with rule {record.name}, {ends.name} and {len(mode)} modes no chain "
@@ -120,11 +122,13 @@ def segments_needed(
     return needed
 
 
-def first_lasting(fails: Fails, grid: Counts, errors_of_each: int = 1) -> int | None:
+def first_lasting(
+    fails: Fails, grid: Counts, errors_of_each: int = 1, fits: Callable[[int], bool] | None = None
+) -> int | None:
     """Return the smallest N from which on nothing of a grid fails; None if its largest N does.
 
     The grid is looked at from its largest N on, in blocks of bounded memory; between the last that fails and
-    the next, N is found by bisection.
+    the next, N is found by bisection, among those that `fits` admits.
 
     Examples
     --------
@@ -140,11 +144,13 @@ def first_lasting(fails: Fails, grid: Counts, errors_of_each: int = 1) -> int | 
         last = start + int(failing[-1])
         if last == len(grid) - 1:
             return None
-        low, high = int(grid[last]), int(grid[last + 1])
+        between: Sequence[int] = range(int(grid[last]), int(grid[last + 1]) + 1)
+        between = between if fits is None else [count for count in between if fits(count)]
+        low, high = 0, len(between) - 1
         while high - low > 1:
             middle = (low + high) // 2
-            low, high = (middle, high) if fails(np.array([middle]))[0] else (low, middle)
-        return high
+            low, high = (middle, high) if fails(np.array([between[middle]]))[0] else (low, middle)
+        return between[high]
     return int(grid[0])
 
 
@@ -183,9 +189,15 @@ def segment_grid(modes: int) -> Counts:
     return _grid(min(max(400, 40 * modes), MAX_SEGMENTS), 1.01, MAX_SEGMENTS)
 
 
-def solved_grid(modes: int) -> Counts:
-    """Return the N that stand for all of them where each chain has to be solved, up to 1000."""
-    return _sparse_grid(modes, _LONGEST_SOLVED)
+def solved_grid(modes: int, record: Layout) -> Counts:
+    """Return the N that stand for all of them where each chain has to be solved, up to 1000.
+
+    A rule whose pattern does not fit one of them stands there for the next that it fits.
+    """
+    grid, fits = _sparse_grid(modes, _LONGEST_SOLVED), fits_of(record)
+    if fits is None:
+        return grid
+    return np.unique([next(n for n in itertools.count(count) if fits(n)) for count in grid.tolist()])
 
 
 def _sparse_grid(modes: int, most: int) -> Counts:

@@ -258,7 +258,11 @@ class JudgedPieces:
         for rule in RULES.values():
             for count in range(max(1, pieces - 2), pieces + 1):
                 cut = np.array(rule.piece_lengths(boundary, count), dtype=np.float64)
-                if len(cut) == pieces and np.abs(self.length * count / total - cut).max() <= _SAME:
+                if (
+                    len(cut) == pieces
+                    and rule.fits(count)
+                    and np.abs(self.length * count / total - cut).max() <= _SAME
+                ):
                     found.append((rule, count))
         return found
 

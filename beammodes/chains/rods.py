@@ -240,8 +240,9 @@ def profile_weights(
 
     M²/EI is not smooth at a break of EI (see `Beam`), so a rule is a quadrature of its own on
     either side. One with end weights of order above 2 applies them on both, as at a clamped end, if the break
-    lies where an end could: on a hinge, or half a segment from two for a half stub. Order 2 is left to other
-    rules there, and to all where a step lies half-way between; order 1 where it lies elsewhere.
+    lies where an end could: on a hinge, or half a segment from two for a half stub; of a pattern inside,
+    where that fits the segments before it. Order 2 is left to other rules there, and to all where a step lies
+    half-way between; order 1 where it lies elsewhere.
 
     A kink of EI that is no break gets no weights. A table's kinks need none where `hinge_flexibilities`
     integrates them: not if its points are so coarse and steep that hinges take its own values. Then, and of a
@@ -266,7 +267,8 @@ def profile_weights(
     count = len(lengths) - 1
     for end, hinges in ((boundary.left, range(count)), (boundary.right, range(count - 1, -1, -1))):
         if end.statics == "guided":
-            mirror = itertools.chain((w.constant for w in rule.guided), itertools.repeat(Fraction(1)))
+            plain = rule.repeated(rule.stub, len(rule.clamped))
+            mirror = [*(w.constant for w in rule.guided), *plain[len(rule.guided) :]]
             for hinge, weight, own in zip(hinges, rule.clamped, mirror, strict=False):
                 added[hinge] = added.get(hinge, Fraction(0)) + weight.constant - own
     for hinge, more in _step_weights(beam, rule, lengths, units):
@@ -281,13 +283,14 @@ def _step_weights(
     for step in profile_breaks(beam.bending_stiffness):
         place = step / float(units.length)
         node = round(place)
-        if rule.stub == 1 or abs(place - node) > 1e-9 * max(1, node):
+        if rule.stub == 1 or abs(place - node) > 1e-9 * max(1, node) or not rule.fits(node):
             continue
+        plain = rule.repeated(rule.stub, len(rule.clamped))
         for side, (k, weight) in itertools.product((-1, 1), enumerate(rule.clamped)):
             hinge = positions.get(node + side * (k + rule.stub))
             if hinge is not None:
                 # A hinge on the step has half its weight from either side.
-                yield hinge, weight.constant - Fraction(1, 1 if k or rule.stub else 2)
+                yield hinge, weight.constant - plain[k] / (1 if k or rule.stub else 2)
 
 
 def _positions(lengths: Sequence[Fraction], units: ExactUnits) -> Floats:

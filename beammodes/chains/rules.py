@@ -11,7 +11,7 @@ from __future__ import annotations
 import math
 import numbers
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import lru_cache
@@ -35,14 +35,18 @@ __all__ = [
     "AnyRule",
     "AxiallyCorrected",
     "Layout",
+    "NotClosed",
     "Rule",
     "RuleLike",
     "RuleMaker",
     "Weight",
     "axially_corrected",
+    "closed_rule",
     "end_defects",
     "end_order",
+    "fits_of",
     "hinges_at_nodes",
+    "is_closed",
     "layout_of",
     "rule_named",
 ]
@@ -56,6 +60,13 @@ __all__ = [
 #
 #     Σ w_j h f(x_j) - ∫ f = Σ_k h^(k+1) d_k f⁽ᵏ⁾(0),
 #     d_k = Σ_j c_j x_j^k / k! - B_{k+1}(x₀) / (k+1)!        (B the Bernoulli polynomials).
+#
+# Weights p_0 ... p_{m-1} that repeat behind the end, of mean 1, are m sums with steps of m h,
+#
+#     d_k = Σ_j c_j x_j^k / k! - Σ_r p_r m^k B_{k+1}((x₀ + r)/m) / (k+1)!,        c_j = w_j - p_j,
+#
+# and again nothing is wrong inside: all hinges of one period together have the flexibility of the beam. What
+# unequal springs do to the waves between them, which bend in zigzag by h² of their deflection, has order 4.
 #
 # The first d_k that is not zero, and meets a derivative of f that is not zero at that end, decides the order.
 
@@ -78,7 +89,9 @@ _FELT: Mapping[str, tuple[int, ...]] = {
 
 
 def end_defects(
-    first: Fraction, weights: Sequence[tuple[Fraction, Fraction]]
+    first: Fraction,
+    weights: Sequence[tuple[Fraction, Fraction]],
+    inside: Sequence[Fraction] = (Fraction(1),),
 ) -> list[tuple[Fraction, Fraction]]:
     """Return  d_k = constant + per_segment/N,  k = 0..3, of a quadrature.
 
@@ -87,7 +100,9 @@ def end_defects(
     first : Fraction
         x₀, where the first hinge is, in segments from the end.
     weights : sequence of (constant, per_segment)
-        Of the hinges nearest the end; 1 beyond.
+        Of the hinges nearest the end.
+    inside : sequence of Fraction
+        The weights that repeat from x₀ on without an end, of which `weights` take the place.
 
     Examples
     --------
@@ -95,25 +110,33 @@ def end_defects(
     >>> [str(constant) for constant, _ in end_defects(Fraction(0), gregory)]
     ['0', '0', '0', '-19/720']
     """
-    defects = []
+    defects, period = [], len(inside)
+    changes = [(w - inside[j % period], slip) for j, (w, slip) in enumerate(weights)]
     for k in range(HIGHEST_ORDER):
-        moments = [Fraction((first + j) ** k, math.factorial(k)) for j in range(len(weights))]
-        bare = -_bernoulli(k + 1, first) / math.factorial(k + 1)
-        constant = sum((m * (w - 1) for m, (w, _) in zip(moments, weights, strict=True)), bare)
-        slipped = sum((m * s for m, (_, s) in zip(moments, weights, strict=True)), Fraction(0))
+        # Each weight that repeats is a sum of its own, with steps of a period.
+        constant = -sum(
+            (
+                w * Fraction(period) ** k * _bernoulli(k + 1, (first + r) / period)
+                for r, w in enumerate(inside)
+            ),
+            Fraction(0),
+        ) / math.factorial(k + 1)
+        slipped = Fraction(0)
+        for j, (change, slip) in enumerate(changes):
+            moment = Fraction((first + j) ** k, math.factorial(k))
+            constant, slipped = constant + moment * change, slipped + moment * slip
         defects.append((constant, slipped))
     return defects
 
 
-def end_order(kind: str, first: Fraction, weights: Sequence[tuple[Fraction, Fraction]]) -> int:
-    """Return the order of the error that an end of that kind leaves: 1 to 4.
+def end_order(kind: str, defects: Sequence[tuple[Fraction, Fraction]]) -> int:
+    """Return the order of the error that an end of that kind leaves with these defects: 1 to 4.
 
     Examples
     --------
-    >>> end_order("clamped", Fraction(0), [(Fraction(1, 2), Fraction(0))])          # trapezoids: f' remains
+    >>> end_order("clamped", end_defects(Fraction(0), [(Fraction(1, 2), Fraction(0))]))    # f' remains
     2
     """
-    defects = end_defects(first, weights)
     powers = [HIGHEST_ORDER]
     for k in _FELT[kind]:
         constant, slipped = defects[k]
@@ -212,9 +235,9 @@ Weights = Sequence[Exact | Weight] | NDArray[np.floating[Any]]
 class Rule:
     """A way to turn a beam into a chain of rigid segments and springs: a name and what distinguishes it.
 
-    Every hinge has a spring `EI / (w ell)`, with the flexibility weight w = 1 but near an end. Weights are
-    given from the end's own hinge inward, as text, numbers, fractions or `Weight`. The order of the error
-    follows from them and is not given: see `order`.
+    Every hinge has a spring `EI / (w ell)`, with the flexibility weight w = 1 but near an end, or the weights
+    `inside`, repeated. Weights are given from the end's own hinge inward, as text, numbers, fractions or
+    `Weight`. The order of the error follows from them and is not given: see `order`.
 
     Parameters
     ----------
@@ -225,7 +248,7 @@ class Rule:
         (`End.statics` says which word applies to an end with springs or a body). At most 8.
     guided : sequence of weights, optional
         Likewise of a guided end. By default those that keep order 4 there with the fewest changes: 1/2 with a
-        hinge at the wall, none with half a stub, 5/3 and 5/6 with a welded segment.
+        hinge at the wall, none with half a stub, 5/3 and 5/6 with a welded segment; of a pattern its own.
     carried : sequence of weights, optional
         Likewise of an end whose body is part of the last segment (`End(on_segment=True)`). None by default:
         then light bodies leave no jump. 23/12 and 7/12 suit a body with much rotary inertia, at order 3.
@@ -235,6 +258,10 @@ class Rule:
     rotary_inertia : number, optional
         Central rotary inertia of a piece over its mass times length²: 1/12 for a rod, 1/4 for point
         masses at its two ends.
+    inside : sequence of numbers, optional
+        Weights that repeat inside, of mean 1, from the hinge at x = ell on (ell/2 with half a stub). They
+        must read the same from both ends, which N decides: `fits` tells for which it holds. Errors of such
+        chains are solved, one chain at a time; closed forms need equal springs inside.
     summary, used_by, source : str, optional
         What it does in one sentence; who uses it; where it comes from.
 
@@ -250,6 +277,9 @@ class Rule:
     (3, 4)
     >>> [str(w) for w in own.hinge_weights(Boundary.of("clamped-guided"), 4)]
     ['5/12', '13/12', '1', '1', '1/2']
+    >>> simpson = Rule("own", ["1/3"], inside=["4/3", "2/3"])
+    >>> [str(w) for w in simpson.hinge_weights(Boundary.of("clamped-free"), 4)], simpson.fits(5)
+    (['1/3', '4/3', '2/3', '4/3'], False)
     """
 
     name: str
@@ -258,6 +288,7 @@ class Rule:
     carried: tuple[Weight, ...]
     stub: Fraction
     rotary_inertia: Fraction
+    inside: tuple[Fraction, ...]
     summary: str = field(compare=False)
     used_by: str = field(compare=False)
     source: str = field(compare=False)
@@ -270,6 +301,7 @@ class Rule:
         carried: Weights = (),
         stub: Exact = 0,
         rotary_inertia: Exact = _ROD,
+        inside: Sequence[Exact] | NDArray[np.floating[Any]] = (1,),
         summary: str = "",
         used_by: str = "",
         source: str = "",
@@ -288,16 +320,54 @@ class Rule:
                 "rotary_inertia must be greater than 0, 1/12 for a rod and 1/4 for point masses, "
                 f"got {shown(rotary_inertia)}"
             )
+        pattern = _pattern(inside)
         values = {
             **texts,
             "clamped": _weights("clamped", clamped),
-            "guided": _mirror(length) if guided is None else _weights("guided", guided),
+            "guided": _mirror(length, pattern) if guided is None else _weights("guided", guided),
             "carried": _weights("carried", carried),
             "stub": length,
             "rotary_inertia": inertia,
+            "inside": pattern,
         }
         for argument, value in values.items():
             object.__setattr__(self, argument, value)
+        if not any(map(self.fits, range(1, len(pattern) + 1))):
+            raise ValueError(f"inside must read the same from both ends for some N, got {shown(inside)}")
+
+    @property
+    def has_equal_springs(self) -> bool:
+        """Whether all springs inside are equal, which closed forms need."""
+        return len(self.inside) == 1
+
+    def fits(self, segments: int) -> bool:
+        """Say whether the weights inside read the same from both ends of a chain of N segments.
+
+        Examples
+        --------
+        >>> [n for n in range(1, 9) if RULES["simpson"].fits(n)]
+        [2, 4, 6, 8]
+        """
+        period, far = len(self.inside), int(segments) - (self.stub != _HALF)
+        return all(self.inside[j] == self.inside[(far - 1 - j) % period] for j in range(period))
+
+    def repeated(self, first: Fraction, count: int) -> list[Fraction]:
+        """Return the weights that `count` hinges would have without an end, the first at x = first.
+
+        Examples
+        --------
+        >>> [str(weight) for weight in RULES["simpson"].repeated(Fraction(0), 3)]
+        ['2/3', '4/3', '2/3']
+        """
+        start, period = (math.ceil(first) - 1) % len(self.inside), len(self.inside)
+        return (list(self.inside) * (count // period + 2))[start : start + count]
+
+    @property
+    def _fitting(self) -> str:
+        period = len(self.inside)
+        over = [n % period for n in range(1, period + 1) if self.fits(n)]
+        more = f", or that plus {' or '.join(map(str, over[:-1]))}" if over[1:] else ""
+        return f"a multiple of {period}{more}" if 0 in over else f"{over} over a multiple of {period}"
 
     @property
     def order(self) -> Mapping[str, int]:
@@ -325,17 +395,13 @@ class Rule:
         >>> [str(constant) for constant, _ in Rule("own", ["3/8", "7/6", "23/24"]).end_defects("clamped")]
         ['0', '0', '0', '-19/720']
         """
-        return end_defects(*self._quadrature(kind))
-
-    def _quadrature(self, kind: str) -> tuple[Fraction, list[tuple[Fraction, Fraction]]]:
-        """Return where the first hinge is, in segments from the end, and the weights from there."""
-        weights = self._weights_at(kind)
-        first = self.stub
+        first, weights = self.stub, self._weights_at(kind)
         if kind not in ("clamped", "guided") and self.stub != _HALF:
             # No hinge at the end: the next is a segment away, unless f = 0 there; then the trapezoid's is.
             first = Fraction(kind == "carried")
-            weights = weights if kind == "carried" else (Weight(_HALF),)
-        return first, [(weight.constant, weight.per_segment) for weight in weights]
+            weights = weights if kind == "carried" else (Weight(self.inside[-1] / 2),)
+        pairs = [(weight.constant, weight.per_segment) for weight in weights]
+        return end_defects(first, pairs, self.repeated(first, len(self.inside)))
 
     def _weights_at(self, kind: str) -> tuple[Weight, ...]:
         return {"clamped": self.clamped, "guided": self.guided, "carried": self.carried}.get(kind, ())
@@ -359,14 +425,26 @@ class Rule:
         """Return the flexibility weights of the chain's hinges, left to right.
 
         With `size`, end weights that depend on N are those of a chain of so many segments.
+
+        Raises
+        ------
+        ValueError
+            If the pattern inside does not fit N.
         """
-        pair, count = Boundary.of(boundary), len(self.piece_lengths(boundary, segments)) - 1
-        weights = [Fraction(1)] * count
+        lengths, pair = self.piece_lengths(boundary, segments), Boundary.of(boundary)
+        if not self.fits(segments):
+            raise ValueError(
+                f"segments must be {self._fitting} with rule {self.name}, whose springs inside repeat, "
+                f"got {segments}"
+            )
+        count = len(lengths) - 1
+        bare = self.repeated(lengths[0], count)
+        weights = bare.copy()
         # A NumPy integer in a fraction would overflow.
         whole = Fraction(int(segments) if size is None else whole_number("size", size))
         for end, indices in ((pair.left, range(count)), (pair.right, range(count - 1, -1, -1))):
             for j, weight in zip(indices, self.end_weights(end), strict=False):
-                weights[j] += weight.at(whole) - 1
+                weights[j] += weight.at(whole) - bare[j]
         return weights
 
 
@@ -424,9 +502,26 @@ def _weight(name: str, value: Exact | Weight) -> Weight:
     return weight
 
 
-def _mirror(stub: Fraction) -> tuple[Weight, ...]:
-    """Return a guided end's fewest weights of order 4: d₀ = d₂ = 0, as odd derivatives vanish there."""
-    return tuple(map(Weight, {Fraction(0): ("1/2",), _HALF: (), Fraction(1): ("5/3", "5/6")}[stub]))
+def _pattern(values: Sequence[Exact] | NDArray[np.floating[Any]]) -> tuple[Fraction, ...]:
+    weights = _weights("inside", values)
+    if any(weight.per_segment for weight in weights):
+        raise ValueError(f"inside must be numbers that do not depend on N, got {shown(values)}")
+    pattern = tuple(weight.constant for weight in weights)
+    if not pattern or sum(pattern) != len(pattern):
+        raise ValueError(f"inside must have one or more weights of mean 1, got {shown(values)}")
+    return pattern
+
+
+def _mirror(stub: Fraction, inside: tuple[Fraction, ...]) -> tuple[Weight, ...]:
+    """Return a guided end's fewest weights with d₀ = d₂ = 0: odd derivatives vanish there."""
+    if stub == _HALF:
+        return ()
+    if not stub:
+        return (Weight(inside[-1] / 2),)
+    (d0, _), _, (d2, _), _ = end_defects(stub, (), inside)
+    second = (d0 - 2 * d2) / 3
+    repeated = (inside * 2)[:2]
+    return Weight(repeated[0] - d0 - second), Weight(repeated[1] + second)
 
 
 @lru_cache(maxsize=1024)
@@ -434,7 +529,7 @@ def _orders(rule: Rule) -> Mapping[str, int]:
     # Point masses, and any other inertia than a rod's, err in the kinetic energy as q².
     orders = {"inside": HIGHEST_ORDER if rule.rotary_inertia == _ROD else 2}
     for kind in ("clamped", "pinned", "guided", "free", "carried"):
-        orders[kind] = end_order(kind, *rule._quadrature(kind))
+        orders[kind] = end_order(kind, rule.end_defects(kind))
     return MappingProxyType(orders)
 
 
@@ -485,6 +580,43 @@ class RuleMaker(Protocol):
 
     def rule_for(self, boundary: Boundary) -> Rule:
         """Return the rule for a boundary."""
+
+
+class NotClosed(ValueError):
+    """A rule whose springs inside repeat a pattern, where a closed form needs equal ones."""
+
+
+def closed_rule(rule: RuleLike) -> Rule:
+    """Return `rule_named(rule)` for a closed form, which needs equal springs inside.
+
+    Raises
+    ------
+    TypeError, ValueError
+        As `rule_named`, or if the rule's springs inside repeat a pattern.
+
+    Examples
+    --------
+    >>> closed_rule("naive").name
+    'naive'
+    """
+    record = rule_named(rule)
+    if not record.has_equal_springs:
+        raise NotClosed(
+            f"rule must have equal springs inside for a closed form, got {record.name}: frequency_error and "
+            "Chain take any Layout"
+        )
+    return record
+
+
+def fits_of(layout: Layout) -> Callable[[int], bool] | None:
+    """Return which N a layout's pattern inside fits; None if it has no pattern, so that each does."""
+    rule = layout.rule if isinstance(layout, AxiallyCorrected) else layout
+    return rule.fits if isinstance(rule, Rule) and not rule.has_equal_springs else None
+
+
+def is_closed(layout: Layout) -> bool:
+    """Say whether a layout's chains have closed forms: those of a `Rule` with equal springs inside."""
+    return isinstance(layout, RuleMaker) or (isinstance(layout, Rule) and layout.has_equal_springs)
 
 
 RuleLike = str | Rule
@@ -586,6 +718,14 @@ _RECORDS = (
             "5/12",
             "13/12",
         ),
+    ),
+    Rule(
+        name="simpson",
+        summary="Hinge at the wall with 3 EI/ell, then 3/4 and 3/2 EI/ell in turn, for even N: order 4.",
+        used_by="nobody yet",
+        source="Simpson's rule for the flexibility integral",
+        clamped=("1/3",),
+        inside=("4/3", "2/3"),
     ),
     Rule(
         name="hencky",

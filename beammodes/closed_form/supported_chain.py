@@ -58,7 +58,7 @@ import numpy as np
 
 from beammodes.chains.chain import Chain
 from beammodes.chains.pieces import Pieces
-from beammodes.chains.rules import Rule, RuleLike, rule_named
+from beammodes.chains.rules import Rule, RuleLike, closed_rule
 from beammodes.chains.units import ExactUnits
 from beammodes.checks import real, shown, whole_number
 from beammodes.numerics.arrays import Floats
@@ -126,7 +126,7 @@ def supported_chain_frequencies(
     >>> supported_chain_frequencies("clamped-free(mass=1)", 10**6, 2).round(4)
     array([ 1.5573, 16.2501])
     """
-    pair, record, size = Boundary.of(boundary), rule_named(rule), whole_number("modes", modes)
+    pair, record, size = Boundary.of(boundary), closed_rule(rule), whole_number("modes", modes)
     count = whole_number("segments", segments, most=_MOST_SEGMENTS)
     force, section = Fraction(checked_load(load).axial_force), _section(rotary_inertia)
     found, short = np.full(size, np.nan), shortened(pair, count, record, section)

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from beammodes.chains.rules import Rule, RuleLike, Weight, rule_named
+from beammodes.chains.rules import Rule, RuleLike, Weight, closed_rule
 from beammodes.checks import bounded, shown, whole_numbers
 from beammodes.closed_form.waves import SHORT, EndWaves, Minors, Swing, end_waves, phase, swing
 from beammodes.exact.exact_beam import wavenumber_of_code
@@ -237,9 +237,9 @@ def _groups(chosen: NDArray[np.intp], codes: NDArray[np.intp]) -> Iterable[tuple
 def _rule_codes(rule: Rules) -> tuple[list[Rule], NDArray[np.intp]]:
     """Return rules, and indices into them of the shape of `rule`."""
     if isinstance(rule, str | Rule):
-        return [rule_named(rule)], np.asarray(0)
+        return [closed_rule(rule)], np.asarray(0)
     items, which = _distinct("rule", rule)
-    return [rule_named(item) for item in items], which
+    return [closed_rule(item) for item in items], which
 
 
 def _boundary_codes(boundary: Boundaries) -> NDArray[np.intp]:

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 import beammodes as bm
 from beammodes.closed_form.chain_frequencies import chain_frequency
 from beammodes.vibration.integrators import stability_limit
+from beammodes.vibration.stability import highest_angular_frequency
 
 __all__ = ["LONGEST", "MODES", "SEGMENTS", "TOLERANCES", "atlas", "segments_for"]
 
@@ -26,6 +27,8 @@ LAW_WITHIN = 0.2
 #: N beyond those recommended where the errors are looked at too: smooth there, so some stand for all.
 _FAR = np.unique(np.geomspace(LONGEST, 10**6, 120).astype(np.int64))
 _DIGITS = 6
+#: Instead of the springs of a chain that a rule does not have.
+NO_SPRINGS = "none: the rule's pattern does not fit this N"
 
 Array = NDArray[np.float64]
 
@@ -70,10 +73,15 @@ def atlas() -> dict[str, Any]:
 def _record(pair: bm.Boundary, rule: bm.Rule, springs: dict[str, int]) -> dict[str, Any]:
     segments, mode = np.arange(1, SEGMENTS + 1), np.arange(1, MODES + 1)
     error = bm.frequency_error(pair, segments=segments[:, None], mode=mode, rule=rule)
-    every = chain_frequency(pair, segments[:, None], np.arange(1, SEGMENTS + 2), rule)
-    highest = np.nan_to_num(every, nan=0.0).max(axis=1)
+    if rule.has_equal_springs:
+        every = chain_frequency(pair, segments[:, None], np.arange(1, SEGMENTS + 2), rule)
+        highest = np.nan_to_num(every, nan=0.0).max(axis=1)
+    else:
+        highest = np.array([_highest(pair, int(n), rule) for n in segments])
     laws = [bm.error_law(pair, n, rule) for n in range(1, MODES + 1)]
-    texts = [_springs(rule.hinge_weights(pair, n)) for n in range(1, SEGMENTS + 1)]
+    texts = [
+        _springs(rule.hinge_weights(pair, n)) if rule.fits(n) else NO_SPRINGS for n in range(1, SEGMENTS + 1)
+    ]
     return {
         "error": _listed(error),
         "omega": _listed(highest),
@@ -84,6 +92,15 @@ def _record(pair: bm.Boundary, rule: bm.Rule, springs: dict[str, int]) -> dict[s
         "lawFrom": [bm.law_holds_from(pair, n, rule, within=LAW_WITHIN) for n in range(1, MODES + 1)],
         "law": _listed(np.array([law.coefficient for law in laws])),
     }
+
+
+def _highest(pair: bm.Boundary, segments: int, rule: bm.Rule) -> float:
+    """Return a chain's largest ω, 0 where the rule has none of so many segments."""
+    return (
+        highest_angular_frequency(bm.Chain(bm.Beam.unit(), pair, segments, rule))
+        if rule.fits(segments)
+        else 0.0
+    )
 
 
 def _listed(values: Any) -> Any:
@@ -107,6 +124,9 @@ def segments_for(pair: bm.Boundary, rule: bm.Rule) -> NDArray[np.int64]:
     What `bm.segments_needed` answers one by one, for all at once; shape (modes, tolerances).
     """
     counts = np.concatenate([np.arange(1, LONGEST + 1), _FAR])
+    if not rule.has_equal_springs:
+        # Each chain is solved: fewer of them, among those that there are.
+        counts = np.array([n for n in counts if n <= 2 * SEGMENTS and rule.fits(n)])
     error = np.abs(
         bm.frequency_error(pair, segments=counts[:, None], mode=np.arange(1, MODES + 1), rule=rule)
     )
@@ -116,5 +136,6 @@ def segments_for(pair: bm.Boundary, rule: bm.Rule) -> NDArray[np.int64]:
         for i in range(MODES):
             failing = np.flatnonzero(worst[:, i] > tolerance)
             first = failing[-1] + 1 if len(failing) else 0
-            found[i, j] = counts[first] if first < LONGEST else 0
+            enough = counts[first] if first < len(counts) else 0
+            found[i, j] = enough if enough <= LONGEST else 0
     return found
