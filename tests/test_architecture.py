@@ -188,11 +188,11 @@ def test_the_version_stands_in_one_place() -> None:
     written = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
     assert "version" in written["project"]["dynamic"]
     assert ROOT / written["tool"]["hatch"]["version"]["path"] == PACKAGE / "version.py"
-    for name in ("CITATION.cff", "CHANGELOG.md"):
-        for path in [*ROOT.glob(name), *PACKAGE.rglob(name), *(ROOT / ".github").rglob(name)]:
-            # The first number of three parts: a citation's version, a change log's newest.
-            text = re.sub("(?m)^cff-version.*$", "", path.read_text(encoding="utf-8"))
-            assert re.findall(r"\b\d+\.\d+\.\d+\b", text)[0] == beammodes.__version__, path
+    changes = (PACKAGE / "pages" / "CHANGELOG.md").read_text(encoding="utf-8")
+    assert re.findall(r"(?m)^## (\S+)", changes)[0] == beammodes.__version__
+    for path in [*ROOT.glob("CITATION.cff"), *(ROOT / ".github").glob("CITATION.cff")]:
+        citation = path.read_text(encoding="utf-8")
+        assert re.findall(r"(?m)^version: *\"?([^\s\"]+)", citation) == [beammodes.__version__]
 
 
 def test_the_docstring_lists_the_folders_in_their_order() -> None:
