@@ -19,8 +19,7 @@ Chains too short for that have their characteristic polynomial formed and solved
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
-from functools import cached_property, lru_cache, partial
+from functools import lru_cache, partial
 from typing import Any
 
 import numpy as np
@@ -193,7 +192,24 @@ def shift(chains: UniformChains, beta: Floats, segments: Floats, mode: Floats) -
     """Return δ = κ - β, to about 1e-15, of modes that are `in_band`."""
     if chains.is_plain:
         return np.zeros_like(beta)
-    excess = _Equation(chains, beta, segments, mode).excess
+    exchanging, sign = mode <= _LAST_EXCHANGING, 1.0 - 2.0 * ((mode + chains.lead) % 2.0)
+
+    def arcsin(across: Any) -> Any:
+        return np.arcsin(np.where(exchanging, np.clip(across, -1.0, 1.0), 0.0))
+
+    of_beam = arcsin(exchange(beta, beta, chains.left.beam, chains.right.beam))
+
+    def excess(delta: Floats) -> Floats:
+        """Return δ + Φ - Φ⁰ ∓ (arcsin X - arcsin X⁰), which grows with δ."""
+        q = (beta + delta) / segments
+        s = np.sin(0.5 * q)
+        ends = chains.minors(s, np.cos(0.5 * q), 1.0 / segments)
+        total = delta + chains.turn(q, *ends)
+        if exchanging.any():
+            span = segments - chains.reach
+            total -= sign * (arcsin(exchange(q * span, chains.evanescence(s) * span, *ends)) - of_beam)
+        return np.asarray(total)
+
     # X moves a root by less than π/2, and either end by less than π from the middle of its range.
     most = 8.0 + abs(chains.swings[0].middle) + abs(chains.swings[1].middle)
     low, high = np.maximum(-most, 1e-3 - beta), np.minimum(most, math.pi * segments - beta)
@@ -201,45 +217,6 @@ def shift(chains: UniformChains, beta: Floats, segments: Floats, mode: Floats) -
     if np.any(np.abs(excess(delta)) > 1e-3):
         raise NotFollowed(f"{chains.pair.name}, rule {chains.rule.name}: a reflected phase jumps")
     return delta
-
-
-@dataclass(frozen=True, eq=False)
-class _Equation:
-    """κ + Φ - kπ = ± arcsin X, for a block of modes, as an equation for δ = κ - β."""
-
-    chains: UniformChains
-    beta: Floats
-    segments: Floats
-    mode: Floats
-
-    @cached_property
-    def exchanging(self) -> NDArray[np.bool_]:
-        return np.asarray(self.mode <= _LAST_EXCHANGING)
-
-    @cached_property
-    def sign(self) -> Floats:
-        return np.asarray(1.0 - 2.0 * ((self.mode + self.chains.lead) % 2.0))
-
-    @cached_property
-    def of_beam(self) -> Floats:
-        """Arcsin X of the beam."""
-        return self._arcsin(exchange(self.beta, self.beta, self.chains.left.beam, self.chains.right.beam))
-
-    def _arcsin(self, across: Floats) -> Floats:
-        return np.asarray(np.arcsin(np.where(self.exchanging, np.clip(across, -1.0, 1.0), 0.0)))
-
-    def excess(self, delta: Floats) -> Floats:
-        """Return δ + Φ - Φ⁰ ∓ (arcsin X - arcsin X⁰), which grows with δ."""
-        chains = self.chains
-        q = (self.beta + delta) / self.segments
-        s = np.sin(0.5 * q)
-        ends = chains.minors(s, np.cos(0.5 * q), 1.0 / self.segments)
-        total = delta + chains.turn(q, *ends)
-        if self.exchanging.any():
-            span = self.segments - chains.reach
-            across = exchange(q * span, chains.evanescence(s) * span, *ends)
-            total -= self.sign * (self._arcsin(across) - self.of_beam)
-        return np.asarray(total)
 
 
 def _counted(chains: UniformChains, segments: int, mode: NDArray[np.int64]) -> Floats:

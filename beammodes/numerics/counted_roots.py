@@ -85,17 +85,21 @@ def _interpolated(new: Sample, opposite: Sample, old: Sample) -> Decimal:
 def inertia_and_determinant(matrix: Sequence[Sequence[Decimal]]) -> tuple[int, Decimal]:
     """Return how many eigenvalues of a symmetric matrix are negative, and its determinant.
 
-    By elimination without exchanges (Sylvester's law of inertia). A zero pivot is taken for a tiny positive
-    one, whose successor then counts right.
+    By elimination (Sylvester's law of inertia), rows and columns exchanged together where a pivot is zero.
+    Where the whole diagonal is, a tiny positive pivot makes its successor count right.
 
     Examples
     --------
-    >>> inertia_and_determinant([[Decimal(0), Decimal(2)], [Decimal(2), Decimal(3)]])[0]
+    >>> none, two, three = Decimal(0), Decimal(2), Decimal(3)
+    >>> inertia_and_determinant([[none, two, none], [two, three, two], [none, two, none]])[0]
     1
     """
     negative, determinant = 0, Decimal(1)
     rows: Sequence[Sequence[Decimal]] = matrix
     while rows:
+        if not rows[0][0]:
+            order = sorted(range(len(rows)), key=lambda i: not rows[i][i])
+            rows = [[rows[i][j] for j in order] for i in order]
         (first, *right), *below = rows
         pivot = first or Decimal("1e-1000")
         negative += pivot < 0
