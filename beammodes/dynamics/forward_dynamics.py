@@ -222,15 +222,9 @@ def forward_dynamics(
 
         q'' = M(q)⁻¹ ((∂c/∂q)ᵀ λ - h(q, q') - s(q) - C q')
 
-    Parameters
-    ----------
-    chain : Chain
-        Of any length; its left end must be tied to the base, or neither end held.
-    load : Load, optional
-        Dead loads and gravity. A turning hub is a base that turns, not a spin rate.
-    damping : Damping, optional
-    base : BaseMotion, optional
-        Motion of the left end, for the checks; its courses enter as an argument of the function.
+    The chain may be of any length; its left end must be tied to the base, or neither end held. A turning hub
+    is a base that turns, not a spin rate of the load. `base` is checked only: its courses are an argument of
+    the function.
 
     Raises
     ------

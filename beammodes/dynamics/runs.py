@@ -44,15 +44,7 @@ _CHUNK, _NUMBERS = 2000, 50_000
 
 @dataclass(frozen=True)
 class Stepper:
-    """One step as a CasADi function of (state, step, base), base at `stages` times within the step.
-
-    Attributes
-    ----------
-    function : casadi.Function
-        New state from state, step and the base's nine numbers at each of the times, in one column.
-    times : tuple of float
-        Those times, as fractions of the step.
-    """
+    """One step as a CasADi function of (state, step, base), base at `times`, fractions of it, in a column."""
 
     function: casadi.Function
     times: tuple[float, ...]
@@ -84,12 +76,7 @@ def runge_kutta(
 
         k_i = f(t + c_i h, x + h Σ_j a_ij k_j),   x + h Σ_i b_i k_i
 
-    Parameters
-    ----------
-    chain, load, damping, base
-        As `forward_dynamics` takes them.
-    integrator : str
-        One of `INTEGRATORS` with stages.
+    The integrator is one of `INTEGRATORS` with explicit stages.
 
     Examples
     --------

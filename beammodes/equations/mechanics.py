@@ -401,14 +401,8 @@ def piece_energies(
 ) -> tuple[Any, Any, Pair]:
     """Return kinetic and potential energy from all pieces' motion, and the right tip's position.
 
-    Parameters
-    ----------
-    tip, tip_speed : pair
-        Position and velocity of the left tip.
-    angle, spin : sequence, one a piece
-        Angles and rates of all pieces, held ones included.
-    base : pair
-        Deflection and angle of what the elastic supports stand on.
+    From position and velocity of the left tip, angles and rates of all pieces, held ones included, and
+    deflection and angle of the base on which the elastic supports stand.
     """
     number, length_unit = algebra.number, algebra.length
     (x, y), (x_speed, y_speed) = tip, tip_speed

@@ -208,22 +208,8 @@ _BY_ENGINE = {alias: record for record in _RECORDS for alias in record.engines}
 def find_integrator(name: str, among: Iterable[str] | None = None) -> Integrator:
     """Return an integrator by its name, or by an engine's such as "MuJoCo implicitfast".
 
-    Parameters
-    ----------
-    name : str
-        Upper and lower case are alike.
-    among : iterable of str, optional
-        Names that are allowed; all by default, and then engines' names too.
-
-    Raises
-    ------
-    TypeError, ValueError
-        If there is no such integrator.
-
-    Examples
-    --------
-    >>> find_integrator("mujoco implicitfast").springs
-    'explicit'
+    Upper and lower case are alike. `among` are the names that are allowed: all by default, and then engines'
+    names too.
     """
     known = {**INTEGRATORS, **_BY_ENGINE} if among is None else {each: INTEGRATORS[each] for each in among}
     if isinstance(name, str):
@@ -251,14 +237,8 @@ def fixed_step_integrator(name: str) -> Integrator:
 def amplification(integrator: str, frequency: Floats | float, damping_ratio: float = 0.0) -> Complex:
     """Return R, what one step multiplies a mode by; the exact motion has e^z, Im z ≥ 0.
 
-    Parameters
-    ----------
-    integrator : str
-        Of fixed step.
-    frequency : float or array
-        ω h of the mode.
-    damping_ratio : float
-        ζ. From 1 on, and where an explicit step makes two real factors of an oscillation, the larger one.
+    `frequency` is ω h. From a damping ratio of 1 on, and where an explicit step makes two real factors of an
+    oscillation, the answer is the larger factor.
 
     Examples
     --------
@@ -329,17 +309,8 @@ def stability_limit(integrator: str, damping_ratio: float = 0.0) -> float:
         Runge-Kutta           |R(z)| = 1
         kick and drift        ω h = 2 (√(1 + ζ²) - ζ)  explicit damping,  2 (√(1 + ζ²) + ζ)  implicit
 
-    Parameters
-    ----------
-    integrator : str
-        Of fixed step.
-    damping_ratio : float
-        ζ, from 0.
-
-    Source
-    ------
-    E. Hairer and G. Wanner, Solving Ordinary Differential Equations II, § IV.2; the second line is where the
-    step's matrix has the eigenvalue -1.
+    Source: E. Hairer and G. Wanner, Solving Ordinary Differential Equations II, § IV.2; the second line is
+    where the step's matrix has the eigenvalue -1.
 
     Examples
     --------
@@ -378,18 +349,8 @@ def accuracy_limit(
 ) -> float:
     """Return the largest ω h at which a mode keeps its frequency and its amplitude.
 
-    Parameters
-    ----------
-    integrator : str
-        Of fixed step.
-    damping_ratio : float
-        ζ, below 1.
-    frequency : float
-        Largest relative error of the frequency.
-    amplitude : float
-        Largest error of the amplitude at any time, as a fraction of the first one.
-    periods : float
-        Time over which the amplitude is to be kept, in periods of the mode.
+    `frequency` bounds the relative error of the frequency; `amplitude` that of the amplitude at any time
+    within so many `periods` of the mode, as a fraction of the first one. The damping ratio is below 1.
 
     Examples
     --------
