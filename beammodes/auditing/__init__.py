@@ -1,1 +1,1 @@
-"""A chain that somebody else made, judged."""
+"""Given chains, as arrays or in model files, judged beside their beams."""
