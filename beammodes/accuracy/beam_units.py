@@ -75,11 +75,6 @@ def with_numbers(boundary: Boundary, load: Load, numbers: Mapping[str, Any]) -> 
 def in_beam_units(boundary: Boundary, beam: Beam) -> Boundary:
     """Return ends whose numbers count for L = EI = ρA = 1 as these do for a uniform `beam`.
 
-    Raises
-    ------
-    TypeError, ValueError
-        If `beam` is not a uniform Beam without rotary inertia of its sections.
-
     Examples
     --------
     >>> print(in_beam_units(Boundary.of("clamped-free(mass=3)"), Beam(2.0, 1.0, 3.0)))
@@ -104,11 +99,6 @@ def in_beam_units(boundary: Boundary, beam: Beam) -> Boundary:
 def load_in_beam_units(load: Load, beam: Beam) -> Load:
     """Return a load whose numbers count for L = EI = ρA = 1 as these do for a uniform `beam`.
 
-    Raises
-    ------
-    TypeError, ValueError
-        As `in_beam_units`.
-
     Examples
     --------
     >>> load_in_beam_units(Load(axial_force=3.0), Beam(2.0, 1.0, 1.0)).axial_force
@@ -130,18 +120,7 @@ def looked_up(boundary: Any, load: Load | None, beam: Beam | None) -> tuple[Any,
     """Return ends and load in multiples, as closed forms take them.
 
     The one place that says what the numbers of a question without a chain mean: with a `beam` they are in its
-    units; without one those of ends are multiples already, and a load is refused.
-
-    Parameters
-    ----------
-    boundary : boundary, or array or list of boundaries
-    load : Load or None
-    beam : Beam or None
-
-    Raises
-    ------
-    TypeError, ValueError
-        If there is a load without a beam, or an argument is not of its kind.
+    units; without one those of ends are multiples already, and a load is refused. `boundary` may be an array.
 
     Examples
     --------

@@ -65,12 +65,7 @@ def stands_alone(value: Any, single: tuple[type, ...]) -> bool:
 
 
 def listed(name: str, value: Any, single: tuple[type, ...]) -> list[Any]:
-    """Return `value` as a list; one that is an instance of `single` stands alone.
-
-    Raises
-    ------
-    ValueError
-        If it is empty, or has more than `MAX_VALUES`.
+    """Return `value` as a list of at most `MAX_VALUES`; an instance of `single` stands alone.
 
     Examples
     --------
@@ -247,14 +242,9 @@ def _errors_labelled(
     own: bool = True,
     between: Mapping[str, list[float]] = MappingProxyType({}),
 ) -> xarray.Dataset:
-    """Return frequencies and errors as the Dataset that `error_dataset` describes.
+    """Return the Dataset that `error_dataset` describes.
 
-    Parameters
-    ----------
-    omega, error : ndarray, shape (rules, boundaries, ..., segments, modes)
-        Of the chains.
-    exact : ndarray, shape (boundaries, ..., modes)
-        Of the beam.
+    Shapes are (rules, boundaries, ..., segments, modes) of the chains, (boundaries, ..., modes) of the beam.
     """
     unit = "sqrt(EI / (rhoA L^4))" if own else "rad / s"
     exact = np.broadcast_to(exact[None, ..., None, :], error.shape)

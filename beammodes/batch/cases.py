@@ -143,13 +143,7 @@ class Cases:
         return len(self), self.mode.shape[1]
 
     def each(self, function: Callable[[Case], float]) -> Floats:
-        """Return a number of every case, shape (cases,), NaN where one of `NO_ANSWER` is raised.
-
-        Raises
-        ------
-        TypeError
-            If the function returns something else.
-        """
+        """Return a number of every case, shape (cases,), NaN where one of `NO_ANSWER` is raised."""
         found = np.full(len(self), np.nan)
         for i, case in enumerate(self):
             with self._answering([i], case):

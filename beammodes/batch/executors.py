@@ -52,13 +52,7 @@ class _Workers(Executor):
 
 @contextmanager
 def executor_of(engine: Any, workers: int | None = None) -> Iterator[Executor | None]:
-    """Provide the executor that an engine is, None for "serial".
-
-    Raises
-    ------
-    TypeError, ValueError
-        If it is none, or `workers` is given for another engine than "processes".
-    """
+    """Provide the executor that an engine is, None for "serial"; `workers` are of "processes" alone."""
     if workers is not None and engine != "processes":
         raise ValueError(f'workers must be left out unless engine is "processes", got {shown(workers)}')
     client = getattr(sys.modules.get("distributed"), "Client", ())
@@ -199,17 +193,8 @@ def evaluate_elsewhere(
 ) -> Evaluated:
     """Return the quantities of a chunk in a worker's process, whose BLAS keeps to one thread from now on.
 
-    Parameters
-    ----------
-    cases, quantities
-    version, process : str
-        Of this package where the study was made; what tells the sending process from others.
-
-    Raises
-    ------
-    ValueError
-        If the worker has another version of this package, or would run other code than the study's own
-        functions had where it was made, such as a file that was edited since.
+    A worker that has another `version` of this package, or other code of the user's functions than `process`,
+    such as a file that was edited since, raises ValueError.
     """
     if version != __version__:
         raise ValueError(f"workers must have beammodes {version}, got {__version__}")

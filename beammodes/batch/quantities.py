@@ -187,11 +187,6 @@ QUANTITIES: Mapping[str, Quantity] = MappingProxyType({quantity.name: quantity f
 def quantities_of(compute: object) -> tuple[Quantity, ...]:
     """Return the quantities that names of `QUANTITIES` and functions of one `Case` stand for.
 
-    Raises
-    ------
-    TypeError, ValueError
-        If there are none, a name is unknown or met twice, or a function has none that a dataset can use.
-
     Examples
     --------
     >>> [quantity.name for quantity in quantities_of(["relative_error", "stable_time_step"])]

@@ -59,15 +59,7 @@ class Evaluated:
     reasons: Mapping[int, str] = field(default_factory=dict)
 
     def to_bytes(self, study: str, number: int) -> bytes:
-        """Return a netCDF file, the same bytes whenever the numbers are the same.
-
-        Parameters
-        ----------
-        study : str
-            The digest of the study's definition.
-        number : int
-            Of the chunk.
-        """
+        """Return a netCDF file with the study's digest and the chunk's number: the same bytes always."""
         import h5netcdf
 
         # Text as attributes, and whole numbers for it at the cases: arrays of strings would be of objects.
@@ -89,12 +81,7 @@ class Evaluated:
 
     @classmethod
     def from_bytes(cls, data: bytes) -> tuple[Evaluated, str, int]:
-        """Return what `to_bytes` wrote, the study's digest and the chunk's number.
-
-        Raises
-        ------
-        OSError, KeyError
-            If it is anything else.
+        """Return the chunk that `to_bytes` wrote, its study's digest and its number.
 
         Examples
         --------
@@ -161,13 +148,7 @@ class Store:
 
     @classmethod
     def of(cls, folder: Path, definition: Mapping[str, Any]) -> Store:
-        """Return the store of this definition, made if the folder is new or empty.
-
-        Raises
-        ------
-        ValueError
-            If the folder has something else in it.
-        """
+        """Return the store of this definition, made if the folder is new or empty; else raise ValueError."""
         made_ready(folder)
         if not (folder / _DEFINITION).exists():
             whole = {"digest": definition_digest(definition), "definition": definition}
@@ -195,13 +176,7 @@ class Store:
         write_atomically(path, lambda file: file.write(data))
 
     def load(self, number: int, path: Path) -> Evaluated:
-        """Return a finished chunk.
-
-        Raises
-        ------
-        BadChunk
-            If the file is damaged, of another study or of another chunk of this one.
-        """
+        """Return a finished chunk; raise BadChunk for a damaged file, or one of another study or chunk."""
         data = path.read_bytes()
         if not path.name.endswith(f"-{_digest(data)}.nc"):
             raise BadChunk("is damaged")
@@ -248,13 +223,7 @@ class Store:
 
 
 def made_ready(folder: Path) -> None:
-    """Make a study's folder, unless it has something else in it.
-
-    Raises
-    ------
-    NotADirectoryError, ValueError
-        If it is a file, or has something else in it.
-    """
+    """Make a study's folder; raise NotADirectoryError or ValueError if something else is there."""
     if folder.exists() and not folder.is_dir():
         raise NotADirectoryError(errno.ENOTDIR, "store must be a folder, this is a file", str(folder))
     folder.mkdir(parents=True, exist_ok=True)
@@ -305,13 +274,7 @@ def definition_digest(definition: Mapping[str, Any]) -> str:
 
 @contextmanager
 def locked(folder: Path) -> Iterator[bool]:
-    """Keep other runs from the folder meanwhile; False where the file system has no locks to do it.
-
-    Raises
-    ------
-    BlockingIOError
-        If another run is at work on it.
-    """
+    """Keep other runs from the folder, or raise BlockingIOError; False where the file system has no locks."""
     from filelock import FileLock, Timeout
 
     lock = FileLock(folder / _LOCK, timeout=0)

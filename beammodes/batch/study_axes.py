@@ -213,11 +213,6 @@ class Axis:
 def axis_values(name: str, value: Any) -> tuple[tuple[Any, ...], bool]:
     """Return the checked values of an axis, and whether they were given as several.
 
-    Raises
-    ------
-    TypeError, ValueError
-        If there is no such axis, no value, one that it cannot have, or too many.
-
     Examples
     --------
     >>> axis_values("segments", range(1, 4)), axis_values("plane", "lag")
