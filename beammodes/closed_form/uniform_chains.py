@@ -73,7 +73,7 @@ class UniformChains:
 
     @cached_property
     def swings(self) -> tuple[Swing, Swing]:
-        """How far and how fast either end's phase moves across the band."""
+        """The ranges and steepest falls of the two ends' phases across the band."""
         return swing(self.left), swing(self.right)
 
     @cached_property

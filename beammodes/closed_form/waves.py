@@ -284,7 +284,7 @@ class Swing(NamedTuple):
 
 @lru_cache(maxsize=1024)
 def swing(end: EndWaves) -> Swing:
-    """Measure an end's phase on a grid over the band, for long chains and for short ones."""
+    """Return the swing of an end's phase, measured on a grid over the band in long and short chains."""
     q = np.linspace(1e-3, 3.1, 800)
     low = high = descent = 0.0
     for u in np.linspace(0.0, 1.0 - 1e-6, 5) * _largest_u(end):

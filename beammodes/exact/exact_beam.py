@@ -176,7 +176,7 @@ Theory: TypeAlias = tuple[Callable[[], Floats | None], tuple[str, ...]]
 
 
 class _Answer(Protocol):
-    """What `ExactModes` needs of the classes that it serves."""
+    """The interface that `ExactModes` needs of its subclasses."""
 
     @property
     def beam(self) -> Beam: ...
@@ -191,7 +191,7 @@ class _Answer(Protocol):
 
 
 class _Judged(_Answer, Protocol):
-    """What `EulerBernoulliModes` needs, too."""
+    """The interface that `EulerBernoulliModes` needs of its subclasses."""
 
     @property
     def boundary(self) -> Boundary: ...
@@ -343,12 +343,10 @@ class BeamModes(EulerBernoulliModes):
 
     @property
     def rigid_body_modes(self) -> int:
-        """How many modes of zero frequency come before the elastic ones: 0, 1 or 2."""
+        """The number of modes of zero frequency before the elastic ones: 0, 1 or 2."""
         return self.boundary.rigid_body_modes
 
-    @property
-    def _smoothest(self) -> int:
-        return 3
+    _smoothest = 3
 
     def _values(self, from_left: Floats, from_right: Floats, order: int) -> Floats:
         """Return φ = a cos βξ + b sin βξ + c e^(-βξ) + d e^(-β(1-ξ)), or a derivative by ξ."""

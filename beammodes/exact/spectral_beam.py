@@ -87,9 +87,7 @@ class SpectralBeamModes(EulerBernoulliModes):
     shapes: SpectralShapes
     theory: Theory | None = None
 
-    @property
-    def _smoothest(self) -> int:
-        return 2
+    _smoothest = 2
 
     def _values(self, from_left: Floats, _: Floats, order: int) -> Floats:
         return self.shapes.values(from_left, order)

@@ -39,9 +39,9 @@ _LEAST_MARGIN = 1e-13
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Strains:
-    """What a beam's strains, y' = θ + γ and θ' = κ, make of it; without shear γ has no coordinates.
+    """Linear maps from a beam's strains, y' = θ + γ and θ' = κ, to its motion.
 
-    A motion is the coordinates of κ, those of γ, y(0) and θ(0); rows are taken over motions.
+    Without shear γ has no coordinates. A motion is the coordinates of κ, those of γ, y(0) and θ(0); rows are taken over motions.
 
     Parameters
     ----------
@@ -66,20 +66,20 @@ class Strains:
 
     @property
     def rotation(self) -> Floats:
-        """θ at the points, as rows."""
+        """Rows of θ at the points."""
         ones = np.ones((len(self.grid.x), 1))
         return np.hstack((self.grid.slope, np.zeros_like(self.shear), np.zeros_like(ones), ones))
 
     @property
     def deflection(self) -> Floats:
-        """The points' y, as rows."""
+        """Rows of y at the points."""
         grid = self.grid
         columns = [grid.deflection, grid.integrals(self.shear)] if self.shear.size else [grid.deflection]
         return np.hstack((*columns, np.ones((len(grid.x), 1)), grid.x[:, None]))
 
     @property
     def slope(self) -> Floats:
-        """y' at the points, as rows."""
+        """Rows of y' at the points."""
         bent = self.grid.curvature.shape[1]
         rows = self.rotation
         rows[:, bent : bent + self.shear.shape[1]] += self.shear
@@ -87,7 +87,7 @@ class Strains:
 
     @property
     def ends(self) -> Floats:
-        """y(0), θ(0), y(1), θ(1) and y(1) - y(0), as rows."""
+        """Rows of y(0), θ(0), y(1), θ(1) and y(1) - y(0)."""
         grid = self.grid
         moment, turn = (grid.weight * (1.0 - grid.x)) @ grid.curvature, grid.weight @ grid.curvature
         shift, none = grid.weight @ self.shear, np.zeros_like(turn)
@@ -128,7 +128,7 @@ class Tension:
 
     @property
     def stiffness(self) -> float:
-        """What pulls, altogether: the stiffness against turning the beam as one."""
+        """The sum of all pulls: the stiffness against turning the beam as one."""
         return float(np.maximum(self.pull, 0.0).sum())
 
     @property
@@ -261,7 +261,7 @@ class Motions:
 
     @property
     def turns_freely(self) -> bool:
-        """Whether a rigid rotation stores nothing."""
+        """True where a rigid rotation stores nothing."""
         return bool(self.rigid[-1].any())
 
 

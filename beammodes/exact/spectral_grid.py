@@ -78,7 +78,7 @@ class Grid:
 
     @property
     def has_own_curvature(self) -> bool:
-        """Whether the coordinates are the curvatures at the points."""
+        """True where the coordinates are the curvatures at the points."""
         return len(self.edges) - 1 <= _OWN_CURVATURE
 
     def integral(self, values: Floats) -> Floats:
@@ -92,7 +92,7 @@ class Grid:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Smoothed:
-    """What stands for a table of very many kinks: polynomials that have its moments on some 400 blocks.
+    """Polynomials on some 400 blocks in place of a table of very many kinks, whose moments they have.
 
     A block's polynomial, of degree 5, is the projection of 1/EI, or of ρA or ρI: all integrals of it times a
     polynomial of that degree are the table's. The bending moment and deflection differ from such polynomials

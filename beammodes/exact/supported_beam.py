@@ -73,9 +73,7 @@ class SupportedBeamModes(EulerBernoulliModes):
         """ω of elastic modes 1, 2, ..., shape (modes,) [rad/s]."""
         return self.relative_frequency * self.beam.frequency_unit
 
-    @property
-    def _smoothest(self) -> int:
-        return 3
+    _smoothest = 3
 
     def _values(self, from_left: Floats, from_right: Floats, order: int) -> Floats:
         """Return φ = a cos qξ + b sin qξ + c e^(-pξ) + d e^(-p(1-ξ)), or a derivative by ξ.

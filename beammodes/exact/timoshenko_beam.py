@@ -86,9 +86,7 @@ class TimoshenkoModes(ExactModes):
         """√(κGA/ρI) [rad/s], least along the beam: beyond it modes of shear lie amid the others."""
         return _cutoff(self.beam)
 
-    @property
-    def _smoothest(self) -> int:
-        return 1
+    _smoothest = 1
 
     def _values(self, from_left: Floats, _: Floats, order: int) -> Floats:
         if order:

@@ -150,7 +150,7 @@ class UnitBeam:
 
     @property
     def translation_is_free(self) -> bool:
-        """Whether nothing resists a deflection that is the same everywhere."""
+        """True where nothing resists a deflection that is the same everywhere."""
         return not any(end.holds[0] or end.translational for end in (self.left, self.right))
 
     def digits(self, place: Decimal) -> int:
