@@ -41,7 +41,8 @@ _LEAST_MARGIN = 1e-13
 class Strains:
     """Linear maps from a beam's strains, y' = θ + γ and θ' = κ, to its motion.
 
-    Without shear γ has no coordinates. A motion is the coordinates of κ, those of γ, y(0) and θ(0); rows are taken over motions.
+    A motion is the coordinates of κ, those of γ, which has none without shear, y(0) and θ(0); rows are taken
+    over motions.
 
     Parameters
     ----------
