@@ -94,7 +94,7 @@ def _mode(table: xarray.Dataset, mode: int, ax: Axes) -> None:
     ax.plot(table.x, table["shape"].sel(mode=mode), color=COLOURS[mode - 1], linewidth=2.2)
     ax.plot([0, 1], [0, 0], "o", color="black", markerfacecolor="white", markersize=6, zorder=4)
     wave = "" if mode == 1 else str(mode)
-    ax.set_title(f"A{mode}   sin({wave}πx/L)", fontsize=11, loc="left")
+    ax.set_title(f"A{mode}   sin({wave}πx/L)")
     ax.set(ylim=(-1.15, 1.15), xlim=(-0.04, 1.04))
     ax.axis("off")
 
@@ -104,7 +104,7 @@ def _sums(table: xarray.Dataset, ax: Axes) -> None:
     for modes in range(1, DRAWN + 1):
         ax.plot(table.x, table["sum"].sel(modes=modes), color=COLOURS[modes - 1], linewidth=1.5)
     quantity = str(table.quantity.values)
-    ax.set_title(f"{quantity}, held aside at {AT:g} L", fontsize=11, loc="left")
+    ax.set_title(f"{quantity}, held aside at {AT:g} L")
     ax.set(xlim=(0, 1), ylim=(0, 1.12))
     ax.set_ylabel(f"{quantity} / largest")
     if quantity == "moment":
@@ -126,7 +126,7 @@ def _errors(table: xarray.Dataset, ax: Axes) -> None:
         error = 100 * table.relative_error.sel(quantity=quantity)
         lines += ax.plot(table.modes, error, color=colour, marker="o", markersize=3)
     ax.set_xlabel("number of modes n")
-    ax.set_title("largest error of the sum", fontsize=11, loc="left")
+    ax.set_title("largest error of the sum")
     moment, deflection = lines
     label_along(
         ax,

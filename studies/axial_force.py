@@ -131,7 +131,7 @@ def _draw_forces(ax: Axes, table: xarray.Dataset) -> None:
     ax.set(xlim=(-1.05, 1.05), ylim=(0, 2.3))
     ax.set_xticks([-1, -0.5, 0, 0.5, 1], ["−1", "−½", "0", "½", "1"])
     ax.set_yticks([0, 0.5, 1, 1.5, 2])
-    ax.set_title("pinned-pinned, two rods", fontsize=11, loc="left")
+    ax.set_title("pinned-pinned, two rods")
     ax.set_xlabel("axial force T / buckling load of the beam")
     ax.set_ylabel("ω₁² / ω₁² of the beam without force")
     note = f"two rods buckle at\n{-100 * buckled:.0f} % of the beam's load"
@@ -155,7 +155,7 @@ def _draw_buckling(ax: Axes, table: xarray.Dataset) -> None:
     ax.set_xticks([2, 3, 5, 10, 20, 30], ["2", "3", "5", "10", "20", "30"])
     ax.set_yticks([-4, -2, 0, 2], ["−4 %", "−2 %", "0", "+2 %"])
     ax.minorticks_off()
-    ax.set_title(f"{BUCKLING_PAIR}, buckling load", fontsize=11, loc="left")
+    ax.set_title(f"{BUCKLING_PAIR}, buckling load")
     ax.set_ylabel("error of the buckling load")
     ax.text(3.3, 1.75, "mitiguy buckles late", color=method_style("mitiguy")["color"])
     ax.text(3.6, -3.0, "gregory early", color=method_style("gregory")["color"])
@@ -171,7 +171,7 @@ def _draw_errors(
         if case in LABELS[pair]:
             line = 100 * abs(table.relative_error.sel(case=case)).dropna("segments")
             (lines[case],) = ax.plot(line.segments, line, **look)
-    ax.set_title(f"{pair}, half the buckling load", fontsize=11, loc="left")
+    ax.set_title(f"{pair}, half the buckling load")
     ax.set_ylabel("|error of the first frequency|")
     ax.set(xscale="log", yscale="log", xlim=(2.7, 230), ylim=(1e-7, 100), xlabel="number of segments N")
     plain_ticks(ax, [3, 10, 30, 100, 200], 10.0 ** np.arange(-6, 3, 2), unit=" %")

@@ -37,7 +37,7 @@ def draw(table: xarray.Dataset, figure: Figure) -> None:
                 line = line.dropna("segments")
                 ax.plot(line.segments, line, marker="o", markersize=3.5, **method_style(str(rule)))
             _label(ax)
-            ax.set_title(f"{name}, mode {mode}", fontsize=11, loc="left")
+            ax.set_title(f"{name}, mode {mode}")
         row[0].set_ylabel(f"{boundary}\nfrequency error  [%]")
     # Linear within 0.1 %, logarithmic beyond: signs stay, and so does the distance of small errors.
     panels[0, 0].set_yscale("symlog", linthresh=0.1, linscale=0.6)

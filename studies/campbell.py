@@ -114,9 +114,7 @@ def _diagram(table: xarray.Dataset, ax: Axes) -> list[Label]:
                 )
     ax.set_xlabel("spin rate  Ω √(ρAL⁴/EI)")
     ax.set_ylabel("frequency  ω √(ρAL⁴/EI)")
-    ax.set_title(
-        f"lines: the beam;  {RULE} chains: □ {SEGMENTS[0]}, ● {SEGMENTS[1]} rods", fontsize=11, loc="left"
-    )
+    ax.set_title(f"lines: the beam;  {RULE} chains: □ {SEGMENTS[0]}, ● {SEGMENTS[1]} rods")
     return labels
 
 
@@ -130,7 +128,7 @@ def _errors(table: xarray.Dataset, ax: Axes) -> list[Label]:
         labels.append((line, f"{rule}, Ω = {spin:g}" if spin else f"{rule}, at rest", at, side))
     plain_ticks(ax, [4, 10, 20, 50, 100], [10.0**k for k in range(-6, 1)], unit=" %")
     ax.set_xlabel("number of segments N")
-    ax.set_title("|error| of flap 1: turning, as 1/N²", fontsize=11, loc="left")
+    ax.set_title("|error| of flap 1: turning, as 1/N²")
     return labels
 
 

@@ -85,7 +85,7 @@ def draw(table: xarray.Dataset, figure: Figure) -> None:
     for ax, boundary in zip(panels, BOUNDARIES, strict=True):
         ax.set(xscale="log", yscale="log", xlim=(2.5, 1600), ylim=(1e-4, 100))
         plain_ticks(ax, [3, 10, 30, 100, 300, 1000], [10.0**k for k in range(-4, 3)], unit=" %")
-        ax.set_title(f"{boundary}  (dots: N for 1 % and 0.001 %)", fontsize=11, loc="left")
+        ax.set_title(f"{boundary}  (dots: N for 1 % and 0.001 %)")
         ax.set_xlabel("N, number of segments or finite elements")
     panels[0].set_ylabel("largest |frequency error| of modes 1 to 3")
     for ax, boundary, places in zip(panels, BOUNDARIES, (LABELS, CLAMPED_LABELS), strict=True):

@@ -101,14 +101,15 @@ def _label_rotational(ax: Axes, lines: xarray.DataArray) -> None:
     label_line(ax, linear, "modes alone\nmove away\nfor good", point=point, offset=(-8, 0), ha="right")
     ax.text(0.42, 0.4, "grey: modes with centri-\nfugal tension, chains on top:", **_at(ax))
     for row, rule in enumerate(RULES):
-        text = f"{rule}  lowest {_metres(float(lines.sel(model=rule).min()))}"
+        text = f"{rule}  lowest {metres(float(lines.sel(model=rule).min()))}"
         ax.text(0.42, 0.26 - 0.07 * row, text, color=LOOKS[rule]["color"], **_at(ax))
     ax.plot(AT, LARGEST, "o", color="black", markersize=5, zorder=6)
-    ax.text(0.42, 0.12, f"●  the beam {_metres(LARGEST)}", **_at(ax))
+    ax.text(0.42, 0.12, f"●  the beam {metres(LARGEST)}", **_at(ax))
     ax.annotate("6 rad/s", (15.0, 0.03), (15.0, 0.14), ha="center", arrowprops={"arrowstyle": "-"})
 
 
-def _metres(value: float) -> str:
+def metres(value: float) -> str:
+    """Return a length as text."""
     return f"{value:.5f} m".replace("-", "−")
 
 
@@ -120,7 +121,7 @@ def _slider(ax: Axes) -> None:
     draw_block(ax, (0.0, 0.0), 0.0, (-1.5, -1.1, 1.5, 2.2))
     _draw_beam(ax, BENT)
     ax.add_patch(_arrow((-2.1, -1.5), (-2.1, 1.5), "<|-|>"))
-    ax.set_title("1a  linear motion: 0.1 m to and fro at 2 rad/s", fontsize=11, loc="left")
+    ax.set_title("1a  linear motion: 0.1 m to and fro at 2 rad/s")
 
 
 def _rotor(ax: Axes) -> None:
@@ -128,7 +129,7 @@ def _rotor(ax: Axes) -> None:
     ax.plot(-1.0, 0.0, "o", color=EDGE, markersize=3, zorder=3)
     _draw_beam(ax, -BENT)
     ax.add_patch(_arrow((0.5, -1.6), (0.5, 1.9), "-|>", "arc3,rad=0.5"))
-    ax.set_title("1b  rotational motion: from 0 to 6 rad/s in 15 s", fontsize=11, loc="left")
+    ax.set_title("1b  rotational motion: from 0 to 6 rad/s in 15 s")
 
 
 def _draw_beam(ax: Axes, bend: float) -> None:

@@ -108,8 +108,8 @@ def _draw_mode(ax: Axes, chain: bm.Chain, one: xarray.Dataset) -> None:
     picture(ax, (-0.24, 1.24), (-0.39, 0.27))
     unit = bm.Beam.unit().frequency_unit / (2 * np.pi)
     error = 100 * float(one.frequency / one.exact_frequency - 1)
-    ax.set_title(f"mode {int(one.mode)}", fontsize=11, fontweight="bold", loc="left")
-    ax.set_title(f"chain of {DRAWN}: {error:+.1f} %".replace("-", "−"), fontsize=11, loc="right", color=ROD)
+    ax.set_title(f"mode {int(one.mode)}", fontweight="bold")
+    ax.set_title(f"chain of {DRAWN}: {error:+.1f} %".replace("-", "−"), loc="right", color=ROD)
     text = f"exact beam (black): ω = {float(one.exact_frequency) / unit:.4g}"
     ax.text(0.5, -0.375, text, ha="center", fontsize=10).set_in_layout(False)
 

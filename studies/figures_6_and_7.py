@@ -38,8 +38,8 @@ def draw(table: xarray.Dataset, figure: Figure) -> None:
     plain_ticks(logarithmic, [1, 2, 5, 10, 20], [0.01, 0.1, 1, 10])
     logarithmic.axhline(1.0, color="#555555", linewidth=0.9, linestyle=(0, (4, 3)))
     logarithmic.text(0.95, 1.06, "1 %", color="#555555", va="bottom")
-    linear.set_title("signed, as in the report", fontsize=11, loc="left")
-    logarithmic.set_title("size, on logarithmic axes", fontsize=11, loc="left")
+    linear.set_title("signed, as in the report")
+    logarithmic.set_title("size, on logarithmic axes")
     linear.margins(y=0.1)
     first, *others = linear.get_lines()[:3]
     label_line(linear, first, "1st", point=0, offset=(0, -7), ha="center", va="top")

@@ -120,8 +120,6 @@ def _spectrum(table: xarray.Dataset, ax: Axes) -> None:
     apart = f"{100 * float(np.abs(table.difference).max()):.3f}"
     ax.set_title(
         f"a small knock on {SEGMENTS} rods: peaks at the eigen-\nfrequencies (lines), within {apart} %",
-        fontsize=11,
-        loc="left",
     )
 
 
@@ -139,7 +137,7 @@ def _shift(table: xarray.Dataset, ax: Axes) -> None:
         labels.append((line, text, 0.11, "below"))
     plain_ticks(ax, [0.02, 0.05, 0.1, 0.2, 0.5, 1], [10.0**k for k in range(-3, 2)], unit=" %")
     ax.set_xlabel("a rod's largest first angle  [rad]")
-    ax.set_title("bent far: |shift of the frequency|,\nas the amplitude squared", fontsize=11, loc="left")
+    ax.set_title("bent far: |shift of the frequency|,\nas the amplitude squared")
     ax.text(
         0.97,
         0.03,

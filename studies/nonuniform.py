@@ -104,7 +104,7 @@ def draw(table: xarray.Dataset, figure: Figure) -> None:
     panels = figure.subplots(2, 3, sharex="row", sharey="row", height_ratios=(1, 3.6))
     named = []
     for (sketch, ax), (name, count, note, places) in zip(panels.T, PANELS, strict=True):
-        sketch.set_title(name, fontsize=11, loc="left", fontweight="bold")
+        sketch.set_title(name, fontweight="bold")
         _sketch(sketch, CASES[places[0][0]][0], count)
         named.append(_curves(ax, table, places, note))
     panels[1, 0].set_ylabel("|error of the first frequency|")

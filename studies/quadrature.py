@@ -69,7 +69,7 @@ def _panel(table: xarray.Dataset, name: str, ax: Axes) -> None:
     ax.plot(table.x, table.curve, color="black")
     ax.plot(position, one.density, "o", color="black", markersize=3)
     ax.set_yticks([])
-    ax.set_title(name, fontsize=11, loc="left", fontweight="bold")
+    ax.set_title(name, fontweight="bold")
     weights = [str(Fraction(float(w)).limit_denominator(100)) for w in one.weight.values[:3]]
     start = "w = " + ", ".join([*weights, "1 ..."] if changed.any() else ["1, 1, 1 ..."])
     ax.text(0.97, 0.93, start, transform=ax.transAxes, ha="right", va="top")

@@ -14,7 +14,7 @@ import beammodes as bm
 from beammodes.views.animation import film_bytes, film_of, plot_motion, seen_from
 from beammodes.views.symbols import COLOURS, STYLE
 from studies.common import moved
-from studies.figure_1 import AT, BEAM, BOUNDARY, LARGEST, MOTIONS
+from studies.figure_1 import AT, BEAM, BOUNDARY, LARGEST, MOTIONS, metres
 from studies.study import Kind, Progress, Sheet, Study
 
 BASE = MOTIONS["rotational"][0]
@@ -67,7 +67,7 @@ def _stills(table: xarray.Dataset, ax: Axes) -> None:
     ax.set(xlim=(0, 10), ylim=(-0.62, 0.06))
     ax.set_xlabel("x in the turning frame  [m]")
     ax.set_ylabel("deflection  [m]")
-    ax.set_title(f"{FILMED} rods, seen from the hub", fontsize=11, loc="left")
+    ax.set_title(f"{FILMED} rods, seen from the hub")
 
 
 def _tips(table: xarray.Dataset, ax: Axes) -> None:
@@ -76,19 +76,15 @@ def _tips(table: xarray.Dataset, ax: Axes) -> None:
         colour, dashes = LOOK[n]
         ax.plot(table.time, line, color=colour, linestyle=dashes)
         ax.text(
-            0.98, 0.38 - 0.08 * row, f"{n} rods  {_metres(float(line.min()))}", color=colour, **_corner(ax)
+            0.98, 0.38 - 0.08 * row, f"{n} rods  {metres(float(line.min()))}", color=colour, **_corner(ax)
         )
     ax.plot(AT, LARGEST, "o", color="black", markersize=5, zorder=6)
     place = 0.38 - 0.08 * len(SEGMENTS)
-    ax.text(0.98, place, f"● the beam  {_metres(LARGEST)}", **_corner(ax))
+    ax.text(0.98, place, f"● the beam  {metres(LARGEST)}", **_corner(ax))
     ax.set(xlim=(0, DURATION), ylim=(-0.62, 0.06), xticks=range(0, 21, 5))
     ax.set_xlabel("time t  [s]")
     ax.set_ylabel("tip deflection  [m]")
-    ax.set_title(f"its tip: {RULE} chains, and their lowest points", fontsize=11, loc="left")
-
-
-def _metres(value: float) -> str:
-    return f"{value:.5f} m".replace("-", "−")
+    ax.set_title(f"its tip: {RULE} chains, and their lowest points")
 
 
 def _corner(ax: Axes) -> dict[str, Any]:

@@ -212,7 +212,7 @@ def _draw_constants(table: xarray.Dataset, ax: Axes) -> None:
     plain_ticks(ax, [1, 2, 3, 4, 6, 8, 12])
     ax.set_xlabel("number of segments N")
     ax.set_ylabel("C in  h = C L² √(ρA/EI)")
-    ax.set_title("Clamped-free: the constant C", fontsize=11, loc="left")
+    ax.set_title("Clamped-free: the constant C")
 
 
 def _draw_growth(table: xarray.Dataset, ax: Axes) -> None:
@@ -236,7 +236,7 @@ def _draw_growth(table: xarray.Dataset, ax: Axes) -> None:
     ax.minorticks_off()
     ax.set_xlabel("steps of fixed-step Runge-Kutta")
     ax.set_ylabel("largest angle  [rad]")
-    ax.set_title(f"What a fixed step does ({SHOWN[0]}, N = {SHOWN[1]})", fontsize=11, loc="left")
+    ax.set_title(f"What a fixed step does ({SHOWN[0]}, N = {SHOWN[1]})")
 
 
 def _draw_recipe(table: xarray.Dataset, ax: Axes) -> None:
@@ -258,7 +258,7 @@ def _draw_recipe(table: xarray.Dataset, ax: Axes) -> None:
     plain_ticks(ax, [1, 2, 3, 4, 6, 8, 12], [1, 4, 10, 100, 1000])
     ax.set_xlabel("number of segments N")
     ax.set_ylabel("evaluations per published step")
-    ax.set_title("What the variable step (tolerance 0.001) does", fontsize=11, loc="left")
+    ax.set_title("What the variable step (tolerance 0.001) does")
 
 
 PAGE = """# The step size, settled

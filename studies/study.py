@@ -131,7 +131,7 @@ class Study:
 
     def picture(self, table: xarray.Dataset) -> Figure:
         """Return the figure of a computed dataset."""
-        with matplotlib.rc_context(STYLE):
+        with matplotlib.rc_context({**STYLE, "axes.titlelocation": "left", "axes.titlesize": 11}):
             figure = Figure(figsize=self.size, layout="constrained")
             figure.suptitle(self.title, fontsize=13, fontweight="bold", x=0.01, ha="left")
             self.draw(table, figure)

@@ -73,10 +73,10 @@ def draw(table: xarray.Dataset, figure: Figure) -> None:
         _draw_truck(ax, one, 0.0, faint=True)
         _draw_truck(ax, one, amplitude)
         title = f"{bed} bed, {one.motion.item()}: {float(one.exact_frequency):#.4g} Hz"
-        ax.set_title(title, fontsize=11, fontweight="bold", loc="left")
+        ax.set_title(title, fontweight="bold")
         if bed == "flexible":
             error = f"chain {100 * float(one.relative_error):+.2g} %".replace("-", "−")
-            ax.set_title(error, fontsize=11, loc="right", color=ROD)
+            ax.set_title(error, loc="right", color=ROD)
 
 
 def _draw_truck(ax: Axes, one: xarray.Dataset, amplitude: float, *, faint: bool = False) -> None:
@@ -104,7 +104,7 @@ def _draw_truck(ax: Axes, one: xarray.Dataset, amplitude: float, *, faint: bool 
 
 def _draw_numbers(ax: Axes, beside: Axes, table: xarray.Dataset) -> None:
     _draw_truck(ax, table.isel(bed=0, mode=0), 0.0)
-    ax.set_title("at rest", fontsize=11, fontweight="bold", loc="left")
+    ax.set_title("at rest", fontweight="bold")
     top, kilonewton = HEIGHT + GAP, 1e3
     for end, x, height, name in ((FRONT, 0.2, CAB_SIZE[1], "cab"), (REAR, 3.4, LOAD_SIZE[1], "load")):
         ax.text(x, top + height / 2, f"{name}\n{end.mass:.0f} kg", ha="center", va="center")

@@ -107,7 +107,7 @@ def draw(table: xarray.Dataset, figure: Figure) -> None:
         panels = row.subplots(1, len(FIGURES))
         for ax, boundary in zip(panels, FIGURES, strict=True):
             _draw_panel(ax, table.sel(beam=beam, boundary=boundary))
-            ax.set_title(f"{FIGURES[boundary]}, {boundary}", fontsize=11, fontweight="bold", loc="left")
+            ax.set_title(f"{FIGURES[boundary]}, {boundary}", fontweight="bold")
         panels[0].set_ylabel("|frequency error|  [%]")
     note = (
         "shaded: the beam's own 95 % band and, darker, a third of it; bold: fewest segments that stay\n"
