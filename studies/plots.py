@@ -177,7 +177,7 @@ def plain_ticks(
     """
     for axis, values, after in ((ax.xaxis, x, ""), (ax.yaxis, y, unit)):
         if values is not None:
-            numbers = [np.format_float_positional(value, trim="-").replace("-", "−") for value in values]
+            numbers = [np.format_float_positional(value, 9, trim="-").replace("-", "−") for value in values]
             axis.set_ticks(values, [f"{number}{after}" for number in numbers])
     ax.minorticks_off()
 
