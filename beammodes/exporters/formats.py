@@ -14,9 +14,10 @@ follow from it.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 
 from beammodes.chains.chain import Chain
@@ -105,8 +106,9 @@ class Format:
         return path, path.with_name(path.name.removesuffix(self.suffix) + self.beside)
 
 
+_FOUND: dict[str, Format] = {}
 #: By their names.
-FORMATS: dict[str, Format] = {}
+FORMATS: Mapping[str, Format] = MappingProxyType(_FOUND)
 
 #: MuJoCo's XML reader gives up at elements nested 500 deep, and bodies are nested.
 MAX_NESTED = 490
@@ -120,7 +122,7 @@ def _format(name: str, suffix: str, takes: tuple[str, ...] = (), **facts: Any) -
     """Register a function as the writer of a format."""
 
     def register(write: Writer) -> Writer:
-        FORMATS[name] = Format(name, suffix, takes, write, **facts)
+        _FOUND[name] = Format(name, suffix, takes, write, **facts)
         return write
 
     return register

@@ -15,6 +15,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from types import MappingProxyType
 
 from beammodes.chains.chain import Chain
 from beammodes.numerics.arrays import Floats
@@ -28,7 +29,7 @@ Spring = tuple[float, float]
 Vector = tuple[float, float, float]
 
 #: For each direction of deflection, the axes of a slide along it and of a hinge that lifts the far tip.
-AXES = {"z": ((0, 0, 1), (0, -1, 0)), "y": ((0, 1, 0), (0, 0, 1))}
+AXES = MappingProxyType({"z": ((0, 0, 1), (0, -1, 0)), "y": ((0, 1, 0), (0, 0, 1))})
 #: What a body that cannot do without mass or inertia gets, over what it moves with. Heavy bodies at both ends
 #: of a short chain make ten times that of it in a frequency: still below 1e-8.
 _TRACE = 1e-10
