@@ -103,7 +103,7 @@ def test_segments_needed_by_scanning(boundary: str, rule: str) -> None:
 @pytest.mark.parametrize("boundary", PAIRS)
 @pytest.mark.parametrize("rule", EVERY_N)
 def test_segments_needed_around_the_answer(boundary: str, rule: str) -> None:
-    for exponent in range(2, 9):
+    for exponent in (2, 5, 8):
         tolerance = 10.0**-exponent
         answer = bm.segments_needed(boundary, tolerance, modes=2, rule=rule)
         # Every N next to it, and some up to a hundred times as many.

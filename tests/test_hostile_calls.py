@@ -554,11 +554,11 @@ def target(name: str) -> Any:
 def combinations(name: str, pairs: int) -> Iterator[dict[str, str]]:
     """Every argument by every value, then so many draws of two arguments by two values.
 
-    Without draws it is every second value, in turns: the next argument has the others.
+    Without draws it is every third value, in turns: the next argument has the next ones.
     """
     arguments = [argument for argument in CALLS[name]() if argument != "self"]
     for (i, argument), (k, value) in itertools.product(enumerate(arguments), enumerate(HOSTILE)):
-        if (pairs or (i + k) % 2 == 0) and not (argument == "progress" and value in OWN_FUNCTIONS):
+        if (pairs or (i + k) % 3 == 0) and not (argument == "progress" and value in OWN_FUNCTIONS):
             yield {argument: value}
     draw = random.Random(name)
     for _ in range(pairs if len(arguments) > 1 else 0):
@@ -704,7 +704,7 @@ PAIRS = 120
 @pytest.mark.parametrize("group", range(8))
 def test_hostile_arguments_are_answered_or_refused_by_name(group: int) -> None:
     calls, wrong = outcomes(sorted(CALLS)[group::8], 0)
-    assert calls > 800
+    assert calls > 500
     assert not wrong, f"{len(wrong)} of {calls} calls:\n" + "\n".join(wrong[:40])
 
 

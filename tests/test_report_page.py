@@ -266,7 +266,6 @@ def test_every_figure_of_the_report_is_there_and_so_is_every_other_study(page: s
 
 
 def test_the_same_page_twice(page: str) -> None:
-    atlas_data.atlas.cache_clear()
     assert build.page(FIGURES) == page
 
 
