@@ -84,12 +84,8 @@ EVERY_STUDY = pytest.mark.parametrize(
 
 
 @EVERY_STUDY
-def test_its_tables_are_those_committed(name: str) -> None:
+def test_its_tables_are_those_committed_and_its_picture_is_drawn_without_warnings(name: str) -> None:
     assert study_differs(name, every_study()[name].tables(computed(name))) == []
-
-
-@EVERY_STUDY
-def test_its_picture_is_drawn_without_warnings(name: str) -> None:
     figure = every_study()[name].picture(computed(name))
     figure.draw_without_rendering()
     assert figure.get_suptitle() == every_study()[name].title
