@@ -29,12 +29,16 @@ _BESIDE = (
 )
 
 
+def _pieces(name: str) -> tuple[object, ...]:
+    rule = bm.RULES[name]
+    return rule.stub, rule.rotary_inertia, rule.inside
+
+
 def _place(name: str) -> float:
     """Return where a rule stands: one without a place of its own behind the last with the same pieces."""
     if name in _BESIDE:
         return _BESIDE.index(name)
-    pieces = (bm.RULES[name].stub, bm.RULES[name].rotary_inertia)
-    alike = [i for i, n in enumerate(_BESIDE) if (bm.RULES[n].stub, bm.RULES[n].rotary_inertia) == pieces]
+    alike = [i for i, other in enumerate(_BESIDE) if _pieces(other) == _pieces(name)]
     return max(alike, default=len(_BESIDE)) + 0.5
 
 
