@@ -47,6 +47,9 @@ MAX_MODES = 100_000
 #: Higher modes of one chain are refused where each is a root of its own to find.
 _MAX_MODE_FOUND = 1000
 
+#: So many modes of a solved chain are kept.
+_MODES_KEPT = 8
+
 
 @overload
 def frequency_error(
@@ -260,6 +263,13 @@ def _chain_frequencies(boundary: Boundary, segments: int, modes: int, record: La
         ]
         softer = Load(axial_force=_softened(load.axial_force, stiffer))
         return math.sqrt(stiffer) * _closed_form(Boundary(*ends), segments, modes, record.rule, softer)
+    if isinstance(record, Rule):
+        # A pattern inside: look-ups of its modes, one by one, solve each chain once.
+        return _solved_once(boundary, segments, max(modes, _MODES_KEPT), record, load)[:modes]
+    return _solved(boundary, segments, modes, record, load)
+
+
+def _solved(boundary: Boundary, segments: int, modes: int, record: Layout, load: Load) -> Floats:
     from beammodes.chains.chain import Chain
     from beammodes.vibration.linear import linearize
     from beammodes.vibration.modes import solve_modes
@@ -273,6 +283,9 @@ def _chain_frequencies(boundary: Boundary, segments: int, modes: int, record: La
     solved = solve_modes(linearize(chain, load=load), modes).angular_frequency
     omega[: len(solved)] = solved
     return omega
+
+
+_solved_once = lru_cache(maxsize=4096)(_solved)
 
 
 def _closed_form(boundary: Boundary, segments: int, modes: int, rule: Rule, load: Load) -> Floats:
