@@ -115,7 +115,6 @@ def test_every_elastic_mode_of_longer_chains_is_exact(
     assert springs.stiffness_ratio.min() > 0.1
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("boundary", BOUNDARIES, ids=str)
 def test_long_chains(boundary: Boundary) -> None:
     springs = match_springs(boundary, 200, 3)
