@@ -108,7 +108,7 @@ class ChainGrid(NamedTuple):
 
     @property
     def shape(self) -> tuple[int, int, int]:
-        """How many of each."""
+        """Number of each."""
         return len(self.rules), len(self.boundaries), len(self.segments)
 
     def coordinates(self, modes: int = 0) -> dict[str, Any]:

@@ -82,7 +82,7 @@ class ChainNumbers:
 
     @property
     def pieces(self) -> int:
-        """How many pieces the chain has, zero-length outer ones included."""
+        """Number of pieces, zero-length outer ones included."""
         return len(self.scaled.length)
 
     @cached_property
@@ -284,7 +284,7 @@ class Chain(ChainNumbers):
 
     @property
     def elastic_modes(self) -> int:
-        """How many modes store energy: the chain's independent motions, less the rigid-body modes."""
+        """Number of modes that store energy: the chain's independent motions, less the rigid-body modes."""
         (left, _), (right, _) = self.scaled.supports
         turning = zip(self.scaled.length, self.held_angles, strict=True)
         reaches = any(length and not held for length, held in turning)

@@ -337,7 +337,7 @@ class Rule:
 
     @property
     def has_equal_springs(self) -> bool:
-        """Whether all springs inside are equal, which closed forms need."""
+        """True if all springs inside are equal, which closed forms need."""
         return len(self.inside) == 1
 
     def fits(self, segments: int) -> bool:
@@ -535,7 +535,7 @@ def _orders(rule: Rule) -> Mapping[str, int]:
 
 @runtime_checkable
 class Layout(Protocol):
-    """What a chain needs of a rule, and all it needs: any record that has these four can be passed as `rule`.
+    """All that a chain needs of a rule: any record that has these four can be passed as `rule`.
 
     A `Rule` is one. So are the records of `matched` and `axially_corrected`, and a class of your own, where
     springs do not follow a pattern that `Rule` knows. `Chain`, `frequency_error`, `segments_needed`,
@@ -561,7 +561,7 @@ class Layout(Protocol):
 
     @property
     def name(self) -> str:
-        """How errors and tables name it."""
+        """Name in errors and tables."""
 
     @property
     def rotary_inertia(self) -> Fraction:

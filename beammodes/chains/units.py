@@ -68,7 +68,7 @@ class ExactUnits:
 
 @dataclass(frozen=True, slots=True)
 class Units:
-    """What one stands for in a chain's own numbers: a length [m], a mass [kg] and a joint stiffness [N m]."""
+    """Value of one in a chain's own numbers: a length [m], a mass [kg] and a joint stiffness [N m]."""
 
     length: float = 1.0
     mass: float = 1.0

@@ -1,1 +1,1 @@
-"""What is given: a beam, what stands at its two ends, and what loads it."""
+"""The problem as given: a beam, its two ends, its load."""

@@ -378,13 +378,13 @@ class Beam:
 
     @property
     def is_uniform(self) -> bool:
-        """Whether all three properties are numbers; rotary inertia may still be one of them."""
+        """True if all three properties are numbers; rotary inertia may still be one of them."""
         properties = (self.bending_stiffness, self.mass_per_length, self.rotary_inertia_per_length)
         return all(isinstance(profile, float) for profile in properties)
 
     @property
     def has_rotary_inertia(self) -> bool:
-        """Whether the section's rotary inertia is anything but zero."""
+        """True if the section's rotary inertia is not zero."""
         return not isinstance(self.rotary_inertia_per_length, float) or self.rotary_inertia_per_length > 0.0
 
     @property

@@ -115,22 +115,22 @@ class End:
 
     @property
     def holds_deflection(self) -> bool:
-        """Whether the end's deflection is zero."""
+        """True if the end's deflection is zero."""
         return self.translational_stiffness == math.inf
 
     @property
     def holds_rotation(self) -> bool:
-        """Whether the end's rotation is zero."""
+        """True if the end's rotation is zero."""
         return self.rotational_stiffness == math.inf
 
     @property
     def is_elastic(self) -> bool:
-        """Whether a spring neither holds the end nor leaves it free."""
+        """True if a spring neither holds the end nor leaves it free."""
         return any(0 < k < math.inf for k in (self.translational_stiffness, self.rotational_stiffness))
 
     @property
     def is_grounded(self) -> bool:
-        """Whether anything ties the end to the ground, so that it also holds the beam along its axis."""
+        """True if anything ties the end to the ground, so that it also holds the beam along its axis."""
         return self.translational_stiffness > 0 or self.rotational_stiffness > 0
 
     @property
@@ -325,12 +325,12 @@ class Boundary:
 
     @property
     def is_plain(self) -> bool:
-        """Whether both ends are no more than clamped, pinned, guided or free."""
+        """True if both ends are no more than clamped, pinned, guided or free."""
         return self.left.word is not None and self.right.word is not None
 
     @property
     def rigid_body_modes(self) -> int:
-        """How many independent transverse motions leave the beam straight (0, 1 or 2).
+        """Number of independent transverse motions that leave the beam straight (0, 1 or 2).
 
         Two supported quantities fix a straight line, unless both are rotations: those fix its slope twice.
         """
@@ -392,7 +392,7 @@ def boundary_codes(value: BoundaryLike | Iterable[BoundaryLike] | NDArray[Any]) 
 
 
 def is_pair(value: object) -> bool:
-    """Whether `value` is one pair of ends: two words of ends or `End`s, and not two boundaries.
+    """Return True if `value` is one pair of ends: two words of ends or `End`s, and not two boundaries.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""What loads a beam while it vibrates, bends or moves."""
+"""Loads on a beam while it vibrates, bends or moves."""
 
 from __future__ import annotations
 
@@ -92,17 +92,17 @@ class Load:
 
     @property
     def bends(self) -> bool:
-        """Whether a straight beam is not in equilibrium under it."""
+        """True if a straight beam is not in equilibrium under it."""
         return bool(self.weight[1] or self.tip[1] or self.tip_moment)
 
     @property
     def needs_hub(self) -> bool:
-        """Whether something must hold the beam's left end along its axis."""
+        """True if something must hold the beam's left end along its axis."""
         return bool(self.spin_rate or any(self.weight) or any(self.tip) or self.tip_moment)
 
     @property
     def is_axial(self) -> bool:
-        """Whether there is no more to it than the axial force."""
+        """True if there is no more to it than the axial force."""
         return not self.needs_hub
 
 

@@ -64,7 +64,7 @@ class Modulus:
 
     @property
     def is_range(self) -> bool:
-        """Whether two numbers are printed."""
+        """True if two numbers are printed."""
         return self.low != self.high
 
     @property

@@ -47,7 +47,7 @@ __all__ = [
 
 
 class Section(Protocol):
-    """What `Beam.from_section` asks of a cross-section, from here or from elsewhere."""
+    """Cross-section as `Beam.from_section` needs it, from here or from elsewhere."""
 
     @property
     def area(self) -> float:
@@ -59,7 +59,7 @@ class Section(Protocol):
 
 
 class Shape(ABC):
-    """What sections of given dimensions have in common."""
+    """Base of the sections of given dimensions."""
 
     __slots__ = ()
 

@@ -40,7 +40,7 @@ __all__ = ["Conditions", "Solution", "State", "closest", "spring_state", "symmet
 
 @dataclass(frozen=True, eq=False)
 class State:
-    """What a chain with given springs does, in its own units.
+    """Response of a chain with given springs, in its own units.
 
     Attributes
     ----------

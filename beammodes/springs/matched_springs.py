@@ -422,12 +422,12 @@ class Matched:
 
     @property
     def name(self) -> str:
-        """What tables call it, such as "matched(3)"."""
+        """Name in tables, such as "matched(3)"."""
         return f"matched({self.modes})"
 
     @property
     def exact_modes(self) -> int:
-        """How many frequencies, from the first, are the beam's at every N that has them."""
+        """Number of frequencies, from the first, that are the beam's at every N that has them."""
         return self.modes
 
     def springs(self, boundary: BoundaryLike, segments: int) -> MatchedSprings:

@@ -43,7 +43,7 @@ class ModeTuned:
 
     @property
     def name(self) -> str:
-        """What tables call it, such as "mode_tuned(2)"."""
+        """Name in tables, such as "mode_tuned(2)"."""
         return f"mode_tuned({self.mode})"
 
     def rule_for(self, boundary: BoundaryLike) -> Rule:
