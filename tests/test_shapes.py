@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from drawn_ends import EVERY_N
 
 from beammodes.accuracy.shapes import modal_assurance, shape_dataset
 from beammodes.chains.chain import Chain
@@ -23,7 +24,8 @@ from beammodes.vibration.modes import solve_modes
 UNIT = Beam.unit()
 EVERY_RULE = pytest.mark.parametrize("rule", RULES)
 PAIRS = [pair.name for pair in BOUNDARIES]
-AT_WALL = [name for name, rule in RULES.items() if rule.stub == 0]
+#: Unequal springs inside bend a wave in zigzag: no shape of theirs is exact.
+AT_WALL = [name for name in EVERY_N if RULES[name].stub == 0]
 
 
 def random_shapes(seed: int, modes: int = 4, nodes: int = 7) -> np.ndarray:
@@ -137,7 +139,8 @@ def test_gregory_trades_shape_for_frequency() -> None:
 def test_missing_where_the_chain_has_no_such_mode(rule: str) -> None:
     table = shape_dataset(boundary=PAIRS, segments=range(1, 6), modes=6, rule=rule)
     for boundary, segments in itertools.product(PAIRS, range(1, 6)):
-        has = Chain(UNIT, boundary, segments, rule).elastic_modes
+        # A pattern that does not fit N leaves no chain.
+        has = Chain(UNIT, boundary, segments, rule).elastic_modes if RULES[rule].fits(segments) else 0
         for array in table.sel(boundary=boundary, segments=segments).data_vars.values():
             assert np.isfinite(array.values.ravel()).tolist() == [n < has for n in range(6)]
     assert np.nanmin(table.assurance_deficit) >= 0 and np.nanmax(table.assurance_deficit) <= 1

@@ -132,10 +132,10 @@ def recommend(
     --------
     >>> import beammodes as bm
     >>> for way in bm.recommend("clamped-free", tolerance=0.01, modes=3)[:3]:
-    ...     print(way.rule, way.segments, f"{way.static_error['tip_moment']:+.4f}")
-    gregory 8 -0.0026
-    half_stub_corrected 9 +0.0010
-    gregory2 11 -0.0014
+    ...     print(way.rule, way.segments, f"{way.largest_error:.4f}")
+    gregory 8 0.0081
+    simpson 8 0.0024
+    half_stub_corrected 9 0.0069
     """
     pair, unit = Boundary.of(boundary), Beam.unit() if beam is None else beam
     modes = whole_number("modes", modes, most=MAX_MODES_SOUGHT)
