@@ -12,17 +12,14 @@ from matplotlib.lines import Line2D
 
 import beammodes as bm
 from beammodes.views.symbols import GREY
-from studies.common import MATCHED, MODES, element_errors, largest_error
+from studies.common import LARGEST_ERROR, MATCHED, MODES, element_errors, largest_error
 from studies.plots import label_along, mark_exact, mark_point, method_style, places_along, plain_ticks
-from studies.study import Kind, Progress, Sheet, Study, repeatable
+from studies.study import Progress, Sheet, Study
 
 BOUNDARIES = ("clamped-free", "clamped-clamped")
 ELEMENTS = "cubic finite elements"
 SEGMENTS = np.array([*range(MODES, 65), *np.unique(np.geomspace(66, 1000, 24).astype(int))])
 MOST_ELEMENTS = 64
-#: Errors of a rule without a closed form are of solved frequencies, good to 1e-14 (`frequency_error`): a
-#: tenth of this last place, below which no digit is claimed.
-SOLVED_DECIMALS = 13
 TOLERANCES = (1e-2, 1e-5)
 MARKED = ("mitiguy", "gregory", ELEMENTS)
 # Where a number would cover a neighbouring line.
@@ -57,9 +54,8 @@ def data(progress: Progress) -> xarray.Dataset:
     error = np.full((len(BOUNDARIES), len(methods), len(SEGMENTS)), np.nan)
     needed = np.zeros((len(BOUNDARIES), len(MARKED), len(TOLERANCES)), dtype=int)
     for i, boundary in enumerate(BOUNDARIES):
-        for j, (rule, record) in enumerate(bm.RULES.items()):
-            found = largest_error(boundary, rule, SEGMENTS)
-            error[i, j] = found if record.has_equal_springs else repeatable(found, SOLVED_DECIMALS)
+        for j, rule in enumerate(bm.RULES):
+            error[i, j] = largest_error(boundary, rule, SEGMENTS)
         few = SEGMENTS <= MOST_ELEMENTS
         error[i, -2, few] = [np.abs(element_errors(boundary, int(n))).max() for n in SEGMENTS[few]]
         # Exact from the shortest chain that has the modes: two lengths show it.
@@ -124,7 +120,7 @@ STUDY = Study(
     sheets={
         ".csv": Sheet(
             ("boundary", "method", "segments", "largest_error"),
-            {"largest_error": Kind(decimals=SOLVED_DECIMALS, some=True)},
+            {"largest_error": LARGEST_ERROR},
         ),
         "_needed.csv": Sheet(("boundary", "marked", "tolerance", "segments_needed")),
     },
