@@ -142,7 +142,7 @@ class ImplicitStepper:
     load, damping
         As `forward_dynamics` takes them.
     integrator : str
-        One of `INTEGRATORS` whose run is "implicit_run".
+        One of `INTEGRATORS` whose run is "implicit", such as "midpoint" or "sdirk2".
 
     Examples
     --------
