@@ -208,6 +208,7 @@ def test_studies_are_timed_on_every_engine(monkeypatch: pytest.MonkeyPatch) -> N
     monkeypatch.setattr(batch_speed, "BODIES", batch_speed.BODIES | few)
     monkeypatch.setattr(batch_speed, "PLAIN", batch_speed.PLAIN | {"segments": range(1, 9)})
     table = benchmarks.batches()
-    assert "20 frequencies with a body" in table and "4,000 of plain ends" in table
+    plain = len(bm.BOUNDARIES) * len(batch_speed.PLAIN["rule"]) * 8 * batch_speed.MODES
+    assert "20 frequencies with a body" in table and f"{plain:,} of plain ends" in table
     for name in ("one process", "2 processes", "Dask, 2 workers"):
         assert f"| {name} |" in table
