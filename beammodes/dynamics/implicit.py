@@ -252,9 +252,11 @@ class ImplicitStepper:
             force_change = -(gap + felt[0]) / felt[1]
         step = casadi.vertcat(1, force_change)
         force_unit, moment_unit, length_unit = self.scale
-        worst = casadi.norm_inf(
-            casadi.vertcat(residual.T / moment_unit, *(each / force_unit for each in off), gap / length_unit)
+        off_by = casadi.vertcat(
+            residual.T / moment_unit, *(each / force_unit for each in off), gap / length_unit
         )
+        # The largest, and not a number where one of them is none.
+        worst = casadi.mmax(casadi.fabs(off_by)) + 0 * casadi.sumsqr(off_by)
         results = [
             v + rates.T @ step,
             force + force_change,
