@@ -136,7 +136,7 @@ def test_what_needs_equal_springs_says_so() -> None:
 )
 def test_patterns_that_are_none(changes: dict[str, object], message: str) -> None:
     with pytest.raises((TypeError, ValueError), match=message):
-        bm.Rule("own", ["1/2"], **changes)  # type: ignore[arg-type]
+        bm.Rule("own", ["1/2"], **changes)
 
 
 def test_a_pattern_of_one_weight_is_none() -> None:

@@ -1194,7 +1194,7 @@ def test_a_base_that_turns_with_a_held_right_end_is_refused(integrator: str) -> 
     with pytest.raises(ValueError, match="boundary must tie down the left end"):
         simulate(Chain(UNIT, "free-clamped", 2), duration=0.1, integrator=integrator)
     with pytest.raises(TypeError, match="chain must be a Chain"):
-        simulate("clamped-free", duration=0.1, integrator=integrator)  # type: ignore[arg-type]
+        simulate("clamped-free", duration=0.1, integrator=integrator)
 
 
 @given(st.one_of(st.sampled_from([0, 4, -1, 1.5, "1", None, True, math.nan, 10**30, [1]]), st.text()))

@@ -540,8 +540,8 @@ class Layout(Protocol):
     A `Rule` is one. So are the records of `matched` and `axially_corrected`, and a class of your own, where
     springs do not follow a pattern that `Rule` knows. `Chain`, `frequency_error`, `segments_needed`,
     `error_dataset`, `recommend`, `chain_errors` and all that takes a chain take any; its frequencies are
-    solved one chain at a time. `chain_frequency` and `error_law` have closed forms, which need the weights of
-    a `Rule` (or of `mode_tuned`); so does `derivation`, which needs them as exact numbers.
+    solved one chain at a time. `chain_frequency`, `error_law` and `law_holds_from` have closed forms, which
+    need the weights of a `Rule` (or of `mode_tuned`).
 
     Examples
     --------

@@ -116,8 +116,12 @@ def parse(arguments: Sequence[str], commands: Sequence[Command]) -> argparse.Nam
 
 def _leave_without_command(first: str, arguments: Sequence[str], commands: Sequence[Command]) -> NoReturn:
     """Print the help or the version, or tell which command is meant."""
-    parser = _Parser(prog="beammodes", usage="beammodes COMMAND ...")
-    parser.format_help = lambda: help_text(commands)  # type: ignore[method-assign]
+
+    class Whole(_Parser):
+        def format_help(self) -> str:
+            return help_text(commands)
+
+    parser = Whole(prog="beammodes", usage="beammodes COMMAND ...")
     parser.add_argument("--version", action="version", version=SOURCE)
     names = [command.name for command in commands]
     if first and not first.startswith("-"):

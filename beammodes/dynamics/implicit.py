@@ -115,7 +115,7 @@ def _piece() -> tuple[casadi.Function, casadi.Function, casadi.Function]:
 
 
 class _Buffered:
-    """A compiled function with arrays for its named arguments and results, ten times as fast to call."""
+    """A compiled function with arrays for its named arguments and results: a call copies nothing."""
 
     def __init__(self, function: casadi.Function) -> None:
         # Compiled code reads and writes the arrays; it lives no longer than the buffer does.
