@@ -1,4 +1,4 @@
-"""Frequencies of the uniform beam with springs and bodies at its ends and an axial force, over arrays of cases."""
+"""Frequencies of uniform beams with springs and bodies at their ends and an axial force, over arrays."""
 
 from __future__ import annotations
 
