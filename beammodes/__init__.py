@@ -108,7 +108,7 @@ _NAMES = {
     "problem.loading": "Load",
     "problem.materials": "MODULI elastic_modulus",
     "problem.profiles": "Table",
-    "problem.sections": "Box Circle GivenSection ISection Rectangle Tube from_sectionproperties",
+    "problem.sections": "Box Channel Circle GivenSection ISection Rectangle Tube from_sectionproperties",
     "springs.matched_springs": "match_springs matched",
     "springs.tuning": "mode_tuned",
     "version": "__version__",
@@ -201,6 +201,7 @@ if TYPE_CHECKING:
     from beammodes.problem.materials import elastic_modulus as elastic_modulus
     from beammodes.problem.profiles import Table as Table
     from beammodes.problem.sections import Box as Box
+    from beammodes.problem.sections import Channel as Channel
     from beammodes.problem.sections import Circle as Circle
     from beammodes.problem.sections import GivenSection as GivenSection
     from beammodes.problem.sections import ISection as ISection

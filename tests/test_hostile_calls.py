@@ -122,6 +122,9 @@ CALLS: dict[str, Arguments] = {
         rotary_inertia_per_length=0.01,
         shear_stiffness=1e4,
         radius_of_gyration=0.1,
+        torsional_stiffness=60.0,
+        polar_inertia_per_length=0.02,
+        axial_stiffness=1e6,
     ),
     "Beam.from_section": lambda: {
         "section": bm.Rectangle(0.1, 0.2),
@@ -135,6 +138,7 @@ CALLS: dict[str, Arguments] = {
     "Box": of(width=0.04, height=0.06, wall=0.003),
     "Chain": lambda: {"beam": beam(), "boundary": "clamped-free", "segments": 4, "rule": "gregory"},
     "Chain.from_pieces": lambda: {**PIECES, "boundary": "clamped-free"},
+    "Channel": of(width=0.1, height=0.2, flange=0.0085, web=0.0056),
     "Circle": of(diameter=0.1),
     "Damping.joint_damping": lambda: {"self": bm.Damping(joint=0.1), "chain": chain()},
     "Damping": of(mass=0.1, stiffness=0.01, joint=0.1),
@@ -146,7 +150,7 @@ CALLS: dict[str, Arguments] = {
         offset=0.1,
         on_segment=False,
     ),
-    "GivenSection": of(area=1.0, second_moment=2.0, weak_second_moment=1.0),
+    "GivenSection": of(area=1.0, second_moment=2.0, weak_second_moment=1.0, torsion_constant=0.5),
     "ISection": of(width=0.1, height=0.2, flange=0.0085, web=0.0056),
     "Load": of(
         axial_force=1.0,

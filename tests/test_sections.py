@@ -27,6 +27,7 @@ from beammodes.problem.beam import Beam
 from beammodes.problem.materials import MODULI, elastic_modulus
 from beammodes.problem.sections import (
     Box,
+    Channel,
     Circle,
     GivenSection,
     ISection,
@@ -143,7 +144,15 @@ def test_ipe_200_of_the_handbook() -> None:
 
 
 @pytest.mark.parametrize(
-    "section", [Rectangle(2, 3), Circle(2), Tube(2, inner=1), Box(2, 3, 0.5), ISection(2, 3, 0.5, 0.25)]
+    "section",
+    [
+        Rectangle(2, 3),
+        Circle(2),
+        Tube(2, inner=1),
+        Box(2, 3, 0.5),
+        ISection(2, 3, 0.5, 0.25),
+        Channel(2, 3, 0.5, 0.25),
+    ],
 )
 def test_sections_are_values(section: Any) -> None:
     again = pickle.loads(pickle.dumps(section))
@@ -282,6 +291,9 @@ def test_a_beam_of_a_section() -> None:
     shear = {
         "shear_stiffness": 5 / 6 * 70e9 / 2.6 * FLAT.area,
         "radius_of_gyration": FLAT.radius_of_gyration,
+        "torsional_stiffness": 70e9 / 2.6 * FLAT.torsion_constant,
+        "polar_inertia_per_length": 2800.0 * FLAT.polar_second_moment,
+        "axial_stiffness": 70e9 * FLAT.area,
     }
     assert plain == Beam(0.3, 70e9 * FLAT.second_moment, 2800.0 * FLAT.area, **shear)
     assert turning == Beam(

@@ -37,6 +37,10 @@ __all__ = ["Beam", "PropertyLike", "each_place_once", "kept_breaks", "kept_prope
 PropertyLike: TypeAlias = Profile | Sequence[float] | NDArray[Any]
 
 
+# What each beam has along it, and what it may have.
+_NEEDED = ("bending_stiffness", "mass_per_length", "rotary_inertia_per_length")
+_OPTIONAL = ("shear_stiffness", "torsional_stiffness", "polar_inertia_per_length", "axial_stiffness")
+
 _GRID, _MAY_VANISH, _MOST_PARTS = 65, "rotary_inertia_per_length", 100_000
 
 
@@ -215,15 +219,22 @@ class Beam:
         κGA, the shear coefficient times shear modulus times area.
     radius_of_gyration : float [m], optional
         r = √(I/A) of the section, the same all along, of a beam whose ρI is left out.
+    torsional_stiffness : float, sequence, Table or function [N m²], optional
+        GJ, shear modulus times torsion constant of the cross-section.
+    polar_inertia_per_length : float, sequence, Table or function [kg m], optional
+        ρIp, density times polar second moment of area.
+    axial_stiffness : float, sequence, Table or function [N], optional
+        EA, elastic modulus times area.
     assumed : tuple of str
-        What of these two was assumed and not given, in words; no part of what makes beams equal.
+        What of κGA, r and GJ was assumed and not given, in words; no part of what makes beams equal.
     breaks : sequence of float, optional [m]
         Positions inside the beam where a property has a step or a kink that it does not tell itself, in any
         order. Two of them also show where a function has a feature narrower than L/4096, the distance of the
         places at which functions are looked at (see `problem.smooth_parts`).
 
     κGA and r are left out of the equation above, and of every chain: `timoshenko`, which keeps them in,
-    and `theory_errors`, which says what leaving them out does, read them.
+    and `theory_errors`, which says what leaving them out does, read them. GJ and ρIp are for twist, EA (with
+    ρA) for stretch, of which bending knows nothing: see `problem.motions`.
 
     Raises
     ------
@@ -250,6 +261,9 @@ class Beam:
     rotary_inertia_per_length: Profile
     shear_stiffness: Profile | None
     radius_of_gyration: float | None
+    torsional_stiffness: Profile | None
+    polar_inertia_per_length: Profile | None
+    axial_stiffness: Profile | None
     assumed: tuple[str, ...] = field(default=(), compare=False, repr=False)
 
     def __init__(
@@ -261,20 +275,22 @@ class Beam:
         *,
         shear_stiffness: PropertyLike | None = None,
         radius_of_gyration: float | None = None,
+        torsional_stiffness: PropertyLike | None = None,
+        polar_inertia_per_length: PropertyLike | None = None,
+        axial_stiffness: PropertyLike | None = None,
         assumed: tuple[str, ...] = (),
         breaks: Sequence[float] | NDArray[Any] = (),
     ) -> None:
         whole = positive_real("length", length)
         object.__setattr__(self, "length", whole)
         places = kept_breaks(breaks, whole)
-        for name, given in (("bending_stiffness", bending_stiffness), ("mass_per_length", mass_per_length)):
-            object.__setattr__(self, name, kept_property(name, given, whole, places))
-        rotary = kept_property("rotary_inertia_per_length", rotary_inertia_per_length, whole, places)
-        object.__setattr__(self, "rotary_inertia_per_length", rotary)
-        shear = None
-        if shear_stiffness is not None:
-            shear = kept_property("shear_stiffness", shear_stiffness, whole, places)
-        object.__setattr__(self, "shear_stiffness", shear)
+        needed = (bending_stiffness, mass_per_length, rotary_inertia_per_length)
+        for name, value in zip(_NEEDED, needed, strict=True):
+            object.__setattr__(self, name, kept_property(name, value, whole, places))
+        optional = (shear_stiffness, torsional_stiffness, polar_inertia_per_length, axial_stiffness)
+        for name, given in zip(_OPTIONAL, optional, strict=True):
+            kept = None if given is None else kept_property(name, given, whole, places)
+            object.__setattr__(self, name, kept)
         radius = (
             None if radius_of_gyration is None else positive_real("radius_of_gyration", radius_of_gyration)
         )
@@ -312,14 +328,17 @@ class Beam:
         poisson_ratio: float | None = None,
         shear_coefficient: float | None = None,
     ) -> Beam:
-        """Return the uniform beam of a cross-section and a material: EI, ρA, κGA, r and, if wanted, ρI.
+        """Return the uniform beam of a cross-section and a material: EI, ρA, κGA, r, EA and, if wanted, ρI.
 
             G = E / (2 (1 + ν))
+
+        GJ and ρIp where the section has its torsion constant J and its weak second moment, Ip = I + I_weak.
 
         Parameters
         ----------
         section : Section
-            One of `sections`, or anything with an `area` [m²] and a `second_moment` [m⁴].
+            One of `sections`, or anything with an `area` [m²] and a `second_moment` [m⁴]; for twist also
+            with a `torsion_constant` [m⁴] and a `weak_second_moment` [m⁴].
         density : float [kg/m³]
             ρ.
         elastic_modulus : float [Pa]
@@ -355,10 +374,16 @@ class Beam:
         moment = positive_real("second_moment of section", section.second_moment)
         ratio, coefficient, assumed = _in_shear(section, poisson_ratio, shear_coefficient)
         shear = coefficient * modulus / (2.0 * (1.0 + ratio)) * area
+        twisting, weak = (_known(section, name) for name in ("torsion_constant", "weak_second_moment"))
+        torsional = None if twisting is None else modulus / (2.0 * (1.0 + ratio)) * twisting
+        polar = None if weak is None else rho * (moment + weak)
         for name, value in (
             ("density", rho * area),
             ("density", rho * moment),
+            ("density", 1.0 if polar is None else polar),
             ("elastic_modulus", modulus * moment),
+            ("elastic_modulus", modulus * area),
+            ("elastic_modulus", 1.0 if torsional is None else torsional),
             ("shear_coefficient", shear),
         ):
             if not 0.0 < value < math.inf:
@@ -373,14 +398,16 @@ class Beam:
             rho * moment if rotary_inertia else 0.0,
             shear_stiffness=shear,
             radius_of_gyration=math.sqrt(moment / area),
+            torsional_stiffness=torsional,
+            polar_inertia_per_length=polar,
+            axial_stiffness=modulus * area,
             assumed=assumed,
         )
 
     @property
     def is_uniform(self) -> bool:
         """True if all three properties are numbers; rotary inertia may still be one of them."""
-        properties = (self.bending_stiffness, self.mass_per_length, self.rotary_inertia_per_length)
-        return all(isinstance(profile, float) for profile in properties)
+        return all(isinstance(getattr(self, name), float) for name in _NEEDED)
 
     @property
     def has_rotary_inertia(self) -> bool:
@@ -403,10 +430,8 @@ class Beam:
 
         Those of sequences, those that a table has twice, and those given as `breaks` with what varies.
         """
-        properties = [self.bending_stiffness, self.mass_per_length, self.rotary_inertia_per_length]
-        if self.shear_stiffness is not None:
-            properties.append(self.shear_stiffness)
-        places = sorted(x for profile in properties for x in profile_breaks(profile))
+        properties = (getattr(self, name) for name in (*_NEEDED, *_OPTIONAL))
+        places = sorted(x for profile in properties if profile is not None for x in profile_breaks(profile))
         return each_place_once(places, self.length)
 
     @property
@@ -423,6 +448,7 @@ class Beam:
             "rotary_inertia_per_length": self.rotary_inertia_per_length or None,
             "shear_stiffness": self.shear_stiffness,
             "radius_of_gyration": self.radius_of_gyration,
+            **{name: getattr(self, name) for name in _OPTIONAL[1:]},
         }
         return f"Beam({', '.join(f'{name}={value!r}' for name, value in given.items() if value is not None)})"
 
@@ -449,6 +475,12 @@ def _in_shear(
         return ratio, positive_real("shear_coefficient of section", own(ratio)), tuple(assumed)
     assumed.append("shear coefficient 5/6")
     return ratio, _COEFFICIENT, tuple(assumed)
+
+
+def _known(section: Section, name: str) -> float | None:
+    """Return a number that a section may have, None if it has none."""
+    value = getattr(section, name, None)
+    return None if value is None else positive_real(f"{name} of section", value)
 
 
 # Positions along a beam, as users give them to mode shapes.
