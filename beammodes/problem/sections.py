@@ -433,8 +433,8 @@ class Box(Shape):
 class ISection(Shape):
     """The report's Figure 4, an I-beam without fillets,  I = (b h³ - (b - s)(h - 2f)³)/12.
 
-    J is El Darwish and Johnston's (`open_torsion`), within 1.1 % of finite elements for plates up to a
-    tenth of the height, 2.1 % up to an eighth. Fillets, which a rolled section has, add to it: 30 % for IPE 200.
+    J is El Darwish and Johnston's (`open_torsion`), within 1.1 % of finite elements for plates up to a tenth
+    of the height, 2.1 % up to an eighth. Fillets, which a rolled section has, add 30 % to it for IPE 200.
 
     Parameters
     ----------
