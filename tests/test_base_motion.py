@@ -10,6 +10,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+import beammodes as bm
+from beammodes.dynamics import runs
 from beammodes.dynamics.base_motion import BaseMotion, Course, at_rest, harmonic, spin_up
 from beammodes.dynamics.forward_dynamics import base_vector
 
@@ -72,6 +74,28 @@ def test_times_of_any_shape() -> None:
         base_vector(base, 0.2), [0.5, 0, 0, math.sin(0.4), 2 * math.cos(0.4), -4 * math.sin(0.4), 0, 0, 0]
     )
     assert base_vector(base, time).shape == (9, 6)
+
+
+@pytest.mark.parametrize("integrator", ["rk45", "dop853"])
+def test_a_course_is_asked_for_once_a_step(integrator: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    # Of variable steps, some of which are tried in vain; the motion is that of a course asked each time.
+    asked = [0, 0]
+
+    def course(time: np.ndarray) -> tuple[np.ndarray, ...]:
+        asked[0] += 1
+        asked[1] += time.size
+        return harmonic(0.3, 20.0)(time)
+
+    chain = bm.Chain(bm.Beam.unit(), "clamped-free", segments=2)
+    given: dict[str, Any] = {"integrator": integrator, "duration": 0.5, "output_step": 0.1}
+    once = bm.simulate(chain, base=BaseMotion(y=course), **given)
+    calls, times = asked
+    assert times > 100 and calls < 0.25 * times
+    monkeypatch.setattr(runs.Rate, "serve", lambda *_: None)
+    asked[:] = 0, 0
+    each = bm.simulate(chain, base=BaseMotion(y=course), **given)
+    assert asked[0] > 0.9 * times
+    np.testing.assert_allclose(once.q, each.q, atol=1e-12)
 
 
 def test_a_base_at_rest() -> None:

@@ -84,15 +84,19 @@ class BaseMotion:
             If a course does not give three finite arrays of the shape of `time`.
         """
         t = real_numbers("time", time)
-        origin = [self._course(name, t) for name in ("x", "y", "angle")]
-        phi, rate, acceleration = origin[2]
-        out, side = np.array([np.cos(phi), np.sin(phi)]), np.array([-np.sin(phi), np.cos(phi)])
-        radius = self.hub_radius
-        swing = (radius * out, radius * rate * side, radius * (acceleration * side - rate**2 * out))
-        place = [[origin[axis][k] + swing[k][axis] for k in range(3)] for axis in (0, 1)]
-        return np.array([*place, origin[2]])
+        course = np.zeros((3, 3, *t.shape))
+        for axis, name in enumerate(("x", "y", "angle")):
+            if getattr(self, name) is not at_rest:
+                course[axis] = self._course(name, t)
+        if self.hub_radius:
+            phi, rate, acceleration = course[2]
+            out, side = self.hub_radius * np.array([[np.cos(phi), np.sin(phi)], [-np.sin(phi), np.cos(phi)]])
+            course[:2, 0] += out
+            course[:2, 1] += rate * side
+            course[:2, 2] += acceleration * side - rate**2 * out
+        return course
 
-    def _course(self, name: str, time: Floats) -> list[Floats]:
+    def _course(self, name: str, time: Floats) -> Floats:
         course: Course = getattr(self, name)
         expected = f"{name} must give position, rate and acceleration, finite and one for each time"
         try:
@@ -101,8 +105,8 @@ class BaseMotion:
             raise ValueError(f"{expected}: {error}") from error
         if len(parts) != 3 or any(part.shape != time.shape or part.dtype.kind not in "fiu" for part in parts):
             raise ValueError(expected)
-        given = [part.astype(np.float64) for part in parts]
-        if not all(np.isfinite(part).all() for part in given):
+        given = np.array(parts, dtype=np.float64)
+        if not np.isfinite(given).all():
             raise ValueError(expected)
         return given
 
@@ -181,7 +185,8 @@ class _SpinUp:
         omega, end = self.rate, self.duration
         turn = 2 * math.pi / end
         early = np.minimum(time, end)
-        angle = omega / end * (early**2 / 2 + (np.cos(turn * early) - 1) / turn**2)
-        speed = omega / end * (early - np.sin(turn * early) / turn)
-        gain = omega / end * (1 - np.cos(turn * early))
+        sine, cosine = np.sin(turn * early), np.cos(turn * early)
+        angle = omega / end * (early**2 / 2 + (cosine - 1) / turn**2)
+        speed = omega / end * (early - sine / turn)
+        gain = omega / end * (1 - cosine)
         return angle + omega * (time - early), speed, np.where(time < end, gain, 0.0)

@@ -228,7 +228,11 @@ def _fixed(
 
 
 class Rate:
-    """The function (t, state) -> state', twenty times as fast as a call that copies and converts."""
+    """The function (t, state) -> state', twenty times as fast as a call that copies and converts.
+
+    A base that moves is asked once for a whole step of a Runge-Kutta pair of SciPy: its first stage tells by
+    its time when the others will come. Other times are asked for one by one.
+    """
 
     def __init__(self, run: Run, size: int) -> None:
         self.run, self.moves = run, run.base != BaseMotion()
@@ -240,15 +244,40 @@ class Rate:
             self.buffer.set_arg(k, argument.data)
         self.buffer.set_res(0, self.found.data)
         self.base[:] = base_vector(run.base, 0.0)
+        # The solver whose stages are evaluated, their places in a step, their times (the next one's index is
+        # kept) with the base at them, and how near a time must come to one.
+        self.solver: Any = None
+        self._nodes = np.ones(1)
+        self._times: list[float] = []
+        self._course = np.zeros((0, 9))
+        self._next, self._near = 0, 0.0
+
+    def serve(self, solver: Any) -> None:
+        """Take note of the Runge-Kutta pair of SciPy that asks from now on."""
+        self.solver, self._nodes = solver, np.append(solver.C[1:], 1.0)
 
     def __call__(self, time: float, x: Floats) -> Floats:
         """Return q' and q'' at a time and a state (q, q')."""
         size = len(self.q)
         self.q[:], self.u[:] = x[:size], x[size:]
         if self.moves:
-            self.base[:] = base_vector(self.run.base, time)
+            k = self._next
+            if k == len(self._times) or abs(self._times[k] - time) > self._near:
+                self._foresee(time)
+                k = 0
+            self.base[:] = self._course[k]
+            self._next = k + 1
         self.evaluate()
         return np.concatenate([self.u, self.found])
+
+    def _foresee(self, time: float) -> None:
+        """Ask the base where it is at a time, and at those that follow if it is a step's first stage."""
+        at, self._near = np.array([time]), 0.0
+        if self.solver is not None and time > self.solver.t:
+            step = (time - self.solver.t) / self._nodes[0]
+            at, self._near = self.solver.t + self._nodes * step, 1e-9 * step
+            at[0] = time
+        self._times, self._course = at.tolist(), base_vector(self.run.base, at).T
 
 
 def _variable_run(run: Run, start: tuple[Floats, Floats], progress: Progress) -> Found:
@@ -298,6 +327,7 @@ def _variable_pieces(run: Run, rate: Rate, onto: Any, state: Floats) -> Iterator
             atol=run.tolerance / 1000,
             first_step=first,
         )
+        rate.serve(solver)
         while solver.status == "running":
             pause()
             message = solver.step()
