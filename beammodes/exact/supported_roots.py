@@ -1,25 +1,53 @@
-"""Frequencies of uniform beams with springs and bodies at their ends and an axial force, over arrays."""
+"""Frequencies of uniform beams with springs and bodies at their ends and an axial force, over arrays.
+
+Three steps, each checked by the next. The count of `end_waves` brackets a root, and secants close in on it in
+doubles. Then the residual there, in pairs of doubles, over its rise in doubles across the root, corrects it:
+that keeps every digit, however soft a spring or heavy a body is. It is believed if the counts on either side
+are k - 1 and k, if doubles and pairs agree on the residual to a thousandth of the rise, and if what the
+correction may leave is less than half a unit in the last place. All others, near-double roots and beams that
+buckle among them, are found again in long decimals, one by one.
+"""
 
 from __future__ import annotations
 
 import math
 from decimal import localcontext
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from beammodes.exact.uniform_beam import UnitBeam, UnitEnd
+from beammodes.exact.end_waves import ARRAYS, PAIRS, EndNumbers, read, residual
+from beammodes.exact.uniform_beam import ABOVE_CRITICAL, UnitBeam, UnitEnd
 from beammodes.numerics.arrays import Floats
+from beammodes.numerics.counted_secants import Reading, counted_roots
+from beammodes.numerics.double_double import DoubleDouble, two_product
 from beammodes.numerics.long_decimals import LONG, as_decimal
 from beammodes.problem.end_columns import BoundaryColumns, EndColumns
 
 __all__ = ["supported_frequencies"]
+
+# So many cases at once stay in the processor's cache.
+_BLOCK = 4096
+# So many are searched for at once, so that the few slow ones do not keep a block waiting.
+_SEARCHED = 16 * _BLOCK
+# Below this frequency waves are too much alike for doubles, and long decimals look for roots.
+_FLOOR = 1e-5
+# The rise of the residual is taken over this part of the frequency to either side, and from some mode on over
+# a part that falls as the modes draw near each other.
+_APART, _APART_TO_MODE = 1e-6, 100.0
+# Rounding of the residual, beside that rise, up to which it is believed.
+_NOISE = 1e-3
+# What a correction may leave.
+_LAST = 5e-17
 
 
 def supported_frequencies(
     ends: BoundaryColumns, tension: Floats, mode: NDArray[np.int64], gyration: float = 0.0
 ) -> Floats:
     """Return ω √(ρA L⁴/EI) of elastic modes of uniform beams, NaN where the straight beam buckles.
+
+    Right to the last digit.
 
     Parameters
     ----------
@@ -39,11 +67,116 @@ def supported_frequencies(
     >>> supported_frequencies(ends, np.zeros(2), np.array([1, 2])).round(4)
     array([ 1.5573, 16.2501])
     """
-    rigid = _rigid_modes(ends, tension)
-    found = np.full(len(mode), np.nan)
-    for i in range(len(mode)):
-        found[i] = _in_decimals(ends, float(tension[i]), int(mode[i]), gyration, int(rigid[i]), i)
+    with np.errstate(all="ignore"):
+        # What overflows is not sure.
+        return _found(ends, tension, mode, gyration)
+
+
+def _found(ends: BoundaryColumns, tension: Floats, mode: NDArray[np.int64], gyration: float) -> Floats:
+    found, total = np.full(len(mode), np.nan), _rigid_modes(ends, tension) + mode
+    possible = np.flatnonzero(tension > -float(ABOVE_CRITICAL))
+    for i in range(0, len(possible), _SEARCHED):
+        many = possible[i : i + _SEARCHED]
+        case = _Cases.of(ends.take(many), tension[many], total[many], gyration)
+        near = _closed_in(case)
+        for j in range(0, len(many), _BLOCK):
+            part = slice(j, j + _BLOCK)
+            at = many[part]
+            omega, sure = _corrected(case.taken(part), near[part], ends.take(at))
+            for n in np.flatnonzero(~sure):
+                omega[n] = _in_decimals(ends, tension, gyration, at[n], total[at[n]], omega[n])
+            found[at] = omega
     return found
+
+
+class _Cases(NamedTuple):
+    """Ends, tension, number of the mode, rigid-body modes included, and r² of the section."""
+
+    left: EndNumbers
+    right: EndNumbers
+    tension: Floats
+    number: Floats
+    gyration: float
+
+    @classmethod
+    def of(cls, ends: BoundaryColumns, tension: Floats, number: NDArray[np.int64], gyration: float) -> _Cases:
+        left, right = _numbers(ends.left), _numbers(ends.right)
+        return cls(left, right, tension, number.astype(np.float64), gyration)
+
+    def taken(self, index: NDArray[np.bool_] | slice) -> _Cases:
+        left, right = (EndNumbers(*(column[index] for column in side)) for side in self[:2])
+        return _Cases(left, right, self.tension[index], self.number[index], self.gyration)
+
+    def with_more(self, others: list[_Cases]) -> _Cases:
+        cases = (self, *others)
+        left, right = (
+            EndNumbers(
+                *(np.concatenate(column) for column in zip(*(case[side] for case in cases), strict=True))
+            )
+            for side in (0, 1)
+        )
+        tension, number = (np.concatenate([case[column] for case in cases]) for column in (2, 3))
+        return _Cases(left, right, tension, number, self.gyration)
+
+    def at(self, place: Floats) -> Reading:
+        return read(ARRAYS, self.left, self.right, place, self.tension, self.gyration)
+
+    def frequency(self, wave: Floats) -> Floats:
+        """Return ω of the wavenumber q, zero where there is none."""
+        q2 = wave * wave
+        return np.asarray(wave * np.sqrt(np.maximum(q2 + self.tension, 0.0) / (1.0 + self.gyration * q2)))
+
+
+def _numbers(side: EndColumns) -> EndNumbers:
+    springs = (side.translational_stiffness, side.rotational_stiffness)
+    return EndNumbers.of(ARRAYS, *springs, side.mass, side.rotary_inertia, side.offset)
+
+
+def _closed_in(case: _Cases) -> Floats:
+    """Return the roots nearly."""
+    # The pinned beam has k - 1 roots below k π. Others have at most two less and four more below a place.
+    start, low, high = (
+        case.frequency(np.maximum(case.number + more, 0.0) * math.pi) for more in (-0.5, -4.1, 2.1)
+    )
+    return counted_roots(case, start, low, high, _FLOOR)
+
+
+def _corrected(case: _Cases, omega: Floats, ends: BoundaryColumns) -> tuple[Floats, NDArray[np.bool_]]:
+    """Return the roots to the last digit, and which of them are sure."""
+    apart = _APART / (1.0 + case.number / _APART_TO_MODE)
+    below, here, above = (case.at(omega * factor) for factor in (1.0 - apart, 1.0, 1.0 + apart))
+    sure = (below.below == case.number - 1.0) & (above.below == case.number) & (omega > 2.0 * _FLOOR)
+    pushed = case.tension < 0.0
+    if pushed.any():
+        # Nothing but a translation below the floor: the beam does not buckle.
+        loose = ((case.left.spring == 0.0) & (case.right.spring == 0.0))[pushed]
+        sure[pushed] &= case.taken(pushed).at(np.full(pushed.sum(), _FLOOR)).below == loose
+    exact = _exact_residual(case, ends, omega)
+    # By a relative change of ω: how fast the residual rises, what rounding makes of that, and its own change.
+    rise = 0.5 * (above.residual - below.residual) / apart
+    noise = np.abs((exact - here.residual) / (apart * rise))
+    bend = np.abs((above.residual - here.residual - (here.residual - below.residual)) / (apart**2 * rise))
+    step = exact / rise
+    rough = np.abs(step) * (noise + bend * np.abs(step))
+    sure &= noise < _NOISE
+    omega = omega - step * omega
+    again = sure & (rough > _LAST)
+    if again.any():
+        exact = _exact_residual(case.taken(again), ends.take(again), omega[again])
+        step = exact / rise[again]
+        omega[again] -= step * omega[again]
+        sure[again] = np.abs(step) * (noise[again] + bend[again] * np.abs(step)) < _LAST
+    return omega, sure
+
+
+def _exact_residual(case: _Cases, ends: BoundaryColumns, omega: Floats) -> Floats:
+    left, right = (
+        numbers.in_pairs(side.mass, side.offset)
+        for numbers, side in ((case.left, ends.left), (case.right, ends.right))
+    )
+    square, tension = DoubleDouble(*two_product(omega, omega)), DoubleDouble.of(case.tension)
+    exact: DoubleDouble = residual(PAIRS, left, right, square, tension, case.gyration)
+    return exact.high
 
 
 def _rigid_modes(ends: BoundaryColumns, tension: Floats) -> NDArray[np.int64]:
@@ -55,20 +188,18 @@ def _rigid_modes(ends: BoundaryColumns, tension: Floats) -> NDArray[np.int64]:
 
 
 def _in_decimals(
-    ends: BoundaryColumns, tension: float, mode: int, gyration: float, rigid: int, i: int
+    ends: BoundaryColumns, tension: Floats, gyration: float, i: int, number: float, near: float
 ) -> float:
     with localcontext(LONG):
-        beam = UnitBeam(
-            as_decimal(tension), as_decimal(gyration), _unit_end(ends.left, i), _unit_end(ends.right, i)
-        )
-        squares = beam.lowest(rigid, mode)
-        return math.nan if squares is None else float(squares[-1].sqrt())
+        sides = (_unit_end(ends.left, i), _unit_end(ends.right, i))
+        beam = UnitBeam(as_decimal(float(tension[i])), as_decimal(gyration), *sides)
+        square = beam.root(int(number), as_decimal(near * near if 0.0 < near < math.inf else 1.0))
+        return math.nan if square is None else float(square.sqrt())
 
 
 def _unit_end(side: EndColumns, i: int) -> UnitEnd:
-    springs = (float(side.translational_stiffness[i]), float(side.rotational_stiffness[i]))
-    numbers = (
-        *(0.0 if k == math.inf else k for k in springs),
-        *(float(c[i]) for c in (side.mass, side.rotary_inertia, side.offset)),
-    )
-    return UnitEnd((springs[0] == math.inf, springs[1] == math.inf), *map(as_decimal, numbers))
+    springs = [float(column[i]) for column in (side.translational_stiffness, side.rotational_stiffness)]
+    body = [float(column[i]) for column in (side.mass, side.rotary_inertia, side.offset)]
+    moved = (0.0 if spring == math.inf else spring for spring in springs)
+    holds = (springs[0] == math.inf, springs[1] == math.inf)
+    return UnitEnd(holds, *map(as_decimal, (*moved, *body)))

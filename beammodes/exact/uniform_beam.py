@@ -39,7 +39,7 @@ _STEP = Decimal("1e-30")
 # Squared frequencies closer than this, relatively, are one double root.
 _SAME = Decimal("1e-20")
 # Compressions beyond the clamped beam's critical load, 4 π² = 39.478..., which no supports exceed.
-_ABOVE_CRITICAL = Decimal("39.5")
+ABOVE_CRITICAL = Decimal("39.5")
 
 
 class UnitEnd(NamedTuple):
@@ -253,7 +253,7 @@ class UnitBeam:
         >>> [round(float(square), 4) for square in beam.lowest(0, 2, Decimal(10))]
         [97.4091, 1558.5455]
         """
-        if self.tension < -_ABOVE_CRITICAL:
+        if self.tension < -ABOVE_CRITICAL:
             return None
         # The clamped beam has at most two roots less below a place than the pinned one, whose roots are n π.
         high = self.sample(self.square_at(min(wave, Decimal("3.15") * (rigid + count + 3))))
@@ -265,12 +265,35 @@ class UnitBeam:
             decades *= 2
         return ordered_roots(self.sample, low, high, count)
 
+    def root(self, number: int, near: Decimal) -> Decimal | None:
+        """Return the positive w of one number, rigid-body modes included; None if the beam buckles.
+
+        The search starts at w = `near`.
+
+        Examples
+        --------
+        >>> beam = UnitBeam.of(Beam.unit(), Boundary.of("pinned-pinned"))
+        >>> round(float(beam.root(2, Decimal(1500))), 4)
+        1558.5455
+        """
+        if self.tension < 0 and self.static_sample(-self.tension).below:
+            return None
+        apart = Decimal("0.001")
+        low = high = self.sample(near)
+        while low.below >= number:
+            low = self.sample(near / (1 + apart))
+            apart *= 4
+        while high.below < number:
+            high = self.sample(near * (1 + apart))
+            apart *= 4
+        return ordered_roots(self.sample, low, high, number - low.below)[-1]
+
     def critical_compression(self) -> Decimal:
         """Return the smallest compression at which the beam buckles, something resisting its turning."""
-        high = low = self.static_sample(_ABOVE_CRITICAL)
+        high = low = self.static_sample(ABOVE_CRITICAL)
         decades = 1
         while low.below:
-            low = self.static_sample(_ABOVE_CRITICAL.scaleb(-decades))
+            low = self.static_sample(ABOVE_CRITICAL.scaleb(-decades))
             decades *= 2
         return ordered_roots(self.static_sample, low, high, 1)[0]
 

@@ -107,6 +107,14 @@ class DoubleDouble:
         rest = self - DoubleDouble(*two_product(root, root))
         return _ordered(root, rest.high / (2.0 * np.where(root > 0.0, root, 1.0)))
 
+    @staticmethod
+    def where(mask: Any, one: DoubleDouble, other: DoubleDouble) -> DoubleDouble:
+        """Return `one` where the mask holds, else `other`."""
+        return DoubleDouble(np.where(mask, one.high, other.high), np.where(mask, one.low, other.low))
+
+    def __gt__(self, other: float) -> Any:
+        return self.high > other
+
     def taken(self, index: Any) -> DoubleDouble:
         """Return the elements at an index."""
         return DoubleDouble(self.high[index], self.low[index])

@@ -1,0 +1,150 @@
+"""Frequencies of beams with springs and bodies over arrays of cases, against the long decimals one by one."""
+
+from __future__ import annotations
+
+import math
+from decimal import Decimal, localcontext
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from beammodes.exact import supported_roots
+from beammodes.exact.end_waves import ARRAYS, EndNumbers, read
+from beammodes.exact.supported_roots import supported_frequencies
+from beammodes.exact.uniform_beam import UnitBeam
+from beammodes.numerics.long_decimals import LONG
+from beammodes.problem.beam import Beam
+from beammodes.problem.end_columns import BoundaryColumns, EndColumns
+from beammodes.problem.ends import Boundary, End
+
+NEAR_TWINS = End(3e8, 1e8, 2.0, 1e3, 0.2)
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+
+def random_ends(chance: np.random.Generator, count: int, decades: float) -> EndColumns:
+    def numbers(*special: float) -> Floats:
+        drawn = 10.0 ** chance.uniform(-decades, decades, count)
+        for value in special:
+            drawn = np.where(chance.random(count) < 0.2, value, drawn)
+        return drawn
+
+    offset = np.where(chance.random(count) < 0.5, 0.0, chance.uniform(-0.5, 0.5, count))
+    springs = numbers(0.0, math.inf), numbers(0.0, math.inf)
+    return EndColumns.moving(*springs, numbers(0.0), numbers(0.0), offset, np.zeros(count, dtype=bool))
+
+
+def random_cases(seed: int, count: int, decades: float = 3.0) -> tuple[BoundaryColumns, Floats, Ints]:
+    """Ends of all kinds, every tenth pair alike; forces from -40, where all beams buckle, to 10⁴; modes."""
+    chance = np.random.default_rng(seed)
+    left, right = (random_ends(chance, count, decades) for _ in range(2))
+    alike = chance.random(count) < 0.1
+    columns = EndColumns.__dataclass_fields__
+    right = EndColumns(*(np.where(alike, getattr(left, name), getattr(right, name)) for name in columns))
+    pull, push = 10.0 ** chance.uniform(-3.0, 4.0, count), -(10.0 ** chance.uniform(-3.0, 1.6, count))
+    tension = chance.choice(3, count, p=[0.4, 0.45, 0.15])
+    mode = np.where(chance.random(count) < 0.5, chance.integers(1, 6, count), chance.integers(1, 31, count))
+    mode = np.where(chance.random(count) < 0.1, chance.integers(1, 1001, count), mode)
+    return BoundaryColumns(left, right), np.choose(tension, [np.zeros(count), pull, push]), mode
+
+
+def boundary(ends: BoundaryColumns, i: int) -> Boundary:
+    columns = [name for name in EndColumns.__dataclass_fields__ if name != "on_segment"]
+    return Boundary(
+        *(End(*(float(getattr(side, name)[i]) for name in columns)) for side in (ends.left, ends.right))
+    )
+
+
+def unit_beam(ends: BoundaryColumns, tension: Floats, i: int, gyration: float = 0.0) -> UnitBeam:
+    return UnitBeam.of(Beam.unit(), boundary(ends, i), float(tension[i]), gyration)
+
+
+def check(ends: BoundaryColumns, tension: Floats, mode: Ints, gyration: float = 0.0) -> None:
+    """Source: the count of roots in long decimals, k - 1 and k at 3/4 of a unit in the last place around.
+
+    A beam buckles if under its compression, without any motion, a root is below zero.
+    """
+    found = supported_frequencies(ends, tension, mode, gyration)
+    for i, omega in enumerate(found.tolist()):
+        pair = boundary(ends, i)
+        with localcontext(LONG):
+            beam = unit_beam(ends, tension, i, gyration)
+            if math.isnan(omega):
+                assert beam.static_sample(-beam.tension).below > 0
+                continue
+            assert beam.tension >= 0 or not beam.static_sample(-beam.tension).below
+            rigid = int(beam.translation_is_free) if beam.tension else pair.rigid_body_modes
+            middle, half = Decimal(omega), Decimal(math.ulp(omega)) * Decimal("0.75")
+            counts = [beam.sample((middle + side * half) ** 2).below - rigid for side in (-1, 1)]
+        assert counts[0] < mode[i] <= counts[1], (pair.name, float(tension[i]), int(mode[i]), omega, counts)
+
+
+@pytest.mark.parametrize(("seed", "gyration"), [(0, 0.0), (1, 0.01)])
+def test_random_cases_to_the_last_digit(seed: int, gyration: float) -> None:
+    check(*random_cases(seed, 250), gyration)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("seed", "count", "decades"), [(2, 20_000, 3.0), (3, 2_000, 9.0), (4, 500, 25.0)])
+def test_many_random_cases_to_the_last_digit(seed: int, count: int, decades: float) -> None:
+    check(*random_cases(seed, count, decades))
+
+
+@pytest.mark.parametrize(
+    ("end", "modes"),
+    [
+        (End(1e3, 0.0, 50.0, 1.0), 6),
+        (NEAR_TWINS, 8),
+        (End(mass=1e6), 4),
+        (End(1e9, 1e9, 1e9, 1e9), 12),
+        (End(1e-12, 0.0, 1e12), 3),
+    ],
+)
+def test_near_double_and_nearly_zero_roots(end: End, modes: int) -> None:
+    check(BoundaryColumns.of([Boundary(end, end)] * modes), np.zeros(modes), np.arange(1, modes + 1))
+
+
+@pytest.mark.parametrize("distance", [1e-3, 1e-9])
+def test_next_to_buckling(distance: float) -> None:
+    """Source: the pinned beam buckles at π²."""
+    ends = BoundaryColumns.of([Boundary.of("pinned-pinned")] * 2)
+    tension = -(math.pi**2) * np.array([1.0 - distance, 1.0 + distance])
+    found = supported_frequencies(ends, tension, np.array([1, 1]))
+    assert np.isnan(found).tolist() == [False, True]
+    check(ends, tension, np.array([1, 1]))
+
+
+def test_few_cases_need_long_decimals(monkeypatch: pytest.MonkeyPatch) -> None:
+    """What is not sure in doubles and their pairs: beams that buckle, and at most one other in a thousand."""
+    asked: list[float] = []
+    slow = supported_roots._in_decimals
+
+    def counted(*case: Any) -> float:
+        asked.append(slow(*case))
+        return asked[-1]
+
+    monkeypatch.setattr(supported_roots, "_in_decimals", counted)
+    supported_frequencies(*random_cases(5, 4000))
+    assert np.count_nonzero(~np.isnan(asked)) <= 4
+    # Two of these are within a millionth of each other.
+    asked.clear()
+    twins = BoundaryColumns.of([Boundary(NEAR_TWINS, NEAR_TWINS)] * 8)
+    supported_frequencies(twins, np.zeros(8), np.arange(1, 9))
+    assert len(asked) == 2
+
+
+def test_counts_in_doubles() -> None:
+    """Source: the count in long decimals, by the stiffness of the clamped beam and its inertia."""
+    ends, tension, _ = random_cases(6, 500)
+    omega = 10.0 ** np.random.default_rng(7).uniform(-3.0, 4.0, 500)
+    sides = [
+        EndNumbers.of(ARRAYS, *(getattr(side, name) for name in list(EndColumns.__dataclass_fields__)[:5]))
+        for side in (ends.left, ends.right)
+    ]
+    reading = read(ARRAYS, *sides, omega, tension, 0.0)
+    for i in range(500):
+        with localcontext(LONG):
+            assert reading.below[i] == unit_beam(ends, tension, i).sample(Decimal(omega[i]) ** 2).below
