@@ -10,8 +10,9 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from beammodes.exact import supported_roots
+from beammodes.exact import supported_root, supported_roots
 from beammodes.exact.end_waves import ARRAYS, EndNumbers, read
+from beammodes.exact.supported_root import in_decimals
 from beammodes.exact.supported_roots import supported_frequencies
 from beammodes.exact.uniform_beam import UnitBeam
 from beammodes.numerics.long_decimals import LONG
@@ -117,16 +118,25 @@ def test_next_to_buckling(distance: float) -> None:
     check(ends, tension, np.array([1, 1]))
 
 
+def test_few_cases_are_solved_one_by_one_with_the_same_result() -> None:
+    ends, tension, mode = random_cases(8, 200)
+    together = supported_frequencies(ends, tension, mode)
+    for i in range(0, 200, 10):
+        part = slice(i, i + 10)
+        alone = supported_frequencies(ends.take(part), tension[part], mode[part])
+        np.testing.assert_allclose(alone, together[part], rtol=2.3e-16)
+
+
 def test_few_cases_need_long_decimals(monkeypatch: pytest.MonkeyPatch) -> None:
     """What is not sure in doubles and their pairs: beams that buckle, and at most one other in a thousand."""
     asked: list[float] = []
-    slow = supported_roots._in_decimals
 
     def counted(*case: Any) -> float:
-        asked.append(slow(*case))
+        asked.append(in_decimals(*case))
         return asked[-1]
 
-    monkeypatch.setattr(supported_roots, "_in_decimals", counted)
+    monkeypatch.setattr(supported_roots, "in_decimals", counted)
+    monkeypatch.setattr(supported_root, "in_decimals", counted)
     supported_frequencies(*random_cases(5, 4000))
     assert np.count_nonzero(~np.isnan(asked)) <= 4
     # Two of these are within a millionth of each other.

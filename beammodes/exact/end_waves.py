@@ -13,22 +13,24 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from decimal import Decimal
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from beammodes.numerics import double_double
+from beammodes.numerics import double_double, long_decimals
 from beammodes.numerics.arrays import Floats
 from beammodes.numerics.counted_secants import Reading
 from beammodes.numerics.double_double import DoubleDouble
 
-__all__ = ["ARRAYS", "FLOATS", "PAIRS", "Algebra", "EndNumbers", "read", "residual"]
+__all__ = ["ARRAYS", "DECIMALS", "FLOATS", "PAIRS", "Algebra", "EndNumbers", "read", "residual"]
 
 
 @dataclass(frozen=True, slots=True)
 class Algebra:
-    """The functions of one kind of numbers."""
+    """The functions of one kind of numbers, and a half in it."""
 
+    half: Any
     sqrt: Callable[[Any], Any]
     cosine_and_sine: Callable[[Any], tuple[Any, Any]]
     decay: Callable[[Any], Any]
@@ -38,6 +40,7 @@ class Algebra:
 
 
 FLOATS = Algebra(
+    0.5,
     math.sqrt,
     lambda x: (math.cos(x), math.sin(x)),
     lambda x: math.exp(-x),
@@ -46,6 +49,7 @@ FLOATS = Algebra(
     math.atan2,
 )
 ARRAYS = Algebra(
+    0.5,
     np.sqrt,
     lambda x: (np.cos(x), np.sin(x)),
     lambda x: np.exp(-x),
@@ -60,10 +64,22 @@ def _no_count(*_: Any) -> Any:
 
 
 PAIRS = Algebra(
+    0.5,
     DoubleDouble.sqrt,
     double_double.cosine_and_sine,
     double_double.decay,
     DoubleDouble.where,
+    _no_count,
+    _no_count,
+)
+
+
+DECIMALS = Algebra(
+    Decimal("0.5"),
+    Decimal.sqrt,
+    long_decimals.cosine_and_sine,
+    long_decimals.decay,
+    FLOATS.where,
     _no_count,
     _no_count,
 )
@@ -108,6 +124,12 @@ class EndNumbers(NamedTuple):
         arm = DoubleDouble.of(mass) * offset
         return self._replace(coupled=arm * self.may_deflect, carried=arm * offset)
 
+    def in_decimals(self, mass: float, offset: float) -> EndNumbers:
+        """Return these numbers in decimals."""
+        arm = Decimal(mass) * Decimal(offset)
+        exact = EndNumbers(*map(Decimal, self))
+        return exact._replace(coupled=arm * exact.may_deflect, carried=arm * Decimal(offset))
+
 
 class _Waves(NamedTuple):
     square: Any
@@ -134,16 +156,16 @@ class _Side(NamedTuple):
     turning: Any
 
 
-def _waves(algebra: Algebra, square: Any, tension: Any, gyration: float) -> _Waves:
+def _waves(algebra: Algebra, square: Any, tension: Any, gyration: Any) -> _Waves:
     """Return both wavenumbers; nothing cancels but the tension with the rotary inertia."""
     pull = tension - square * gyration if gyration else tension
-    half = 0.5 * pull
+    half = pull * algebra.half
     middle = algebra.sqrt(half * half + square)
     pulled = half > 0.0
     large = middle + algebra.where(pulled, half, -half)
     small = square / large
     p2, q2 = algebra.where(pulled, large, small), algebra.where(pulled, small, large)
-    return _Waves(square, pull, p2, q2, algebra.sqrt(p2), algebra.sqrt(q2), 2.0 * middle)
+    return _Waves(square, pull, p2, q2, algebra.sqrt(p2), algebra.sqrt(q2), 2 * middle)
 
 
 def _side(end: EndNumbers, waves: _Waves) -> _Side:
@@ -156,7 +178,7 @@ def _side(end: EndNumbers, waves: _Waves) -> _Side:
     turning = turning - carried
     free = end.may_deflect * end.may_turn
     coupled = square * end.coupled
-    doubled = 2.0 * coupled
+    doubled = 2 * coupled
     a_even, a_odd = p * (both - q2 * (doubled + q2 * free)), apart * (deflection * end.may_turn)
     b_even, b_odd = both + p2 * (doubled - p2 * free), p * apart * (turning * end.may_deflect)
     alike = both + pull * coupled + square * free
@@ -186,12 +208,12 @@ def _carried(left: _Side, waves: _Waves, cosine: Any, sine: Any, faded: Any) -> 
         cosine * left.sine - sine * left.cosine,
         twice * (cosine * left.cosine_grown + sine * left.sine_grown),
         twice * (cosine * left.sine_grown - sine * left.cosine_grown),
-        -4.0 * faded * (waves.p * waves.q) * left.alike,
+        -4 * faded * (waves.p * waves.q) * left.alike,
     )
 
 
 def residual(
-    algebra: Algebra, left: EndNumbers, right: EndNumbers, square: Any, tension: Any, gyration: float
+    algebra: Algebra, left: EndNumbers, right: EndNumbers, square: Any, tension: Any, gyration: Any
 ) -> Any:
     """Return the determinant at ω² = `square`."""
     waves = _waves(algebra, square, tension, gyration)

@@ -1,28 +1,22 @@
 """Frequencies of uniform beams with springs and bodies at their ends and an axial force, over arrays.
 
-Three steps, each checked by the next. The count of `end_waves` brackets a root, and secants close in on it in
-doubles. Then the residual there, in pairs of doubles, over its rise in doubles across the root, corrects it:
-that keeps every digit, however soft a spring or heavy a body is. It is believed if the counts on either side
-are k - 1 and k, if doubles and pairs agree on the residual to a thousandth of the rise, and if what the
-correction may leave is less than half a unit in the last place. All others, near-double roots and beams that
-buckle among them, are found again in long decimals, one by one.
+The three steps of `supported_root`, its digits being pairs of doubles.
 """
 
 from __future__ import annotations
 
 import math
-from decimal import localcontext
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from beammodes.exact.end_waves import ARRAYS, PAIRS, EndNumbers, read, residual
-from beammodes.exact.uniform_beam import ABOVE_CRITICAL, UnitBeam, UnitEnd
+from beammodes.exact.supported_root import FLOOR, LAST, NOISE, Rise, apart, in_decimals, supported_frequency
+from beammodes.exact.uniform_beam import ABOVE_CRITICAL
 from beammodes.numerics.arrays import Floats
 from beammodes.numerics.counted_secants import Reading, counted_roots
 from beammodes.numerics.double_double import DoubleDouble, two_product
-from beammodes.numerics.long_decimals import LONG, as_decimal
 from beammodes.problem.end_columns import BoundaryColumns, EndColumns
 
 __all__ = ["supported_frequencies"]
@@ -31,15 +25,8 @@ __all__ = ["supported_frequencies"]
 _BLOCK = 4096
 # So many are searched for at once, so that the few slow ones do not keep a block waiting.
 _SEARCHED = 16 * _BLOCK
-# Below this frequency waves are too much alike for doubles, and long decimals look for roots.
-_FLOOR = 1e-5
-# The rise of the residual is taken over this part of the frequency to either side, and from some mode on over
-# a part that falls as the modes draw near each other.
-_APART, _APART_TO_MODE = 1e-6, 100.0
-# Rounding of the residual, beside that rise, up to which it is believed.
-_NOISE = 1e-3
-# What a correction may leave.
-_LAST = 5e-17
+# Fewer are quicker one by one.
+_FEW = 24
 
 
 def supported_frequencies(
@@ -67,6 +54,14 @@ def supported_frequencies(
     >>> supported_frequencies(ends, np.zeros(2), np.array([1, 2])).round(4)
     array([ 1.5573, 16.2501])
     """
+    if len(mode) <= _FEW:
+        return np.array(
+            [
+                supported_frequency(*_ends(ends, i), int(mode[i]), float(tension[i]), gyration)
+                for i in range(len(mode))
+            ],
+            dtype=np.float64,
+        )
     with np.errstate(all="ignore"):
         # What overflows is not sure.
         return _found(ends, tension, mode, gyration)
@@ -84,7 +79,8 @@ def _found(ends: BoundaryColumns, tension: Floats, mode: NDArray[np.int64], gyra
             at = many[part]
             omega, sure = _corrected(case.taken(part), near[part], ends.take(at))
             for n in np.flatnonzero(~sure):
-                omega[n] = _in_decimals(ends, tension, gyration, at[n], total[at[n]], omega[n])
+                numbers = (*_ends(ends, at[n]), int(total[at[n]]), float(tension[at[n]]), gyration)
+                omega[n] = in_decimals(*numbers, float(omega[n]))
             found[at] = omega
     return found
 
@@ -128,8 +124,7 @@ class _Cases(NamedTuple):
 
 
 def _numbers(side: EndColumns) -> EndNumbers:
-    springs = (side.translational_stiffness, side.rotational_stiffness)
-    return EndNumbers.of(ARRAYS, *springs, side.mass, side.rotary_inertia, side.offset)
+    return EndNumbers.of(ARRAYS, *_columns(side))
 
 
 def _closed_in(case: _Cases) -> Floats:
@@ -138,34 +133,30 @@ def _closed_in(case: _Cases) -> Floats:
     start, low, high = (
         case.frequency(np.maximum(case.number + more, 0.0) * math.pi) for more in (-0.5, -4.1, 2.1)
     )
-    return counted_roots(case, start, low, high, _FLOOR)
+    return counted_roots(case, start, low, high, FLOOR)
 
 
 def _corrected(case: _Cases, omega: Floats, ends: BoundaryColumns) -> tuple[Floats, NDArray[np.bool_]]:
     """Return the roots to the last digit, and which of them are sure."""
-    apart = _APART / (1.0 + case.number / _APART_TO_MODE)
-    below, here, above = (case.at(omega * factor) for factor in (1.0 - apart, 1.0, 1.0 + apart))
-    sure = (below.below == case.number - 1.0) & (above.below == case.number) & (omega > 2.0 * _FLOOR)
+    part = apart(case.number)
+    below, here, above = (case.at(omega * factor) for factor in (1.0 - part, 1.0, 1.0 + part))
+    sure = (below.below == case.number - 1.0) & (above.below == case.number) & (omega > 2.0 * FLOOR)
     pushed = case.tension < 0.0
     if pushed.any():
         # Nothing but a translation below the floor: the beam does not buckle.
         loose = ((case.left.spring == 0.0) & (case.right.spring == 0.0))[pushed]
-        sure[pushed] &= case.taken(pushed).at(np.full(pushed.sum(), _FLOOR)).below == loose
+        sure[pushed] &= case.taken(pushed).at(np.full(pushed.sum(), FLOOR)).below == loose
+    rise = Rise.across(below, here, above, part)
     exact = _exact_residual(case, ends, omega)
-    # By a relative change of ω: how fast the residual rises, what rounding makes of that, and its own change.
-    rise = 0.5 * (above.residual - below.residual) / apart
-    noise = np.abs((exact - here.residual) / (apart * rise))
-    bend = np.abs((above.residual - here.residual - (here.residual - below.residual)) / (apart**2 * rise))
-    step = exact / rise
-    rough = np.abs(step) * (noise + bend * np.abs(step))
-    sure &= noise < _NOISE
+    noise, step = rise.noise(exact), exact / rise.rate
     omega = omega - step * omega
-    again = sure & (rough > _LAST)
+    sure &= noise < NOISE
+    again = sure & (rise.left(step, noise) > LAST)
     if again.any():
-        exact = _exact_residual(case.taken(again), ends.take(again), omega[again])
-        step = exact / rise[again]
+        rise = Rise(*(column[again] for column in rise))
+        step = _exact_residual(case.taken(again), ends.take(again), omega[again]) / rise.rate
         omega[again] -= step * omega[again]
-        sure[again] = np.abs(step) * (noise[again] + bend[again] * np.abs(step)) < _LAST
+        sure[again] = rise.left(step, noise[again]) < LAST
     return omega, sure
 
 
@@ -187,19 +178,12 @@ def _rigid_modes(ends: BoundaryColumns, tension: Floats) -> NDArray[np.int64]:
     return np.asarray(np.where(tension == 0.0, 2 - np.minimum(2, across + turning), across == 0))
 
 
-def _in_decimals(
-    ends: BoundaryColumns, tension: Floats, gyration: float, i: int, number: float, near: float
-) -> float:
-    with localcontext(LONG):
-        sides = (_unit_end(ends.left, i), _unit_end(ends.right, i))
-        beam = UnitBeam(as_decimal(float(tension[i])), as_decimal(gyration), *sides)
-        square = beam.root(int(number), as_decimal(near * near if 0.0 < near < math.inf else 1.0))
-        return math.nan if square is None else float(square.sqrt())
+def _ends(ends: BoundaryColumns, i: int) -> tuple[list[float], list[float]]:
+    """Return the numbers of one pair of ends."""
+    left, right = ([float(column[i]) for column in _columns(side)] for side in (ends.left, ends.right))
+    return left, right
 
 
-def _unit_end(side: EndColumns, i: int) -> UnitEnd:
-    springs = [float(column[i]) for column in (side.translational_stiffness, side.rotational_stiffness)]
-    body = [float(column[i]) for column in (side.mass, side.rotary_inertia, side.offset)]
-    moved = (0.0 if spring == math.inf else spring for spring in springs)
-    holds = (springs[0] == math.inf, springs[1] == math.inf)
-    return UnitEnd(holds, *map(as_decimal, (*moved, *body)))
+def _columns(side: EndColumns) -> tuple[Floats, ...]:
+    springs = (side.translational_stiffness, side.rotational_stiffness)
+    return (*springs, side.mass, side.rotary_inertia, side.offset)

@@ -1,0 +1,172 @@
+"""One frequency of a uniform beam with springs and bodies at its ends and an axial force.
+
+Three steps, each checked by the next. The count of `end_waves` brackets the root, and secants close in on it
+in doubles. Then the residual there, in more digits, over its rise in doubles across the root, corrects it:
+that keeps every digit, however soft a spring or heavy a body is. It is believed if the counts on either side
+are k - 1 and k, if doubles and digits agree on the residual to a thousandth of the rise, and if what the
+correction may leave is less than half a unit in the last place. All others, near-double roots and beams that
+buckle among them, are found again in long decimals.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from decimal import Decimal, localcontext
+from typing import Any, NamedTuple
+
+from beammodes.exact.end_waves import DECIMALS, FLOATS, EndNumbers, read, residual
+from beammodes.exact.uniform_beam import ABOVE_CRITICAL, UnitBeam, UnitEnd
+from beammodes.numerics.counted_secants import Reading, counted_root
+from beammodes.numerics.long_decimals import LONG, as_decimal
+
+__all__ = ["FLOOR", "LAST", "NOISE", "Rise", "apart", "in_decimals", "rigid_modes", "supported_frequency"]
+
+#: Below this frequency waves are too much alike for doubles, and long decimals look for roots.
+FLOOR = 1e-5
+#: Rounding of the residual, beside its rise, up to which it is believed.
+NOISE = 1e-3
+#: What a correction may leave.
+LAST = 5e-17
+# The rise is taken over this part of the frequency to either side, and from some mode on over a part that
+# falls as the modes draw near each other.
+_APART, _APART_TO_MODE = 1e-6, 100.0
+# Digits of the residual: cancellation takes twelve where doubles still count, and 17 are wanted of the rest.
+_DIGITS = 40
+
+
+def supported_frequency(
+    left: Sequence[float], right: Sequence[float], mode: int, tension: float = 0.0, gyration: float = 0.0
+) -> float:
+    """Return ω √(ρA L⁴/EI) of an elastic mode, right to the last digit; NaN if the straight beam buckles.
+
+    Parameters
+    ----------
+    left, right : sequence of five floats
+        Springs and moving body of the ends in multiples of EI/L³, EI/L, ρA L, ρA L³ and L.
+    mode : int
+        From 1: rigid-body modes do not count.
+    tension : float
+        T L²/EI.
+    gyration : float
+        ρI/(ρA L²), of the section.
+
+    Examples
+    --------
+    >>> clamped, loaded = (math.inf, math.inf, 0.0, 0.0, 0.0), (0.0, 0.0, 1.0, 0.0, 0.0)
+    >>> [round(supported_frequency(clamped, loaded, mode), 4) for mode in (1, 2)]
+    [1.5573, 16.2501]
+    """
+    if tension <= -float(ABOVE_CRITICAL):
+        return math.nan
+    number = mode + rigid_modes(left, right, tension)
+    near = math.nan
+    try:
+        near, sure = _corrected(left, right, number, tension, gyration)
+        if sure:
+            return near
+    except (ArithmeticError, ValueError):
+        # Beyond the range of doubles.
+        pass
+    return in_decimals(left, right, number, tension, gyration, near)
+
+
+def rigid_modes(left: Sequence[float], right: Sequence[float], tension: float) -> int:
+    """Return how many motions leave the beam straight and feel neither supports nor force."""
+    across, turning = (left[0] > 0) + (right[0] > 0), left[1] > 0 or right[1] > 0
+    return int(not across) if tension else 2 - min(2, across + turning)
+
+
+def apart(number: Any) -> Any:
+    """Return over which part of the frequency to either side the residual's rise is taken."""
+    return _APART / (1.0 + number / _APART_TO_MODE)
+
+
+class Rise(NamedTuple):
+    """How the residual changes with a relative change of ω: how fast, and that rate's own relative change."""
+
+    residual: Any
+    part: Any
+    rate: Any
+    bend: Any
+
+    @classmethod
+    def across(cls, below: Reading, here: Reading, above: Reading, part: Any) -> Rise:
+        """Return the rise between readings at (1 - part) ω, ω and (1 + part) ω."""
+        down, up = here.residual - below.residual, above.residual - here.residual
+        rate = (up + down) / (2.0 * part)
+        return cls(here.residual, part, rate, abs((up - down) / (part**2 * rate)))
+
+    def noise(self, exact: Any) -> Any:
+        """Return the rounding of the residual beside its rise."""
+        return abs((exact - self.residual) / (self.part * self.rate))
+
+    def left(self, step: Any, noise: Any) -> Any:
+        """Return what a correction by this part of ω leaves."""
+        return abs(step) * (noise + self.bend * abs(step))
+
+
+def _corrected(
+    left: Sequence[float], right: Sequence[float], number: int, tension: float, gyration: float
+) -> tuple[float, bool]:
+    """Return the root to the last digit, and whether it is sure."""
+    ends = EndNumbers.of(FLOATS, *left), EndNumbers.of(FLOATS, *right)
+
+    def at(place: float) -> Reading:
+        return read(FLOATS, *ends, place, tension, gyration)
+
+    def frequency(wave: float) -> float:
+        if wave <= 0.0 or wave * wave <= -tension:
+            return 0.0
+        return wave * math.sqrt((wave * wave + tension) / (1.0 + gyration * wave * wave))
+
+    # The pinned beam has k - 1 roots below k π. Others have at most two less and four more below a place.
+    start, low, high = (frequency((number + more) * math.pi) for more in (-0.5, -4.1, 2.1))
+    omega, part = counted_root(at, number, start, low, high, FLOOR), apart(number)
+    below, here, above = (at(omega * factor) for factor in (1.0 - part, 1.0, 1.0 + part))
+    if below.below != number - 1 or above.below != number or omega < 2.0 * FLOOR:
+        return omega, False
+    if tension < 0.0 and at(FLOOR).below > (left[0] == 0.0 and right[0] == 0.0):
+        # More than a translation below the floor: the beam may buckle.
+        return omega, False
+    rise = Rise.across(below, here, above, part)
+    with localcontext(LONG) as context:
+        context.prec = _DIGITS
+        first, second = (
+            end.in_decimals(side[2], side[4]) for end, side in zip(ends, (left, right), strict=True)
+        )
+
+        def exact(place: float) -> float:
+            square = Decimal(place) ** 2
+            return float(residual(DECIMALS, first, second, square, Decimal(tension), Decimal(gyration)))
+
+        value = exact(omega)
+        noise, step = rise.noise(value), value / rise.rate
+        omega -= step * omega
+        rest = rise.left(step, noise)
+        if noise < NOISE and rest > LAST:
+            step = exact(omega) / rise.rate
+            omega -= step * omega
+            rest = rise.left(step, noise)
+    return omega, noise < NOISE and rest < LAST
+
+
+def in_decimals(
+    left: Sequence[float],
+    right: Sequence[float],
+    number: int,
+    tension: float,
+    gyration: float,
+    near: float = math.nan,
+) -> float:
+    """Return the frequency of one number, rigid-body modes included, by counts in long decimals alone."""
+    with localcontext(LONG):
+        beam = UnitBeam(as_decimal(tension), as_decimal(gyration), _unit_end(left), _unit_end(right))
+        square = beam.root(number, as_decimal(near * near if 0.0 < near < math.inf else 1.0))
+        return math.nan if square is None else float(square.sqrt())
+
+
+def _unit_end(side: Sequence[float]) -> UnitEnd:
+    holds = (side[0] == math.inf, side[1] == math.inf)
+    numbers = (0.0 if number == math.inf else number for number in side)
+    return UnitEnd(holds, *map(as_decimal, numbers))
