@@ -84,6 +84,7 @@ _NAMES = {
     "auditing.audit_model": "audit_file",
     "batch.cases": "Case",
     "batch.study": "Study open_study",
+    "chains.axial_chain": "AxialChain",
     "chains.chain": "Chain",
     "chains.rods": "MissedFeatureWarning",
     "chains.rules": "Layout RULES Rule Weight axially_corrected",
@@ -95,6 +96,7 @@ _NAMES = {
     "equations.equilibria": "Equilibrium EquilibriumNotFound find_equilibrium",
     "equations.numeric": "compile_equations",
     "equations.symbolic": "equations_of_motion symbolic_energies",
+    "exact.axial_beam": "AxialModes axial_modes",
     "exact.beam_theory": "euler_bernoulli",
     "exact.exact_beam": "BeamModes wavenumber",
     "exact.spectral_beam": "SpectralBeamModes",
@@ -103,6 +105,7 @@ _NAMES = {
     "exporters.chain_csv": "read_chain_csv",
     "exporters.export": "export_chain",
     "numerics.distributions": "Normal Uniform",
+    "problem.axial_ends": "AxialBoundary AxialEnd",
     "problem.beam": "Beam",
     "problem.ends": "BOUNDARIES Boundary ENDS End",
     "problem.loading": "Load",
@@ -154,6 +157,7 @@ if TYPE_CHECKING:
     from beammodes.batch.cases import Case as Case
     from beammodes.batch.study import Study as Study
     from beammodes.batch.study import open_study as open_study
+    from beammodes.chains.axial_chain import AxialChain as AxialChain
     from beammodes.chains.chain import Chain as Chain
     from beammodes.chains.rods import MissedFeatureWarning as MissedFeatureWarning
     from beammodes.chains.rules import RULES as RULES
@@ -180,6 +184,8 @@ if TYPE_CHECKING:
     from beammodes.equations.numeric import compile_equations as compile_equations
     from beammodes.equations.symbolic import equations_of_motion as equations_of_motion
     from beammodes.equations.symbolic import symbolic_energies as symbolic_energies
+    from beammodes.exact.axial_beam import AxialModes as AxialModes
+    from beammodes.exact.axial_beam import axial_modes as axial_modes
     from beammodes.exact.beam_theory import euler_bernoulli as euler_bernoulli
     from beammodes.exact.exact_beam import BeamModes as BeamModes
     from beammodes.exact.exact_beam import wavenumber as wavenumber
@@ -191,6 +197,8 @@ if TYPE_CHECKING:
     from beammodes.exporters.export import export_chain as export_chain
     from beammodes.numerics.distributions import Normal as Normal
     from beammodes.numerics.distributions import Uniform as Uniform
+    from beammodes.problem.axial_ends import AxialBoundary as AxialBoundary
+    from beammodes.problem.axial_ends import AxialEnd as AxialEnd
     from beammodes.problem.beam import Beam as Beam
     from beammodes.problem.ends import BOUNDARIES as BOUNDARIES
     from beammodes.problem.ends import ENDS as ENDS

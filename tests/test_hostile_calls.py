@@ -52,6 +52,11 @@ def beam() -> bm.Beam:
 
 
 @functools.cache
+def shaft() -> bm.Beam:
+    return bm.Beam(1.2, 85.0, 0.62, torsional_stiffness=60.0, polar_inertia_per_length=1e-4)
+
+
+@functools.cache
 def chain() -> bm.Chain:
     return bm.Chain(beam(), "clamped-free", 4)
 
@@ -114,6 +119,20 @@ PIECES: dict[str, Any] = {
 
 #: What is called, with what: every public name that is a function or makes what a caller makes.
 CALLS: dict[str, Arguments] = {
+    "AxialBoundary": lambda: {"left": bm.AxialEnd(), "right": bm.AxialEnd(2.0), "motion": "stretch"},
+    "AxialBoundary.of": of(boundary="fixed-free", motion="twist"),
+    "AxialChain": lambda: {
+        "beam": shaft(),
+        "boundary": "fixed-free",
+        "segments": 4,
+        "rule": "gregory",
+        "motion": "twist",
+    },
+    "AxialChain.displacement": lambda: {
+        "self": bm.AxialChain(shaft(), "fixed-free", 4),
+        "loads": {0.5: 1.0},
+    },
+    "AxialEnd": of(stiffness=1.0, inertia=0.5),
     "BaseMotion": lambda: {"x": bm.harmonic(0.1, 2.0), "y": bm.spin_up(1.0, 2.0), "hub_radius": 0.1},
     "Beam": of(
         length=1.2,
@@ -179,6 +198,7 @@ CALLS: dict[str, Arguments] = {
     "Uniform": of(low=1.0, high=2.0),
     "Weight": of(constant=Fraction(1, 2), per_segment=Fraction(1, 3)),
     "animate": lambda: {"result": motion(), "path": None, "fps": 25, "duration": 0.1, "trace": 0.1},
+    "axial_modes": lambda: {"beam": shaft(), "boundary": "fixed-free", "modes": 2, "motion": "twist"},
     "audit_chain": lambda: {
         "beam": beam(),
         "boundary": "clamped-free",
@@ -408,6 +428,7 @@ CALLS: dict[str, Arguments] = {
 #: Made by the library and not by callers; their contents are tested where they are made.
 ANSWERS = {
     "Audit",
+    "AxialModes",
     "BeamModes",
     "BentModel",
     "Case",

@@ -57,7 +57,7 @@ from beammodes.numerics.arrays import Floats
 from beammodes.problem.beam import Beam
 from beammodes.problem.ends import Boundary, BoundaryLike
 
-__all__ = ["Chain", "ChainNumbers"]
+__all__ = ["Chain", "ChainNumbers", "cut_by_rule"]
 
 
 # The numbers of a chain: in its own units, where they may be exact, and in physical ones, as arrays.
@@ -184,7 +184,7 @@ class Chain(ChainNumbers):
         boundary, record = Boundary.of(boundary), layout_of(rule)
         count = whole_number("segments", segments, most=MAX_PIECES)
         units, exact = Units.of(beam, count), ExactUnits.of(beam, count)
-        lengths, weights = _cut(record, boundary, count)
+        lengths, weights = cut_by_rule(record, boundary, count)
         for hinge, added in profile_weights(beam, boundary, record, lengths, exact).items():
             weights[hinge] += added
         if any(each_once(lambda weight: weight <= 0, weights)):
@@ -308,7 +308,7 @@ class Chain(ChainNumbers):
         return f"<Chain {self.boundary.name}: {self.pieces} pieces{by}>"
 
 
-def _cut(rule: Layout, boundary: Boundary, segments: int) -> tuple[list[Fraction], list[Number]]:
+def cut_by_rule(rule: Layout, boundary: Boundary, segments: int) -> tuple[list[Fraction], list[Number]]:
     """Return a rule's piece lengths and hinge weights; what somebody's own layout gives is checked."""
     if isinstance(rule, Rule):
         return rule.piece_lengths(boundary, segments), list(rule.hinge_weights(boundary, segments))

@@ -1,0 +1,268 @@
+"""Twist and stretch: exact beams, chains and their errors, against 50-digit arithmetic and dense matrices."""
+
+from __future__ import annotations
+
+import math
+from fractions import Fraction
+from typing import Any
+
+import mpmath
+import numpy as np
+import pytest
+
+from beammodes.accuracy.axial_errors import axial_frequency_error
+from beammodes.chains.axial_chain import AxialChain
+from beammodes.chains.rules import RULES, Rule, Weight
+from beammodes.closed_form.axial_chains import end_waves
+from beammodes.exact.axial_beam import axial_modes, axial_wavenumber
+from beammodes.problem.axial_ends import AxialBoundary, AxialEnd, distinct_axial
+from beammodes.problem.beam import Beam
+from beammodes.vibration.axial_spectrum import solve_axial_modes
+
+UNIT = Beam(1.0, 1.0, 1.0, torsional_stiffness=1.0, polar_inertia_per_length=1.0, axial_stiffness=1.0)
+
+#: Closed forms serve them; own has three changed springs at a fixed end, too.
+OWN = Rule("own", ["3/8", "7/6", "23/24"], guided=["1/3", "4/5", "6/5"])
+CLOSED = [*(rule for rule in RULES.values() if rule.has_equal_springs), OWN]
+
+
+def random_ends(random: np.random.Generator, spread: float) -> AxialBoundary:
+    def number() -> float:
+        return float(10 ** random.uniform(-spread, spread))
+
+    def end() -> AxialEnd:
+        kinds = [AxialEnd(math.inf), AxialEnd(), AxialEnd(number()), AxialEnd(0.0, number())]
+        return [*kinds, AxialEnd(number(), number())][random.integers(5)]
+
+    return AxialBoundary(end(), end())
+
+
+def exact_root(pair: AxialBoundary, near: float) -> Any:
+    """β in many digits, by secants on  Im e^(iβ) (β - i(K - Jβ²)) (β - i(K' - J'β²)) = 0."""
+
+    def wave(end: AxialEnd, beta: Any) -> Any:
+        if end.is_fixed:
+            return mpmath.mpc(0, -1)
+        return mpmath.mpc(beta, -(mpmath.mpf(end.stiffness) - mpmath.mpf(end.inertia) * beta**2))
+
+    def imaginary(beta: Any) -> Any:
+        return (mpmath.expj(beta) * wave(pair.left, beta) * wave(pair.right, beta)).imag
+
+    old, new = mpmath.mpf(near) * (1 - mpmath.mpf(10) ** -12), mpmath.mpf(near)
+    before, value = imaginary(old), imaginary(new)
+    for _ in range(6):
+        if value == before:
+            break
+        old, new, before = new, new - value * (new - old) / (value - before), value
+        value = imaginary(new)
+    return new
+
+
+def chain_root(rule: Rule, pair: AxialBoundary, segments: int, mode: int, near: float) -> Any:
+    """ω of a chain in many digits, from its springs and inertias; a count proves which mode it is."""
+
+    def number(value: Fraction) -> Any:
+        return mpmath.mpf(value.numerator) / value.denominator
+
+    inertia = [number(x) / segments for x in rule.piece_lengths(pair.stand_in, segments)]
+    springs = [segments / number(w) for w in rule.hinge_weights(pair.stand_in, segments)]
+    for end, at in ((pair.left, 0), (pair.right, -1)):
+        inertia[at] += mpmath.mpf(end.inertia)
+    ground = [None if end.is_fixed else mpmath.mpf(end.stiffness) for end in (pair.left, pair.right)]
+    springs = [ground[0], *springs, ground[1]]
+    for at, beside in ((0, 1), (-1, -2)):
+        if springs[at] is None or inertia[at] == 0:
+            outer, hinge = springs[at], springs[beside]
+            springs[beside] = hinge if outer is None else outer * hinge / (outer + hinge)
+            del springs[at], inertia[at]
+
+    def swept(square: Any) -> tuple[Any, int]:
+        """The determinant of K - ω² M, and how many ω² lie below."""
+        before, now, below = mpmath.mpf(1), springs[0] + springs[1] - square * inertia[0], 0
+        below += now < 0
+        for k in range(1, len(inertia)):
+            new = (springs[k] + springs[k + 1] - square * inertia[k]) * now - springs[k] ** 2 * before
+            before, now = now, new
+            below += (now < 0) != (before < 0)
+        return now, below
+
+    low, high = (mpmath.mpf(near) ** 2 * (1 + sign * mpmath.mpf(10) ** -8) for sign in (-1, 1))
+    (old_value, fewer), (value, more) = swept(low), swept(high)
+    assert (fewer, more) == (mode - 1 + pair.rigid_body_modes, mode + pair.rigid_body_modes)
+    old, new = low, high
+    for _ in range(5):
+        old, new, old_value = new, new - value * (new - old) / (value - old_value), value
+        value = swept(new)[0]
+        if value in (0, old_value):
+            break
+    return mpmath.sqrt(new)
+
+
+def test_errors_of_random_ends_rules_and_lengths_in_fifty_digits() -> None:
+    random = np.random.default_rng(20)
+    cases = []
+    while len(cases) < 60:
+        rule, pair = CLOSED[random.integers(len(CLOSED))], random_ends(random, 3.0)
+        segments, mode = int(10 ** random.uniform(0.3, 2.3)), int(random.integers(1, 4))
+        if mode <= segments - 2:
+            cases.append((pair, segments, mode, rule))
+    pairs, counts, modes, rules = zip(*cases, strict=True)
+    errors = axial_frequency_error(list(pairs), list(counts), list(modes), list(rules), "twist")
+    with mpmath.workdps(50):
+        for error, (pair, segments, mode, rule) in zip(errors, cases, strict=True):
+            beta = float(axial_wavenumber([pair], np.asarray(0), mode))
+            root = exact_root(pair, beta)
+            chain = chain_root(rule, pair, segments, mode, beta * (1 + error))
+            # Measured against the larger of e and one of its parts, what rigid pieces do: β²/24N².
+            size = max(abs(error), beta**2 / (24 * segments**2))
+            assert abs(error - float(chain / root - 1)) <= 1e-12 * size, (rule.name, pair, segments, mode)
+
+
+def test_errors_far_below_epsilon_follow_the_closed_form() -> None:
+    # e = sinc(β/2N) - 1 of exact mirrors, here as a series in fractions of β²: -x/6 + x²/120, x = (β/2N)².
+    counts = np.array([10**3, 10**6, 10**9])
+    for pair, rule in (("fixed-free", "half_stub"), ("fixed-fixed", "gregory"), ("free-free", "naive")):
+        beta = float(axial_wavenumber([AxialBoundary.of(pair)], np.asarray(0), 3))
+        x = (beta / 2 / counts) ** 2
+        expected = -x / 6 + x**2 / 120
+        assert axial_frequency_error(pair, counts, 3, rule, "twist") == pytest.approx(expected, rel=1e-13)
+    # w₀ = 1 at the wall: e ~ -1/2N, since N + δ takes the place of N with tan(qδ) = tan(q/2).
+    found = axial_frequency_error("fixed-free", counts, 1, "naive", "twist")
+    q = math.pi / (2 * counts + 1)
+    assert found == pytest.approx(2 * np.sin(q / 2) / (math.pi / 2 / counts) - 1, rel=2e-8)
+    assert found[2] == pytest.approx(-0.5e-9, rel=1e-8)
+
+
+#: w₀ with a hinge at the wall, or None for half a stub.
+@pytest.mark.parametrize("weight", ["1", "1/2", "2/7", None])
+@pytest.mark.parametrize("ends", [(3.0, 0.0), (0.0, 0.4)], ids=["spring", "disc"])
+def test_the_closed_forms_of_single_ends(weight: str | None, ends: tuple[float, float]) -> None:
+    # The table: κ = qN = φ + (π/2 at the fixed end); rule weights of the fixed end are its exact mirror.
+    segments, (stiffness, inertia) = 12, ends
+    rule = Rule("one", [weight], guided=["1/2"]) if weight else RULES["half_stub"]
+    pair = AxialBoundary(AxialEnd(math.inf), AxialEnd(stiffness, inertia))
+    found = solve_axial_modes(AxialChain(UNIT, pair, segments, rule), 4).angular_frequency
+    q = 2 * np.arcsin(found / 2 / segments)
+    k, mu = stiffness / segments, inertia * segments
+    half, w = np.tan(q / 2), float(Fraction(weight)) if weight else None
+    if w is None:
+        tan = k / np.sin(q) if stiffness else -2 * mu * half
+    elif stiffness:
+        tan = 1 / (2 * half / k - (1 - 2 * w) * half)
+    else:
+        tan = -mu * np.sin(q) / (1 + 2 * mu * (1 - 2 * w) * np.sin(q / 2) ** 2)
+    # κ - π/2 - φ is a whole number of half turns.
+    assert np.tan(q * segments - math.pi / 2) == pytest.approx(tan, rel=1e-10)
+    exact = axial_wavenumber([pair], np.zeros(4, dtype=np.intp), np.arange(1, 5))
+    by_delta = axial_frequency_error(pair, segments, np.arange(1, 5), rule, "twist")
+    assert by_delta == pytest.approx(found / exact - 1, abs=1e-13)
+
+
+def test_the_table_of_a_cantilever_of_ten_segments() -> None:
+    # Independent: [K] and [M] of ten pieces by hand, numpy's dense eigenvalues; percent.
+    report = Rule("report", ["1/2"], guided=[Weight("1/2", "-1/6")])
+    mended = Rule("mended", [], guided=["3/2"], stub=1)
+    plain, disc = "fixed-free", "fixed-free(inertia=0.5)"
+    table: list[tuple[Any, str, float]] = [
+        ("naive", plain, -4.851), ("double_wall", plain, -0.1028), ("half_stub", plain, -0.1028),
+        (report, plain, 0.0640), ("rigid_stub", plain, 5.143), (mended, plain, -0.0419),
+        ("naive", disc, -4.179), ("double_wall", disc, 0.0057), ("half_stub", disc, -0.0753),
+    ]  # fmt: skip
+    for rule, ends, expected in table:
+        digits = 3 if abs(expected) > 1 else 4
+        assert round(100 * axial_frequency_error(ends, 10, 1, rule, "twist"), digits) == expected
+
+    def dense(wall: float, inertia: float) -> float:
+        springs = np.array([10 / wall, *[10.0] * 9])
+        stiffness = np.diag(springs + np.append(springs[1:], 0.0))
+        stiffness -= np.diag(springs[1:], 1) + np.diag(springs[1:], -1)
+        mass = np.full(10, 0.1)
+        if inertia:
+            # The disc behind a hinge of its own, of weight 1/2 or as soft as the wall's.
+            stiffness[9, 9] += 10 / wall
+            stiffness = np.pad(stiffness, (0, 1))
+            stiffness[10, 10] = 10 / wall
+            stiffness[9, 10] = stiffness[10, 9] = -10 / wall
+            mass = np.append(mass, inertia)
+        root = np.sqrt(mass)
+        return float(np.sqrt(np.linalg.eigvalsh(stiffness / root / root[:, None])[0]))
+
+    # π/2, and β tan β = 2.
+    for inertia, beta in (
+        (0.0, math.pi / 2),
+        (0.5, float(mpmath.findroot(lambda x: x * mpmath.tan(x) - 2, 1))),
+    ):
+        ends = disc if inertia else plain
+        for wall, rule in ((1.0, "naive"), (0.5, "double_wall")):
+            expected = dense(wall, inertia) / beta - 1
+            assert axial_frequency_error(ends, 10, 1, rule, "twist") == pytest.approx(expected, abs=1e-12)
+
+
+def test_short_chains_and_every_mode_are_solved() -> None:
+    for name in ("rigid_stub", "half_stub_corrected", "gregory", "simpson"):
+        for ends in ("fixed-fixed", "free-free(stiffness=2)", "free(mass=0.1)-free(mass=0.1)"):
+            for segments in (2, 3, 6):
+                mode = np.arange(1, segments + 3)
+                errors = axial_frequency_error(ends, segments, mode, name, "stretch")
+                if name == "simpson" and segments % 2:
+                    assert np.isnan(errors).all()
+                    continue
+                chain = AxialChain(UNIT, ends, segments, name, motion="stretch")
+                omega = solve_axial_modes(chain).angular_frequency
+                exact = axial_modes(UNIT, ends, len(mode), motion="stretch").angular_frequency
+                assert np.isnan(errors[len(omega) :]).all()
+                assert errors[: len(omega)] == pytest.approx(omega / exact[: len(omega)] - 1, abs=1e-13)
+
+
+def test_long_chains_keep_their_digits() -> None:
+    # κ = β of an exact mirror: ω = 2N sin(β/2N); shapes are the beam's at the pieces' middles.
+    segments, beta = 20_000, np.pi / 2 * np.array([1.0, 3.0, 5.0])
+    modes = solve_axial_modes(AxialChain(UNIT, "fixed-free", segments, "double_wall"), 3)
+    expected = 2 * segments * np.sin(beta / 2 / segments)
+    assert modes.angular_frequency == pytest.approx(expected, rel=1e-13)
+    middles = (np.arange(segments) + 0.5) / segments
+    shapes = math.sqrt(2) * np.sin(beta[:, None] * middles)
+    assert modes.displacement[:, 1:] == pytest.approx(shapes, abs=1e-9)
+
+
+def test_exact_modes_are_orthogonal_and_meet_their_ends() -> None:
+    shaft = Beam(2.0, 1.0, 1.0, torsional_stiffness=5.0, polar_inertia_per_length=0.3)
+    ends = AxialBoundary(AxialEnd(4.0, 0.2), AxialEnd(0.0, 0.7))
+    modes = axial_modes(shaft, ends, 4)
+    nodes, weights = np.polynomial.legendre.leggauss(60)
+    shape = modes.shape(nodes + 1.0)
+    tips = modes.shape([0.0, 2.0])
+    mass = 0.3 * (shape * weights) @ shape.T + (tips * [0.2, 0.7]) @ tips.T
+    assert mass == pytest.approx(np.eye(4), abs=1e-12)
+    torque, square = 5.0 * modes.slope([0.0, 2.0]), modes.angular_frequency**2
+    assert torque[:, 0] == pytest.approx((4.0 - 0.2 * square) * tips[:, 0], rel=1e-10)
+    assert torque[:, 1] == pytest.approx(0.7 * square * tips[:, 1], rel=1e-10)
+
+
+def test_what_a_rule_has_at_a_fixed_end() -> None:
+    # T' = 0 there: the guided weights, exact mirrors in all rules but those that leave out or double.
+    mirrors = {rule.name for rule in CLOSED if end_waves(rule, "guided").is_mirror}
+    assert mirrors == {
+        "mitiguy", "double_wall", "gregory", "gregory2", "hencky", "half_stub", "half_stub_corrected",
+    }  # fmt: skip
+
+
+def test_ends_are_read_and_refused() -> None:
+    assert AxialBoundary.of("cantilever/free", "stretch").name == "fixed-free"
+    assert AxialBoundary.of("free(mass=2, stiffness=3)-fixed", "stretch").canonical.name == (
+        "fixed-free(stiffness=3.0, mass=2.0)"
+    )
+    names = np.array([["fixed-free"], ["clamped-free"]])
+    assert distinct_axial(names, "twist")[1].tolist() == [[0], [0]]
+    assert distinct_axial([("fixed", "free"), "free-free"], "twist")[1].tolist() == [0, 1]
+    for ends, motion, message in (
+        ("pinned-free", "twist", 'did you mean "fixed-free".*pinned says what bending may do, not twist'),
+        ("fixd-free", "twist", 'did you mean "fixed-free"'),
+        ("fixed-free(mass=1)", "twist", "number of an end must be one of stiffness, inertia, got 'mass'"),
+        ("fixed-free(inertia=1)", "stretch", "must be one of stiffness, mass, got 'inertia'"),
+        ("fixed(stiffness=1)-free", "twist", "stiffness of an end must be given once, and not of a fixed"),
+        ("fixed-free", "bending", "motion must be twist or stretch here, got 'bending'"),
+        ("fixed-free", "torsion", "motion must be one of bending, twist, stretch, got 'torsion'"),
+    ):
+        with pytest.raises(ValueError, match=message):
+            AxialBoundary.of(ends, motion)
