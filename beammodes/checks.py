@@ -5,7 +5,7 @@ from __future__ import annotations
 import difflib
 import math
 import numbers
-from collections.abc import Iterable, Mapping, Set, Sized
+from collections.abc import Callable, Iterable, Mapping, Set, Sized
 from itertools import islice
 from typing import Any
 
@@ -18,6 +18,7 @@ __all__ = [
     "MAX_ITEMS",
     "bounded",
     "choice",
+    "distinct",
     "flag",
     "percent",
     "plain_array",
@@ -192,6 +193,36 @@ def bounded(name: str, values: Iterable[Any], *, most: int = MAX_ITEMS) -> list[
     if len(items) > most:
         raise ValueError(f"{name} must have at most {most} values, got more from {shown(values)}")
     return items
+
+
+def distinct(
+    name: str, value: Any, single: tuple[type, ...], read: Callable[[Any], Any]
+) -> tuple[list[Any], NDArray[np.intp]]:
+    """Return what an array of names or records stands for, each once, and places in it, of its shape.
+
+    `read` is called once for each text, and once for each object that is none.
+
+    Examples
+    --------
+    >>> distinct("end", [["free", "Free"], ["pinned", "free"]], (str,), str.lower)
+    (['free', 'pinned'], array([[0, 0],
+           [1, 0]]))
+    """
+    if isinstance(value, single) or not isinstance(value, Iterable):
+        return [read(value)], np.asarray(0)
+    several = not isinstance(value, np.ndarray)
+    array = np.asarray(bounded(name, value) if several else value, dtype=None if _is_text(value) else object)
+    flat = array.ravel().tolist()
+    keys = flat if set(map(type, flat)) <= {str} else list(map(id, flat))
+    found: dict[Any, int] = {}
+    items = dict(zip(keys, flat, strict=True))
+    places = {key: found.setdefault(read(item), len(found)) for key, item in items.items()}
+    which = np.fromiter(map(places.__getitem__, keys), dtype=np.intp, count=len(keys))
+    return list(found), which.reshape(array.shape)
+
+
+def _is_text(value: object) -> bool:
+    return isinstance(value, np.ndarray) and value.dtype.kind == "U"
 
 
 def _check_unmasked(name: str, value: object) -> None:

@@ -6,17 +6,16 @@ Closed forms take multiples of ρA L, ρA L³, L, EI/L³, EI/L and EI/L², as if
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from fractions import Fraction
 from types import MappingProxyType
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from beammodes.chains.units import ExactUnits
-from beammodes.checks import bounded, shown
+from beammodes.checks import distinct, shown
 from beammodes.problem.beam import Beam
 from beammodes.problem.ends import NUMBERS_OF_END, Boundary, with_pairs_read
 from beammodes.problem.loading import Load, load_of
@@ -24,7 +23,6 @@ from beammodes.problem.loading import Load, load_of
 __all__ = [
     "BEAM_NUMBERS",
     "NUMBERS",
-    "distinct",
     "in_beam_units",
     "load_in_beam_units",
     "looked_up",
@@ -135,18 +133,6 @@ def looked_up(boundary: Any, load: Load | None, beam: Beam | None) -> tuple[Any,
     scaled = np.empty(len(pairs), dtype=object)
     scaled[:] = [in_beam_units(pair, plain) for pair in pairs]
     return scaled[which], load_in_beam_units(pull, beam)
-
-
-def distinct(
-    name: str, value: Any, single: tuple[type, ...], read: Callable[[Any], Any]
-) -> tuple[list[Any], NDArray[np.intp]]:
-    """Return what an array of names or records stands for, each once, and places in it, of its shape."""
-    if isinstance(value, single) or not isinstance(value, Iterable):
-        return [read(value)], np.asarray(0)
-    items = np.asarray(value if isinstance(value, np.ndarray) else bounded(name, value), dtype=object)
-    found: dict[Any, int] = {}
-    index = [found.setdefault(read(item), len(found)) for item in items.ravel()]
-    return list(found), np.array(index, dtype=np.intp).reshape(items.shape)
 
 
 def _plain_beam(beam: Beam) -> Beam:

@@ -12,7 +12,7 @@ from typing import Any, overload
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from beammodes.accuracy.beam_units import distinct, looked_up
+from beammodes.accuracy.beam_units import looked_up
 from beammodes.chains.rules import (
     AnyRule,
     AxiallyCorrected,
@@ -23,7 +23,7 @@ from beammodes.chains.rules import (
     is_closed,
     layout_of,
 )
-from beammodes.checks import whole_numbers
+from beammodes.checks import distinct, whole_numbers
 from beammodes.closed_form.relative_errors import relative_error
 from beammodes.closed_form.uniform_chains import MAX_MODE, MAX_SEGMENTS
 from beammodes.exact.exact_beam import wavenumber
@@ -37,7 +37,7 @@ from beammodes.problem.ends import (
     boundary_codes,
     with_pairs_read,
 )
-from beammodes.problem.loading import Load
+from beammodes.problem.loading import NO_LOAD, Load
 
 __all__ = ["MAX_MODES", "errors_in_multiples", "exact_frequencies", "frequency_error"]
 
@@ -151,11 +151,12 @@ def errors_in_multiples(boundary: Any, segments: Any, mode: Any, rule: Any, load
     >>> round(errors_in_multiples("clamped-free", 10, 1, "mitiguy", Load(axial_force=3.0)), 6)
     -0.00265
     """
-    if load == Load():
+    if load is NO_LOAD or load == NO_LOAD:
         try:
-            if isinstance(rule, RuleMaker):
+            known = isinstance(rule, (str, Rule))
+            if not known and isinstance(rule, RuleMaker):
                 return _errors_of_maker(boundary, segments, mode, rule)
-            if isinstance(rule, Rule) or not isinstance(rule, Layout):
+            if known or not isinstance(rule, Layout):
                 return relative_error(boundary, segments, mode, rule)
         except NotClosed:
             if not isinstance(rule, str | Layout):

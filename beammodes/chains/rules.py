@@ -335,6 +335,10 @@ class Rule:
         if not any(map(self.fits, range(1, len(pattern) + 1))):
             raise ValueError(f"inside must read the same from both ends for some N, got {shown(inside)}")
 
+    def __hash__(self) -> int:
+        # Fractions are slow to hash, and rules are keys of caches: names and numerators tell most apart.
+        return hash((self.name, *(w.constant.numerator for w in self.clamped)))
+
     @property
     def has_equal_springs(self) -> bool:
         """True if all springs inside are equal, which closed forms need."""
@@ -663,12 +667,14 @@ def rule_named(rule: RuleLike) -> Rule:
     >>> rule_named("double_wall").clamped
     (Weight(constant=Fraction(1, 2), per_segment=Fraction(0, 1)),)
     """
-    if isinstance(rule, Layout) and not isinstance(rule, type | Rule):
+    if isinstance(rule, (str, Rule)):
+        return rule if isinstance(rule, Rule) else RULES[choice("rule", rule, RULES)]
+    if isinstance(rule, Layout) and not isinstance(rule, type):
         raise TypeError(
             f"rule must be a Rule or a name here, whose end weights have a closed form, got {shown(rule)}: "
             "frequency_error and Chain take any Layout"
         )
-    return rule if isinstance(rule, Rule) else RULES[choice("rule", rule, RULES)]
+    return RULES[choice("rule", rule, RULES)]
 
 
 _RECORDS = (

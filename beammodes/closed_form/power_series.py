@@ -28,6 +28,7 @@ __all__ = [
 SERIES_TERMS = 52
 # Exact series carry a few more, of which leading zeros are divided out.
 _LENGTH = SERIES_TERMS + 8
+_EXPONENTS = np.arange(float(_LENGTH))
 
 
 def binomial(slope: Fraction | int, exponent: Fraction) -> NDArray[Any]:
@@ -92,7 +93,7 @@ def in_powers_of_s(table: NDArray[Any]) -> NDArray[Any]:
 def powers_of(s: Any, terms: int) -> Floats:
     """Return 1, s, s², ..., shape (terms, *s.shape)."""
     if np.ndim(s) == 0:
-        return np.asarray(s ** np.arange(terms))
+        return np.asarray(s ** _EXPONENTS[:terms])
     powers = np.empty((terms, *s.shape), dtype=np.result_type(s))
     powers[0] = 1.0
     for k in range(1, terms):
@@ -102,26 +103,26 @@ def powers_of(s: Any, terms: int) -> Floats:
 
 def enough_powers(s: Any) -> Floats:
     """Return as many powers of s as series of radius 1 need, with a wide margin for large coefficients."""
-    largest = float(s if np.ndim(s) == 0 else s.max())
+    largest = s if isinstance(s, float) else float(s.max())
     needed = SERIES_TERMS if largest > 0.3 else 12 + int(44.0 / -math.log(largest))
     return powers_of(s, min(needed, SERIES_TERMS))
 
 
 class SeriesTable(NamedTuple):
-    """Power series in s: coefficients (rows, terms) from each row's leading power on, and those powers."""
+    """Power series in s: their coefficients, shape (rows, terms)."""
 
     coefficients: Floats
-    leading: NDArray[np.intp]
-    most: int
 
     @classmethod
     def of(cls, rows: NDArray[Any]) -> SeriesTable:
         """Round exact series, shape (rows, terms), to floats."""
-        leading = np.array([next((k for k, c in enumerate(row) if c), 0) for row in rows], dtype=np.intp)
-        shifted = [[*row[k:], *[Fraction(0)] * k] for row, k in zip(rows, leading, strict=True)]
-        return cls(np.array(shifted, dtype=np.float64), leading, int(leading.max()))
+        return cls(np.array(rows, dtype=np.float64))
+
+    def above(self, *others: SeriesTable) -> SeriesTable:
+        """Return these rows and, below them, those of others."""
+        return SeriesTable(np.vstack([self.coefficients, *(other.coefficients for other in others)]))
 
     def at(self, powers: Floats) -> Any:
-        """Return the sums of all rows, given 1, s, s², ..."""
-        terms = len(powers) - self.most
-        return (self.coefficients[:, :terms] @ powers[:terms]) * powers[self.leading]
+        """Return the sums of all rows, given 1, s, s², ...: an array, or a list of floats for a single s."""
+        sums = self.coefficients[:, : len(powers)] @ powers
+        return sums if powers.ndim > 1 else sums.tolist()

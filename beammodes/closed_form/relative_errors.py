@@ -21,19 +21,19 @@ large that a difference of frequencies, which are right to a few units in the la
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from functools import lru_cache
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from beammodes.closed_form.chain_frequencies import frequencies
-from beammodes.closed_form.power_series import enough_powers
+from beammodes.closed_form.power_series import SeriesTable, enough_powers
 from beammodes.closed_form.uniform_chains import Boundaries, Rules, UniformChains, looked_up
-from beammodes.closed_form.waves import Parts, amplitude, inside, parts
+from beammodes.closed_form.waves import Parts, amplitude, end_table, inside, parts
 from beammodes.exact.exact_beam import wavenumber_of_code
 from beammodes.numerics.arrays import Floats
+from beammodes.numerics.elementary import elementary
 
 __all__ = ["relative_error"]
 
@@ -69,7 +69,7 @@ def relative_error(
 def _errors(chains: UniformChains, segments: Any, mode: Any) -> Any:
     """Return e of modes that exist."""
     if isinstance(segments, float):
-        root = np.float64(wavenumber_of_code(chains.code, int(mode)))
+        root = wavenumber_of_code(chains.code, int(mode))
         if root <= _LARGEST_Q * segments and segments >= chains.shortest:
             return _by_series(chains, root, segments, mode, mode <= _LAST_EXCHANGING)
         if segments <= _LISTED:
@@ -97,77 +97,106 @@ def _listed(chains: UniformChains, segments: int) -> Floats:
 
 
 def _by_series(chains: UniformChains, beta: Any, segments: Any, mode: Any, exchanging: bool) -> Any:
-    delta = _Difference(chains, beta, segments, mode, exchanging).root()
-    powers = enough_powers(np.sin(0.5 * (beta + delta) / segments))
+    """Return e of modes whose equation's series converge: arrays, or single floats."""
+    delta = 0.0 * beta
+    if not chains.is_plain:
+        delta = _shift(chains, beta, segments, _Exchange(chains, beta, mode) if exchanging else None)
+    powers = enough_powers(elementary(beta).sin(0.5 * (beta + delta) / segments))
     excess = inside(chains.left).at(powers)[0]
     part = delta / beta
     return excess + (1.0 + excess) * part * (2.0 + part)
 
 
-@dataclass(frozen=True, eq=False)
-class _Difference:
-    """The equation for δ, of a block of modes or of a single one: the chain's less the beam's."""
+def _shift(chains: UniformChains, beta: Any, segments: Any, exchange: _Exchange | None) -> Any:
+    """Return δ, the root of the chain's equation less the beam's:  δ + Φ - Φ⁰ ∓ (arcsin X - arcsin X⁰).
 
-    chains: UniformChains
-    beta: Any
-    segments: Any
-    mode: Any
-    exchanging: bool
+    By secants, the first with the slope that the beam's equation has at β: 2 steps where δ is small, at most
+    6 for q = 1/2.
+    """
+    table, u, sin = _chain_table(chains), 1.0 / segments, elementary(beta).sin
+    left_rows = slice(2, 2 + len(end_table(chains.left).coefficients))
+    mirrored = chains.right is chains.left
 
-    def root(self) -> Any:
-        """Return δ by secants, the first of slope 1: 3 steps for small q, at most 7 for q = 1/2."""
-        old = 0.0 * self.beta
-        if self.chains.is_plain:
-            return old
-        value = self.excess(old)
-        new, before = -value, value
-        for _ in range(15):
-            value = self.excess(new)
-            rise, run = value - before, new - old
-            step = -value * run / (rise + (rise == 0.0))
-            old, before, new = new, value, new + step
-            # Secants multiply errors: this step's error is about its square over the step before.
-            if np.all(step * step <= 1e-15 * np.abs(run * new)):
-                break
-        return new
-
-    def excess(self, delta: Any) -> Any:
-        """Return δ + Φ - Φ⁰ ∓ (arcsin X - arcsin X⁰)."""
-        powers = enough_powers(np.sin(0.5 * (self.beta + delta) / self.segments))
-        chains, u = self.chains, 1.0 / self.segments
-        left = parts(chains.left, powers, u)
-        right = left if chains.right is chains.left else parts(chains.right, powers, u)
+    def excess(delta: Any) -> Any:
+        rows = table.at(enough_powers(sin(0.5 * (beta + delta) * u)))
+        left = parts(chains.left, rows[left_rows], u)
+        right = left if mirrored else parts(chains.right, rows[left_rows.stop :], u)
         total = delta + left.turn + right.turn
-        if not self.exchanging:
-            return total
-        beam, change = self._exchange(delta, powers, left, right)
-        sign = 1.0 - 2.0 * ((self.mode + chains.lead) % 2.0)
-        return total - sign * _arcsin_change(beam, change)
+        return total if exchange is None else total - exchange.change(delta, rows[1], left, right)
 
-    def _exchange(self, delta: Any, powers: Floats, left: Parts, right: Parts) -> tuple[Any, Any]:
-        """Return X⁰ and X - X⁰, X = E² Im(e^(iκ) z₊ z₊') + E (cs dg' + dg cs'), as `waves.exchange`."""
-        a, b = self.chains.left.beam, self.chains.right.beam
-        # dg = 2 cs for the beam's ends, and for the chain's as scaled: cs dg' + dg cs' = 4 cs cs'.
-        scale = 4.0 / (amplitude(a) * amplitude(b))
-        near = scale * a.cos_sin * b.cos_sin
-        near_change = scale * (a.cos_sin * right.cos_sin + left.cos_sin * (b.cos_sin + right.cos_sin))
-        angle = self.beta + sum(math.atan2(beam.cos_growing, beam.sin_growing) for beam in (a, b))
-        sin, cos = np.sin(angle), np.cos(angle)
-        turned = -2.0 * np.sin(0.5 * delta) ** 2 + 1j * np.sin(delta)  # e^(iδ) - 1
+    old, before = 0.0 * beta, excess(0.0 * beta)
+    new = -before if exchange is None else -before / exchange.slope
+    for _ in range(15):
+        value = excess(new)
+        rise, run = value - before, new - old
+        step = -value * run / (rise + (rise == 0.0))
+        old, before, new = new, value, new + step
+        # Secants multiply errors: this step's error is about its square over the step before.
+        close = step * step <= 1e-15 * abs(run * new)
+        if close if isinstance(close, bool) else close.all():
+            break
+    return new
+
+
+@lru_cache(maxsize=1024)
+def _chain_table(chains: UniformChains) -> SeriesTable:
+    """Return the rows of `inside`, of the left end and, unless it is the same, of the right end."""
+    ends = [chains.left] if chains.left is chains.right else [chains.left, chains.right]
+    return inside(chains.left).above(*map(end_table, ends))
+
+
+class _BeamEnds(NamedTuple):
+    """What two ends of the beam make of each other's exponentials: X⁰ = E (E sin(β + angle) + near)."""
+
+    angle: float
+    near: float
+    scale: float
+    left: float
+    right: float
+
+
+@lru_cache(maxsize=1024)
+def _beam_ends(chains: UniformChains) -> _BeamEnds:
+    a, b = chains.left.beam, chains.right.beam
+    angle = sum(math.atan2(beam.cos_growing, beam.sin_growing) for beam in (a, b))
+    # dg = 2 cs for the beam's ends, and for the chain's as scaled: cs dg' + dg cs' = 4 cs cs'.
+    scale = 4.0 / float(amplitude(a) * amplitude(b))
+    return _BeamEnds(angle, scale * a.cos_sin * b.cos_sin, scale, a.cos_sin, b.cos_sin)
+
+
+class _Exchange:
+    """The ends' exchange of exponentials, ± arcsin X, of modes: X as in `waves.exchange`."""
+
+    def __init__(self, chains: UniformChains, beta: Any, mode: Any) -> None:
+        self._beta, self._functions, self._ends = beta, elementary(beta), _beam_ends(chains)
+        angle = beta + self._ends.angle
+        self._sin, self._cos = self._functions.sin(angle), self._functions.cos(angle)
+        self._fade = self._functions.exp(-beta)
+        self._across = self._fade * (self._fade * self._sin + self._ends.near)
+        self._cosine = self._functions.sqrt(1.0 - self._across * self._across)
+        self._sign = 1.0 - 2.0 * ((mode + chains.lead) % 2.0)
+
+    @property
+    def slope(self) -> Any:
+        """The derivative of  β + Φ⁰ ∓ arcsin X⁰  by β."""
+        far = self._fade * (self._cos - 2.0 * self._sin)
+        return 1.0 - self._sign * self._fade * (far - self._ends.near) / self._cosine
+
+    def change(self, delta: Any, slower: Any, left: Parts, right: Parts) -> Any:
+        """Return ± (arcsin X - arcsin X⁰), X = E² Im(e^(iκ) z₊ z₊') + E (cs dg' + dg cs')."""
+        f, beam, beta = self._functions, self._ends, self._beta
+        near_change = beam.scale * (beam.left * right.cos_sin + left.cos_sin * (beam.right + right.cos_sin))
+        half = f.sin(0.5 * delta)
+        turned = -2.0 * half * half + 1j * f.sin(delta)  # e^(iδ) - 1
         grown = left.growing + right.growing + left.growing * right.growing
         turned = turned + grown + turned * grown
-        far_change = sin * turned.real + cos * turned.imag
-        beam_fade = np.exp(-self.beta)
-        slower = inside(self.chains.left).at(powers)[1]
-        fade_change = beam_fade * np.expm1(-(delta + (self.beta + delta) * slower))
-        fade = beam_fade + fade_change
+        far_change = self._sin * turned.real + self._cos * turned.imag
+        fade_change = self._fade * f.expm1(-(delta + (beta + delta) * slower))
+        fade = self._fade + fade_change
         change = fade * fade * far_change + fade * near_change
-        change = change + fade_change * ((fade + beam_fade) * sin + near)
-        return beam_fade * (beam_fade * sin + near), change
-
-
-def _arcsin_change(x: Any, change: Any) -> Any:
-    """Return arcsin(x + change) - arcsin x, by the addition theorem."""
-    end = x + change
-    here, there = np.sqrt(1.0 - x * x), np.sqrt(1.0 - end * end)
-    return np.arcsin(change * (here + x * (end + x) / (here + there)))
+        change = change + fade_change * ((fade + self._fade) * self._sin + beam.near)
+        # arcsin of X less that of X⁰, by the addition theorem.
+        across, end = self._across, self._across + change
+        there = f.sqrt(1.0 - end * end)
+        turn = change * (self._cosine + across * (end + across) / (self._cosine + there))
+        return self._sign * f.arcsin(turn)

@@ -13,11 +13,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from beammodes.chains.rules import Rule, RuleLike, Weight, closed_rule
-from beammodes.checks import bounded, shown, whole_numbers
+from beammodes.checks import distinct, whole_number, whole_numbers
 from beammodes.closed_form.waves import SHORT, EndWaves, Minors, Swing, end_waves, phase, swing
 from beammodes.exact.exact_beam import wavenumber_of_code
 from beammodes.numerics.arrays import Floats
-from beammodes.problem.ends import BOUNDARIES, Boundary, BoundaryLike, boundary_codes, with_pairs_read
+from beammodes.problem.ends import BOUNDARIES, Boundary, BoundaryLike, boundary_code, boundary_codes
 
 __all__ = [
     "MAX_MODE",
@@ -122,10 +122,18 @@ class UniformChains:
     def exists(self, segments: Any, mode: Any) -> Any:
         """Return which chains have that mode, and springs that are all positive."""
         found = mode <= segments + self.surplus
-        for weight in self.corrections:
-            if weight.per_segment or weight.constant <= 0:
-                found = found & (float(weight.constant) + float(weight.per_segment) / segments > 0)
+        for constant, per_segment in self._doubtful_weights:
+            found = found & (constant + per_segment / segments > 0)
         return found
+
+    @cached_property
+    def _doubtful_weights(self) -> list[tuple[float, float]]:
+        """Corrected weights that some chain may have negative."""
+        return [
+            (float(weight.constant), float(weight.per_segment))
+            for weight in self.corrections
+            if weight.per_segment or weight.constant <= 0
+        ]
 
     def in_band(self, segments: Floats, mode: Floats) -> NDArray[np.bool_]:
         """Return which modes waves give: those of long enough chains, but for the last few."""
@@ -203,11 +211,17 @@ def looked_up(
 
     The kernel takes float arrays of one dimension or, when all arguments are single, two floats.
     """
-    codes, (records, chosen) = _boundary_codes(boundary), _rule_codes(rule)
+    if isinstance(boundary, (str, Boundary)) and isinstance(rule, (str, Rule)):
+        chains = _chains_between(boundary, rule)
+        if isinstance(segments, (int, np.integer)) and isinstance(mode, (int, np.integer)):
+            count = whole_number("segments", segments, most=MAX_SEGMENTS)
+            one = whole_number("mode", mode, most=MAX_MODE)
+            return _single(kernel, chains, float(count), float(one))
+    codes = boundary_codes(boundary)
+    records, chosen = distinct("rule", rule, (str, Rule), closed_rule)
     n, m = whole_numbers("segments", segments, most=MAX_SEGMENTS), whole_numbers("mode", mode, most=MAX_MODE)
     if not (codes.ndim or chosen.ndim or n.ndim or m.ndim):
-        chains, one = chains_of(records[0], int(codes)), (float(n), float(m))
-        return float(np.squeeze(kernel(chains, *one))) if chains.exists(*one) else math.nan
+        return _single(kernel, chains_of(records[0], int(codes)), float(n), float(m))
     try:
         codes, n, m, chosen = np.broadcast_arrays(codes, n, m, chosen)
     except ValueError:
@@ -224,44 +238,27 @@ def looked_up(
     return result.reshape(codes.shape)
 
 
+@lru_cache(maxsize=4096)
+def _chains_between(boundary: str | Boundary, rule: RuleLike) -> UniformChains:
+    """Return the chains of one boundary under one rule, both read once."""
+    return chains_of(closed_rule(rule), boundary_code(boundary))
+
+
+def _single(
+    kernel: Callable[[UniformChains, Any, Any], Any], chains: UniformChains, segments: float, mode: float
+) -> float:
+    if not chains.exists(segments, mode):
+        return math.nan
+    found = kernel(chains, segments, mode)
+    return found if isinstance(found, float) else float(np.squeeze(found))
+
+
 def _groups(chosen: NDArray[np.intp], codes: NDArray[np.intp]) -> Iterable[tuple[int, int, NDArray[np.intp]]]:
     """Yield rule, boundary and the indices of at most `_BLOCK` elements that share them."""
     key = chosen * len(BOUNDARIES) + codes
-    order = np.argsort(key, kind="stable")
+    # Small integers are sorted by their digits, in a tenth of the time.
+    order = np.argsort(key.astype(np.min_scalar_type(key.max(initial=0))), kind="stable")
     for start, stop in pairwise([*np.flatnonzero(np.diff(key[order], prepend=-1)), key.size]):
         which, code = divmod(int(key[order[start]]), len(BOUNDARIES))
         for first in range(start, stop, _BLOCK):
             yield which, code, order[first : min(first + _BLOCK, stop)]
-
-
-def _rule_codes(rule: Rules) -> tuple[list[Rule], NDArray[np.intp]]:
-    """Return rules, and indices into them of the shape of `rule`."""
-    if isinstance(rule, str | Rule):
-        return [closed_rule(rule)], np.asarray(0)
-    items, which = _distinct("rule", rule)
-    return [closed_rule(item) for item in items], which
-
-
-def _boundary_codes(boundary: Boundaries) -> NDArray[np.intp]:
-    """Return `boundary_codes`, reading each object of an array once."""
-    boundary = with_pairs_read(boundary)
-    if isinstance(boundary, str | Boundary):
-        return boundary_codes(boundary)
-    items, which = _distinct("boundary", boundary)
-    for item in items:
-        if not isinstance(item, str | Boundary):
-            raise TypeError(f"boundary must be names, pairs of ends or Boundaries, got {shown(item)}")
-    return np.array([int(boundary_codes(item)) for item in items], dtype=np.intp)[which]
-
-
-def _distinct(name: str, value: Any) -> tuple[list[Any], NDArray[np.intp]]:
-    """Return the distinct objects of an array, told apart by identity, and indices into them."""
-    if isinstance(value, np.ndarray) and value.dtype.kind == "U":
-        names, which = np.unique(value, return_inverse=True)
-        return [str(name) for name in names], which.reshape(value.shape)
-    several = isinstance(value, Iterable) and not isinstance(value, np.ndarray)
-    items = np.asarray(bounded(name, value) if several else value, dtype=object)
-    flat = items.ravel().tolist()
-    identity = np.fromiter(map(id, flat), dtype=np.int64, count=len(flat))
-    _, first, which = np.unique(identity, return_index=True, return_inverse=True)
-    return [flat[k] for k in first], which.reshape(items.shape)

@@ -43,6 +43,7 @@ from beammodes.closed_form.power_series import (
     quotient,
 )
 from beammodes.numerics.arrays import Floats
+from beammodes.numerics.elementary import elementary
 from beammodes.problem.ends import End
 
 __all__ = [
@@ -53,6 +54,7 @@ __all__ = [
     "Parts",
     "Swing",
     "amplitude",
+    "end_table",
     "end_waves",
     "exchange",
     "inside",
@@ -311,27 +313,31 @@ class Parts(NamedTuple):
 
     turn: Any  # Φ - Φ⁰
     growing: Any  # of the pair for the growing exponential, complex, over the beam's
-    cos_sin: Any  # of the determinant of cos and sin, exponentials scaled as `_end_table` says
+    cos_sin: Any  # of the determinant of cos and sin, exponentials scaled as `end_table` says
 
 
-def parts(end: EndWaves, powers: Floats, u: Any) -> Parts:
-    """Return how an end reflects waves less how the beam's does, to full relative accuracy."""
-    rows = _end_table(end).at(powers)
-    total = rows[-5:]
+def parts(end: EndWaves, rows: Any, u: Any) -> Parts:
+    """Return how an end reflects waves less how the beam's does, to full relative accuracy.
+
+    `rows` are the sums of `end_table`.
+    """
+    num, den, den2, num2, cos_sin = rows[-5:]
     for first in range(len(rows) - 10, -1, -5):
-        total = total * u + rows[first : first + 5]
-    num, den, den2, num2, cos_sin = total
-    length = np.hypot(num, den)
+        row = rows[first : first + 5]
+        num, den, den2 = num * u + row[0], den * u + row[1], den2 * u + row[2]
+        num2, cos_sin = num2 * u + row[3], cos_sin * u + row[4]
+    functions = elementary(num)
+    length = functions.hypot(num, den)
     shorter = -num * num / (length * (length + den))  # den/length - 1
     return Parts(
-        np.arctan2(num, den),
+        functions.arctan2(num, den),
         (den2 + 1j * num2) / length + shorter,
         cos_sin / length + end.beam.cos_sin * shorter,
     )
 
 
 @lru_cache(maxsize=1024)
-def _end_table(end: EndWaves) -> SeriesTable:
+def end_table(end: EndWaves) -> SeriesTable:
     """Return the rows num, den, den₊ - den, num₊, f cs - cs⁰ den, for each power of u in turn.
 
     den + i num is the pair (sin, cos) of the decaying exponential over the beam's, den₊ + i num₊ that of

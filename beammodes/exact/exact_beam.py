@@ -104,7 +104,15 @@ def _split(codes: Integers, mode: Integers) -> tuple[Floats, Floats]:
         ) from None
 
 
-def _joined(half_waves: Floats, correction: Floats) -> Floats:
+@overload
+def _joined(half_waves: float, correction: float) -> float: ...
+
+
+@overload
+def _joined(half_waves: Floats, correction: Floats) -> Floats: ...
+
+
+def _joined(half_waves: float | Floats, correction: float | Floats) -> float | Floats:
     """Return q π + δ; π enters in two parts, of which q times the first is exact."""
     return half_waves * _PI_HEAD + (half_waves * _PI_TAIL + correction)
 
@@ -166,6 +174,10 @@ def wavenumber_of_code(codes: ArrayLike, mode: ArrayLike) -> float | Floats:
     >>> wavenumber_of_code(3, 1) == wavenumber("free-clamped", 1)
     True
     """
+    if type(codes) is int and type(mode) is int:
+        pair = whole_number("codes", codes, least=0, most=len(BOUNDARIES) - 1)
+        number = whole_number("mode", mode, most=_LAST_MODE)
+        return _joined(_SHIFT.item(pair) + number, _CORRECTION.item(pair, min(number, _CORRECTED)))
     pairs = whole_numbers("codes", codes, least=0, most=len(BOUNDARIES) - 1)
     roots = _joined(*_split(pairs, whole_numbers("mode", mode, most=_LAST_MODE)))
     return float(roots) if roots.ndim == 0 else roots

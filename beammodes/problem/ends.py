@@ -8,13 +8,14 @@ import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from fractions import Fraction
+from functools import lru_cache
 from types import MappingProxyType
 from typing import Any, NoReturn
 
 import numpy as np
 from numpy.typing import NDArray
 
-from beammodes.checks import bounded, choice, real, shown
+from beammodes.checks import bounded, choice, distinct, real, shown
 
 __all__ = [
     "BOUNDARIES",
@@ -24,6 +25,7 @@ __all__ = [
     "BoundaryLike",
     "End",
     "NotPlain",
+    "boundary_code",
     "boundary_codes",
     "end_from_text",
     "is_pair",
@@ -376,19 +378,11 @@ def boundary_codes(value: BoundaryLike | Iterable[BoundaryLike] | NDArray[Any]) 
     >>> boundary_codes(["clamped-free", "free-clamped"])
     array([3, 3])
     """
+    if isinstance(value, (str, Boundary)):
+        return np.asarray(boundary_code(value), dtype=np.intp)
     value = with_pairs_read(value)
-    if isinstance(value, str | Boundary):
-        return np.asarray(_code(value), dtype=np.intp)
-    if isinstance(value, np.ndarray) and value.dtype.kind == "U":
-        names, inverse = np.unique(value, return_inverse=True)
-        return np.array([_code(str(name)) for name in names], dtype=np.intp)[inverse].reshape(value.shape)
-    listed = (
-        bounded("boundary", value)
-        if isinstance(value, Iterable) and not isinstance(value, np.ndarray | bytes | bytearray)
-        else value
-    )
-    items = np.asarray(listed, dtype=object)
-    return np.array([_code(item) for item in items.ravel()], dtype=np.intp).reshape(items.shape)
+    pairs, which = distinct("boundary", value, (str, bytes, bytearray, Boundary), Boundary.of)
+    return np.asarray(np.array([boundary_code(pair) for pair in pairs], dtype=np.intp)[which])
 
 
 def is_pair(value: object) -> bool:
@@ -419,7 +413,8 @@ def with_pairs_read(value: Any) -> Any:
     if hasattr(value, "dtype") or not isinstance(value, tuple | list):
         # Boundary.of and boundary_codes say what is wrong with all else.
         return value
-    return [_read_within(item) for item in bounded("boundary", value)]
+    items = bounded("boundary", value)
+    return [item if type(item) in (str, Boundary) else _read_within(item) for item in items]
 
 
 def _read_within(item: Any) -> Any:
@@ -432,7 +427,15 @@ def _read_within(item: Any) -> Any:
     )
 
 
-def _code(value: BoundaryLike) -> int:
+@lru_cache(maxsize=4096)
+def boundary_code(value: str | Boundary) -> int:
+    """Return the index into `BOUNDARIES` of one boundary, read once.
+
+    Examples
+    --------
+    >>> boundary_code("free-clamped")
+    3
+    """
     pair = Boundary.of(value).canonical
     words = (pair.left.word, pair.right.word)
     if None in words:

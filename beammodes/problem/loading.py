@@ -7,7 +7,7 @@ from fractions import Fraction
 
 from beammodes.checks import choice, real, shown
 
-__all__ = ["PLANES", "Load", "Vector", "checked_load", "load_of"]
+__all__ = ["NO_LOAD", "PLANES", "Load", "Vector", "checked_load", "load_of"]
 
 Number = float | Fraction
 
@@ -110,7 +110,7 @@ def checked_load(load: Load | None) -> Load:
     """Return `load`, or no load for None; raise TypeError for anything else."""
     if load is not None and not isinstance(load, Load):
         raise TypeError(f"load must be a Load or None, got {shown(load)}")
-    return load or Load()
+    return NO_LOAD if load is None else load
 
 
 def load_of(load: Load | None, beam: object | None) -> Load:
@@ -127,7 +127,7 @@ def load_of(load: Load | None, beam: object | None) -> Load:
     True
     """
     given = checked_load(load)
-    if beam is None and given != Load():
+    if beam is None and given is not NO_LOAD and given != NO_LOAD:
         raise ValueError(
             f"load must come with a beam, in whose units it is, got {shown(str(given))} alone: add "
             "beam=Beam(L, EI, rhoA), or beam=Beam.unit() if its numbers are multiples of EI/L^2"
@@ -147,3 +147,7 @@ def _vector(name: str, value: object, sign: int) -> Vector:
             raise ValueError(f"{name} must have two components, got {shown(value)}")
         return _kept(f"{name}[0]", value[0]), _kept(f"{name}[1]", value[1])
     return 0.0, _kept(name, sign * value) if isinstance(value, Fraction) else sign * real(name, value) + 0.0
+
+
+#: What stands for no load.
+NO_LOAD = Load()
