@@ -36,6 +36,27 @@ def test_lookup_scalar_and_broadcasting() -> None:
     assert mixed[1] == pytest.approx(-1 / 6, abs=0.03)
 
 
+def test_single_lookups_are_those_of_arrays_however_names_are_given() -> None:
+    # A single lookup runs on Python floats, an array's on NumPy's; both by the same formulas.
+    generator = np.random.default_rng(3)
+    count = 400
+    pairs = [BOUNDARIES[k] for k in generator.integers(len(BOUNDARIES), size=count)]
+    rules = [RULES[name] for name in generator.choice(["mitiguy", "gregory", "half_stub"], size=count)]
+    segments = np.rint(10 ** generator.uniform(0.5, 9.0, size=count)).astype(int)
+    modes = np.where(generator.random(count) < 0.5, generator.integers(1, 13, size=count), segments // 7 + 1)
+    together = bm.frequency_error(pairs, segments=segments, mode=modes, rule=rules)
+    names, texts = [pair.name for pair in pairs], [rule.name for rule in rules]
+    for boundaries, records in ((names, texts), (np.array(names), np.array(texts)), (tuple(names), rules)):
+        other = bm.frequency_error(boundaries, segments=segments, mode=modes, rule=records)
+        np.testing.assert_array_equal(other, together)
+    singles = [
+        bm.frequency_error(name, segments=int(n), mode=int(m), rule=rule)
+        for name, n, m, rule in zip(names, segments, modes, texts, strict=True)
+    ]
+    np.testing.assert_allclose(singles, together, rtol=1e-12, atol=2e-16)
+    assert np.isfinite(singles).sum() > 0.9 * count
+
+
 @pytest.mark.parametrize("boundary", PAIRS)
 @pytest.mark.parametrize("rule", EVERY_N)
 def test_lookup_equals_the_eigen_solve(boundary: str, rule: str) -> None:

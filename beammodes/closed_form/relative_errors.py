@@ -32,8 +32,7 @@ from beammodes.closed_form.power_series import SeriesTable, enough_powers
 from beammodes.closed_form.uniform_chains import Boundaries, Rules, UniformChains, looked_up
 from beammodes.closed_form.waves import Parts, amplitude, end_table, inside, parts
 from beammodes.exact.exact_beam import wavenumber_of_code
-from beammodes.numerics.arrays import Floats
-from beammodes.numerics.elementary import elementary
+from beammodes.numerics.arrays import Floats, elementary
 
 __all__ = ["relative_error"]
 

@@ -42,8 +42,7 @@ from beammodes.closed_form.power_series import (
     product,
     quotient,
 )
-from beammodes.numerics.arrays import Floats
-from beammodes.numerics.elementary import elementary
+from beammodes.numerics.arrays import Floats, elementary
 from beammodes.problem.ends import End
 
 __all__ = [

@@ -1,11 +1,51 @@
-"""Names for the types of arrays."""
+"""Arrays of floats: the name of their type, and elementary functions that serve single floats as well.
+
+One formula so works on both at its own speed: NumPy takes about a microsecond for one number, whatever it
+does with it, and `math` a twentieth of that.
+"""
 
 from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Floats"]
+__all__ = ["Elementary", "Floats", "elementary"]
 
 #: An array of double-precision numbers.
 Floats = NDArray[np.float64]
+
+Function = Callable[..., Any]
+
+
+class Elementary(NamedTuple):
+    """The functions that formulas here are made of."""
+
+    sin: Function
+    cos: Function
+    sqrt: Function
+    exp: Function
+    expm1: Function
+    arcsin: Function
+    arctan2: Function
+    hypot: Function
+
+
+_OF_FLOATS = Elementary(
+    math.sin, math.cos, math.sqrt, math.exp, math.expm1, math.asin, math.atan2, math.hypot
+)
+_OF_ARRAYS = Elementary(np.sin, np.cos, np.sqrt, np.exp, np.expm1, np.arcsin, np.arctan2, np.hypot)
+
+
+def elementary(number: Any) -> Elementary:
+    """Return the functions for numbers of this kind: a Python float, or all else that NumPy takes.
+
+    Examples
+    --------
+    >>> elementary(0.5).sqrt(2.25), elementary(np.array([0.5])).sqrt(np.array([2.25, 4.0]))
+    (1.5, array([1.5, 2. ]))
+    """
+    return _OF_FLOATS if type(number) is float else _OF_ARRAYS
