@@ -250,7 +250,7 @@ def _single(
     if not chains.exists(segments, mode):
         return math.nan
     found = kernel(chains, segments, mode)
-    return found if isinstance(found, float) else float(np.squeeze(found))
+    return found if type(found) is float else float(np.squeeze(found))
 
 
 def _groups(chosen: NDArray[np.intp], codes: NDArray[np.intp]) -> Iterable[tuple[int, int, NDArray[np.intp]]]:
