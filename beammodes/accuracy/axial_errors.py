@@ -14,10 +14,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from beammodes.accuracy.beam_units import distinct
 from beammodes.chains.axial_chain import AxialLayout, axial_layout_of
 from beammodes.chains.rules import HIGHEST_ORDER, Layout, Rule
-from beammodes.checks import shown, whole_number, whole_numbers
+from beammodes.checks import distinct, shown, whole_number, whole_numbers
 from beammodes.closed_form.axial_chains import axial_errors, axial_frequencies
 from beammodes.closed_form.uniform_chains import MAX_MODE, MAX_SEGMENTS
 from beammodes.exact.axial_beam import axial_wavenumber, uniform_numbers
