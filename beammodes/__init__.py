@@ -87,6 +87,7 @@ _NAMES = {
     "chains.axial_chain": "AxialChain",
     "chains.chain": "Chain",
     "chains.rods": "MissedFeatureWarning",
+    "chains.structure_chain": "StructureChain",
     "chains.rules": "Layout RULES Rule Weight axially_corrected",
     "closed_form.chain_frequencies": "chain_frequency",
     "dynamics.base_motion": "BaseMotion harmonic spin_up",
@@ -101,6 +102,7 @@ _NAMES = {
     "exact.exact_beam": "BeamModes wavenumber",
     "exact.spectral_beam": "SpectralBeamModes",
     "exact.supported_beam": "SupportedBeamModes",
+    "exact.structure_judge": "StructureModes structure_modes",
     "exact.timoshenko_beam": "TimoshenkoModes timoshenko",
     "exporters.chain_csv": "read_chain_csv",
     "exporters.export": "export_chain",
@@ -112,6 +114,7 @@ _NAMES = {
     "problem.materials": "MODULI elastic_modulus",
     "problem.profiles": "Table",
     "problem.sections": "Box Channel Circle GivenSection ISection Rectangle Tube from_sectionproperties",
+    "problem.structure": "Joint Member Station Structure",
     "springs.matched_springs": "match_springs matched",
     "springs.tuning": "mode_tuned",
     "version": "__version__",
@@ -119,6 +122,7 @@ _NAMES = {
     "vibration.integrators": "INTEGRATORS Integrator",
     "vibration.linear": "BentModel LinearModel linearize",
     "vibration.modes": "Modes solve_modes",
+    "vibration.structure_vibration": "StructureChainModes structure_chain_modes",
     "vibration.stability": "published_time_step stable_time_step",
     "views.animation": "animate",
     "views.schematic": "draw_chain",
@@ -165,6 +169,7 @@ if TYPE_CHECKING:
     from beammodes.chains.rules import Rule as Rule
     from beammodes.chains.rules import Weight as Weight
     from beammodes.chains.rules import axially_corrected as axially_corrected
+    from beammodes.chains.structure_chain import StructureChain as StructureChain
     from beammodes.closed_form.chain_frequencies import chain_frequency as chain_frequency
     from beammodes.dynamics.base_motion import BaseMotion as BaseMotion
     from beammodes.dynamics.base_motion import harmonic as harmonic
@@ -190,6 +195,8 @@ if TYPE_CHECKING:
     from beammodes.exact.exact_beam import BeamModes as BeamModes
     from beammodes.exact.exact_beam import wavenumber as wavenumber
     from beammodes.exact.spectral_beam import SpectralBeamModes as SpectralBeamModes
+    from beammodes.exact.structure_judge import StructureModes as StructureModes
+    from beammodes.exact.structure_judge import structure_modes as structure_modes
     from beammodes.exact.supported_beam import SupportedBeamModes as SupportedBeamModes
     from beammodes.exact.timoshenko_beam import TimoshenkoModes as TimoshenkoModes
     from beammodes.exact.timoshenko_beam import timoshenko as timoshenko
@@ -216,6 +223,10 @@ if TYPE_CHECKING:
     from beammodes.problem.sections import Rectangle as Rectangle
     from beammodes.problem.sections import Tube as Tube
     from beammodes.problem.sections import from_sectionproperties as from_sectionproperties
+    from beammodes.problem.structure import Joint as Joint
+    from beammodes.problem.structure import Member as Member
+    from beammodes.problem.structure import Station as Station
+    from beammodes.problem.structure import Structure as Structure
     from beammodes.springs.matched_springs import match_springs as match_springs
     from beammodes.springs.matched_springs import matched as matched
     from beammodes.springs.tuning import mode_tuned as mode_tuned
@@ -232,6 +243,8 @@ if TYPE_CHECKING:
     from beammodes.vibration.modes import solve_modes as solve_modes
     from beammodes.vibration.stability import published_time_step as published_time_step
     from beammodes.vibration.stability import stable_time_step as stable_time_step
+    from beammodes.vibration.structure_vibration import StructureChainModes as StructureChainModes
+    from beammodes.vibration.structure_vibration import structure_chain_modes as structure_chain_modes
     from beammodes.views.animation import animate as animate
     from beammodes.views.schematic import draw_chain as draw_chain
 

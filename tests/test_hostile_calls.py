@@ -62,6 +62,11 @@ def chain() -> bm.Chain:
 
 
 @functools.cache
+def structure() -> bm.Structure:
+    return bm.Structure.of_beam(beam(), "clamped-free", [bm.Station(0.5, math.inf)])
+
+
+@functools.cache
 def equations() -> Any:
     return bm.linearize(chain())
 
@@ -171,6 +176,7 @@ CALLS: dict[str, Arguments] = {
     ),
     "GivenSection": of(area=1.0, second_moment=2.0, weak_second_moment=1.0, torsion_constant=0.5),
     "ISection": of(width=0.1, height=0.2, flange=0.0085, web=0.0056),
+    "Joint": of(x=0.0, y=1.0, support="pinned", mass=1.0, rotary_inertia=0.1, offset=(0.1, 0.0)),
     "Load": of(
         axial_force=1.0,
         spin_rate=0.0,
@@ -180,6 +186,14 @@ CALLS: dict[str, Arguments] = {
         tip_force=(1.0, 0.0),
         tip_moment=0.0,
     ),
+    "Member": lambda: {
+        "beam": beam(),
+        "start": "a",
+        "end": "b",
+        "start_hinge": math.inf,
+        "end_hinge": 2.0,
+        "stations": [bm.Station(0.5, mass=1.0)],
+    },
     "Normal": of(mean=1.0, standard_deviation=0.1, within=4.0),
     "Rectangle": of(width=0.1, height=0.2),
     "Rule": lambda: {
@@ -191,6 +205,17 @@ CALLS: dict[str, Arguments] = {
         "rotary_inertia": Fraction(1, 12),
         "summary": "words",
     },
+    "Station": of(x=0.5, translational_stiffness=3.0, mass=0.1, hinge=2.0),
+    "Structure": lambda: {
+        "joints": {"a": bm.Joint(0, 0, "clamped"), "b": bm.Joint(1.2, 0)},
+        "members": [bm.Member(beam(), "a", "b")],
+    },
+    "Structure.of_beam": lambda: {
+        "beam": beam(),
+        "boundary": "clamped-free",
+        "stations": [bm.Station(0.5, mass=1.0)],
+    },
+    "StructureChain": lambda: {"structure": structure(), "segments": 4, "rule": "gregory"},
     "Study.grid": of(boundary="clamped-free", segments=[2, 3], mode=1, compute="relative_error"),
     "Table": of(x=[0.0, 0.5, 1.0], value=[1.0, 2.0, 3.0]),
     "Tolerance": of(size=0.1, distribution="uniform"),
@@ -404,6 +429,8 @@ CALLS: dict[str, Arguments] = {
         mode=1,
         rotary_inertia_per_length=1e-4,
     ),
+    "structure_chain_modes": lambda: {"chain": bm.StructureChain(structure(), 4), "modes": 2},
+    "structure_modes": lambda: {"structure": structure(), "modes": 2},
     "symbolic_energies": lambda: {"chain": small(), "load": bm.Load(), "symbols": None},
     "theory_errors": lambda: {
         "beam": beam(),
@@ -439,6 +466,8 @@ ANSWERS = {
     "LinearModel",
     "Modes",
     "SpectralBeamModes",
+    "StructureChainModes",
+    "StructureModes",
     "Study",
     "SupportedBeamModes",
     "TimoshenkoModes",

@@ -1,0 +1,292 @@
+"""Chains for planar structures of beams: a chain for each stretch, joined at joints and stations.
+
+A rule's springs are weights of a quadrature of M²/EI. A support, a body, a corner breaks the smoothness
+of M² as a clamp does, so a node of a structure is an end of every stretch that meets there, and each puts its
+end weights there. Where two stretches meet and nothing else turns, their two hinges are springs in series,
+one hinge: of `gregory` 3/8 + 3/8 = 3/4 on a uniform beam, be it straight or bent at a corner there, and a
+crack of stiffness K adds EI/(K ell). Three stretches that meet keep a hinge each.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+from beammodes.chains.chain import Chain
+from beammodes.chains.pieces import MAX_PIECES
+from beammodes.chains.rules import AnyRule, Layout, fits_of, layout_of
+from beammodes.checks import shown, whole_number
+from beammodes.problem.ends import ENDS
+from beammodes.problem.structure import Node, Parts, Structure, checked_structure
+
+__all__ = ["Hinge", "StructureChain", "shared_segments"]
+
+#: Body 0 is the ground.
+GROUND = 0
+
+
+class Hinge(NamedTuple):
+    """A rotational spring between two rigid bodies of a chain.
+
+    Attributes
+    ----------
+    name : str
+        Where it is: a joint, or a member and the distance from its start.
+    bodies : (int, int)
+        Which it joins; 0 is the ground.
+    flexibility : float [rad/(N m)]
+    """
+
+    name: str
+    bodies: tuple[int, int]
+    flexibility: float
+
+    @property
+    def stiffness(self) -> float:
+        """Of the spring [N m/rad]."""
+        return 1.0 / self.flexibility
+
+
+@dataclass(frozen=True, init=False, eq=False, repr=False)
+class StructureChain:
+    """A planar structure as rigid segments and rotational springs, by a rule.
+
+    Parameters
+    ----------
+    structure : Structure
+    segments : int or sequence of int
+        N in all, shared out so that the longest segment is as short as N segments allow: every stretch
+        between two nodes gets ⌈its length/h⌉ with the smallest h for which these are no more than N, equal
+        stretches equally many (so that a few of N may be left over), and an even number if the rule needs
+        that. Or the number of each stretch, in the order of `structure.parts.stretches`.
+    rule : str, Rule or any Layout
+        Its weights of clamped ends are those of every end of a stretch that bears a moment.
+
+    Attributes
+    ----------
+    segments : tuple of int
+        Of each stretch.
+    chains : tuple of Chain
+        Of each stretch, by itself: its pieces are those of the structure, its hinges those between them.
+    bodies : tuple of tuple of int
+        Of each stretch, the rigid body that each of its pieces belongs to: outer pieces are parts of the body
+        of a joint where that can bend the stretch, 0 is the ground, and -1 a piece of no length in a hinge.
+    joints : tuple of (int or None)
+        The body of each node; None where nothing is fixed to it rigidly.
+    hinges : tuple of Hinge
+        All of them, those of rotational supports included.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If an argument is not of its kind, N is less than the number of stretches, or the rule gives no
+        positive springs.
+
+    Examples
+    --------
+    >>> import beammodes as bm
+    >>> crack = bm.Station(0.5, hinge=2.0)
+    >>> beam = bm.Structure.of_beam(bm.Beam.unit(), "clamped-free", [crack])
+    >>> chain = bm.StructureChain(beam, segments=6, rule="gregory")
+    >>> [f"{hinge.name}: {hinge.stiffness:.4g}" for hinge in chain.hinges]       # 1/(1/2 + 3/4 1/6) = 1.6
+    ['left: 16', 'left-right at 0.166667: 5.333', 'left-right at 0.333333: 5.333', 'left-right at 0.5: 1.6',
+     'left-right at 0.666667: 5.143', 'left-right at 0.833333: 6.261']
+    """
+
+    structure: Structure
+    segments: tuple[int, ...]
+    rule: Layout
+    chains: tuple[Chain, ...]
+    bodies: tuple[tuple[int, ...], ...]
+    joints: tuple[int | None, ...]
+    hinges: tuple[Hinge, ...]
+
+    def __init__(
+        self, structure: Structure, segments: int | Sequence[int], rule: AnyRule = "gregory"
+    ) -> None:
+        parts, record = checked_structure(structure).parts, layout_of(rule)
+        counts = shared_segments(parts, segments, record)
+        bends = _moments_at_ends(parts)
+        chains = tuple(
+            Chain(stretch.beam, (ENDS[words[0]], ENDS[words[1]]), count, record)
+            for stretch, words, count in zip(parts.stretches, bends, counts, strict=True)
+        )
+        joining = _Joining.of(parts, bends, chains)
+        values = (structure, counts, record, chains, *joining.joined())
+        for name, value in zip(self.__annotations__, values, strict=True):
+            object.__setattr__(self, name, value)
+
+    @property
+    def parts(self) -> Parts:
+        """Nodes and stretches of the structure."""
+        return self.structure.parts
+
+    @property
+    def body_count(self) -> int:
+        """How many rigid bodies there are, the ground among them."""
+        used = {body for of in self.bodies for body in of} | {body for body in self.joints if body}
+        used |= {body for hinge in self.hinges for body in hinge.bodies}
+        return max(used, default=0) + 1
+
+    def __repr__(self) -> str:
+        return (
+            f"<StructureChain of {self.structure!r}: {', '.join(map(str, self.segments))} segments, "
+            f"rule={self.rule.name!r}>"
+        )
+
+
+def shared_segments(parts: Parts, segments: int | Sequence[int], rule: Layout) -> tuple[int, ...]:
+    """Return how many segments each stretch gets, as `StructureChain` says.
+
+    Examples
+    --------
+    >>> import beammodes as bm
+    >>> overhang = bm.Structure.of_beam(bm.Beam(7.5, 1, 1), "pinned-free", [bm.Station(6.2, math.inf)])
+    >>> shared_segments(overhang.parts, 10, bm.RULES["gregory"])
+    (8, 2)
+    """
+    lengths, fits = [stretch.beam.length for stretch in parts.stretches], fits_of(rule) or (lambda _: True)
+    if isinstance(segments, Sequence) and not isinstance(segments, str):
+        if len(segments) != len(lengths):
+            raise ValueError(
+                f"segments must be one number, or {len(lengths)}, one for each stretch, got {shown(segments)}"
+            )
+        return tuple(whole_number("segments", n, most=MAX_PIECES) for n in segments)
+    total = whole_number("segments", segments, most=MAX_PIECES)
+    least = [next(n for n in range(1, 1000) if fits(n)) for _ in lengths]
+    if total < sum(least):
+        raise ValueError(
+            f"segments must be at least {sum(least)}, for {len(lengths)} stretches and rule {rule.name}, "
+            f"got {total}"
+        )
+
+    def counts(h: float) -> list[int]:
+        found = []
+        for length in lengths:
+            n = max(1, math.ceil(length / h * (1.0 - 1e-9)))
+            while not fits(n):
+                n += 1
+            found.append(n)
+        return found
+
+    low, high = sum(lengths) / total * 0.5, max(lengths)
+    # The sum only falls where h is a length over a whole number; half-way it is the same for both sides.
+    for _ in range(60):
+        middle = 0.5 * (low + high)
+        low, high = (low, middle) if sum(counts(middle)) <= total else (middle, high)
+    return tuple(counts(high))
+
+
+def _moments_at_ends(parts: Parts) -> list[tuple[str, str]]:
+    """Return for each stretch what its two ends feel, as the word of the rule's weights there.
+
+    "clamped" where there can be a bending moment, "guided" where the rotation is held and nothing else,
+    "free" where there is none.
+    """
+    ends = [(node, hinge) for stretch in parts.stretches for node, hinge in zip(*stretch[3::2], strict=True)]
+    bearing = [sum(1 for at, hinge in ends if at == i and hinge) for i in range(len(parts.nodes))]
+    alone = [sum(1 for at, _ in ends if at == i) == 1 for i in range(len(parts.nodes))]
+    words = []
+    for stretch in parts.stretches:
+        pair = []
+        for i, hinge in zip(stretch.nodes, stretch.hinges, strict=True):
+            node = parts.nodes[i]
+            turned = node.rotational_stiffness or node.has_turning_body or bearing[i] > 1
+            if not hinge or not turned:
+                pair.append("free")
+            elif alone[i] and hinge == math.inf and _is_guided(node, stretch.normal):
+                pair.append("guided")
+            else:
+                pair.append("clamped")
+        words.append((pair[0], pair[1]))
+    return words
+
+
+def _is_guided(node: Node, normal: tuple[float, float]) -> bool:
+    """Return whether a node holds its rotation and feels no force along the normal of its only stretch."""
+    across = [abs(unit[0] * normal[0] + unit[1] * normal[1]) for unit, _ in node.supports]
+    return node.rotational_stiffness == math.inf and not node.mass and max(across, default=0.0) < 1e-12
+
+
+@dataclass
+class _Joining:
+    """Bodies and hinges while they are put together."""
+
+    bodies: list[list[int]]
+    joints: list[int | None]
+    hinges: list[Hinge]
+    heavy: set[int]
+    count: int
+
+    @classmethod
+    def of(cls, parts: Parts, bends: list[tuple[str, str]], chains: tuple[Chain, ...]) -> _Joining:
+        joining = cls([], [], [], set(), 1)
+        bearing = {
+            i
+            for stretch, pair in zip(parts.stretches, bends, strict=True)
+            for i, word in zip(stretch.nodes, pair, strict=True)
+            if word != "free"
+        }
+        for i, node in enumerate(parts.nodes):
+            joining._add_node(node, i in bearing)
+        for stretch, pair, chain in zip(parts.stretches, bends, chains, strict=True):
+            of = [joining._new() for _ in range(chain.pieces)]
+            for outer, i, word, hinge in zip((0, -1), stretch.nodes, pair, stretch.hinges, strict=True):
+                body = joining.joints[i]
+                if hinge == math.inf and body is not None and word != "free":
+                    of[outer] = body
+                elif 0.0 < hinge < math.inf and word != "free" and body is not None:
+                    joining.hinges.append(Hinge(parts.nodes[i].name, (body, of[outer]), 1.0 / hinge))
+            joining.bodies.append(of)
+            joining.heavy |= {body for body, length in zip(of, chain.length, strict=True) if length}
+            places = [f"{stretch.member} at {stretch.start + x:g}" for x in chain.hinge_position.tolist()]
+            for outer, i in zip((0, -1), stretch.nodes, strict=True):
+                if not chain.length[outer]:
+                    places[outer] = parts.nodes[i].name
+            for j, (place, stiffness) in enumerate(zip(places, chain.joint_stiffness.tolist(), strict=True)):
+                joining.hinges.append(Hinge(place, (of[j], of[j + 1]), 1.0 / stiffness))
+        return joining
+
+    def _new(self) -> int:
+        self.count += 1
+        return self.count - 1
+
+    def _add_node(self, node: Node, bearing: bool) -> None:
+        if node.rotational_stiffness == math.inf:
+            self.joints.append(GROUND)
+        elif bearing or node.has_turning_body:
+            self.joints.append(self._new())
+            if node.has_turning_body:
+                self.heavy.add(self.count - 1)
+            if node.rotational_stiffness:
+                pair = (GROUND, self.count - 1)
+                self.hinges.append(Hinge(node.name, pair, 1.0 / node.rotational_stiffness))
+        else:
+            self.joints.append(None)
+
+    def joined(self) -> tuple[tuple[tuple[int, ...], ...], tuple[int | None, ...], tuple[Hinge, ...]]:
+        """Return bodies, joints and hinges, those about a body without inertia in series."""
+        light = [body for body in range(1, self.count) if body not in self.heavy]
+        gone = set()
+        for body in light:
+            about = [i for i, hinge in enumerate(self.hinges) if body in hinge.bodies]
+            if len(about) > 2:
+                continue
+            if len(about) == 2:
+                one, other = (self.hinges[i] for i in about)
+                pair = sorted(b for hinge in (one, other) for b in hinge.bodies if b != body)
+                together = one.flexibility + other.flexibility
+                self.hinges[about.pop(0)] = Hinge(one.name, (pair[0], pair[1]), together)
+            for i in about:
+                del self.hinges[i]
+            gone.add(body)
+        kept = {body: i for i, body in enumerate(b for b in range(self.count) if b not in gone)}
+        bodies = tuple(tuple(kept.get(body, -1) for body in of) for of in self.bodies)
+        joints = tuple(None if body is None else kept.get(body) for body in self.joints)
+        hinges = tuple(
+            Hinge(hinge.name, (kept[hinge.bodies[0]], kept[hinge.bodies[1]]), hinge.flexibility)
+            for hinge in self.hinges
+        )
+        return bodies, joints, hinges

@@ -1,0 +1,277 @@
+"""Small vibration of a chain of a planar structure, in coordinates that make the stiffness diagonal.
+
+Coordinates are the relative rotations φ of all hinges and the lengthenings of the supports' springs, each
+divided by the root of its flexibility, so that the stored energy is half the sum of their squares. Angles of
+bodies are sums of φ along a tree of hinges from the ground outward; displacements of nodes, and angles of
+parts that no hinge ties to the ground, follow by constraints:
+
+    every stretch      d_end - d_start = normal Σ ℓ_p θ_p          (and so keeps its length)
+    a loop of hinges   the φ around it add up to zero
+    a support          d · u = 0, or the lengthening of its spring
+
+Of a tree that is supported at its root all that is left is φ itself. Speeds of all bodies times the roots of
+their masses are G y' for the coordinates y that obey the constraints; singular values of G are 1/ω. No matrix
+has lost the digits of the lowest modes, as an assembled stiffness matrix of a long chain has.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from beammodes.chains.structure_chain import StructureChain
+from beammodes.checks import row_shown, shown, whole_number
+from beammodes.numerics.arrays import Floats
+
+__all__ = ["StructureChainModes", "StructureCoordinates", "structure_chain_modes"]
+
+#: Constraints weaker than this say nothing that others do not say.
+_SAME = 1e-9
+#: Singular values below this part of the largest belong to motions without inertia.
+_MASSLESS = 1e-11
+_MOST_PIECES = 3000
+
+
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
+class StructureChainModes:
+    """The first elastic modes of a chain of a structure; `structure_chain_modes` makes it.
+
+    Attributes
+    ----------
+    chain : StructureChain
+    angular_frequency : ndarray, shape (modes,) [rad/s]
+        Of elastic modes 1, 2, ..., ascending; read-only.
+    rigid_body_modes : int
+    elastic_modes : int
+        How many the chain has.
+    displacement : dict of str to ndarray, shape (modes, 2) [m]
+        Of each joint along x and y, in modes of unit modal mass.
+    """
+
+    chain: StructureChain
+    angular_frequency: Floats
+    rigid_body_modes: int
+    elastic_modes: int
+    displacement: dict[str, Floats]
+
+    @property
+    def frequency(self) -> Floats:
+        """ω/(2π) [Hz]."""
+        return self.angular_frequency / (2.0 * math.pi)
+
+    def __repr__(self) -> str:
+        return f"StructureChainModes({self.chain!r}: {row_shown(self.frequency, '{:.4g}', 'Hz')})"
+
+
+def structure_chain_modes(chain: StructureChain, modes: int | None = None) -> StructureChainModes:
+    """Return the first elastic modes of a chain of a structure, or all that it has.
+
+    Parameters
+    ----------
+    chain : StructureChain
+    modes : int, optional
+        At most as many as the chain has.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If an argument is not of its kind, or the chain has fewer modes, or more than 3,000 pieces.
+
+    Examples
+    --------
+    >>> import beammodes as bm
+    >>> joints = {"foot": bm.Joint(0, 0, "clamped"), "corner": bm.Joint(0, 1), "tip": bm.Joint(1, 1)}
+    >>> bar = bm.Beam.unit()
+    >>> ell = bm.Structure(joints, [bm.Member(bar, "foot", "corner"), bm.Member(bar, "corner", "tip")])
+    >>> found = bm.structure_chain_modes(bm.StructureChain(ell, segments=20), modes=2)
+    >>> (found.angular_frequency / bm.structure_modes(ell, 2).angular_frequency - 1).round(7)
+    array([3.60e-06, 3.56e-05])
+    """
+    if not isinstance(chain, StructureChain):
+        raise TypeError(f"chain must be a StructureChain, got {shown(chain)}")
+    coordinates = StructureCoordinates.of(chain)
+    moved = coordinates.momentum()
+    _, size, shape = np.linalg.svd(moved, full_matrices=False)
+    has = int(np.sum(size > _MASSLESS * size.max(initial=0.0)))
+    count = has if modes is None else whole_number("modes", modes)
+    if count > has:
+        raise ValueError(f"modes must be at most {has}, as many as the chain has, got {count}")
+    omega = 1.0 / size[:count]
+    omega.flags.writeable = False
+    places = coordinates.nodes(shape[:count].T * omega)
+    displacement = {name: places[:, i] for i, name in enumerate(chain.structure.joints)}
+    return StructureChainModes(chain, omega, coordinates.rigid.shape[1], has, displacement)
+
+
+class StructureCoordinates(NamedTuple):
+    """Coordinates y of a chain that obey all constraints, with the energy yᵀy/2.
+
+    With all φ and lengthenings s = give · y, angles and displacements of what follows r = follow · y.
+
+    Attributes
+    ----------
+    chain : StructureChain
+    give : ndarray, shape (hinges + springs, y)
+    follow : ndarray, shape (r, y)
+        Displacements of nodes over the longest stretch, x and y of each, then angles of free parts.
+    rigid : ndarray, shape (r, rigid motions)
+        What r may do besides, without energy.
+    angles : ndarray, shape (bodies, hinges)
+        Angle of each body for unit φ.
+    free_angles : ndarray, shape (bodies, free parts)
+        Which free part it belongs to.
+    unit : float [m]
+        The longest stretch.
+    """
+
+    chain: StructureChain
+    give: Floats
+    follow: Floats
+    rigid: Floats
+    angles: Floats
+    free_angles: Floats
+    unit: float
+
+    @classmethod
+    def of(cls, chain: StructureChain) -> StructureCoordinates:
+        """Return the coordinates of a chain."""
+        if sum(chain.segments) > _MOST_PIECES:
+            raise ValueError(f"chain must have at most {_MOST_PIECES} segments, got {sum(chain.segments)}")
+        unit = max(stretch.beam.length for stretch in chain.parts.stretches)
+        angles, free, loops = _tree(chain)
+        rows, flexibility = _constraints(chain, angles, free, loops, unit)
+        given, following = rows[:, : len(flexibility)], rows[:, len(flexibility) :]
+        # What follows is r = known φ + rigid ρ; what it cannot fulfil is left for φ.
+        left, size, right = np.linalg.svd(following)
+        rank = int(np.sum(size > _SAME * size.max(initial=0.0)))
+        known = -(right[:rank].T / size[:rank]) @ (left[:, :rank].T @ given)
+        rest = left[:, rank:].T @ given
+        _, size, strict = np.linalg.svd(rest, full_matrices=False)
+        strict = strict[: int(np.sum(size > _SAME * np.abs(given).max(initial=0.0)))]
+        root = np.sqrt(flexibility)
+        closed = (strict * root).T
+        basis = np.linalg.qr(closed, mode="complete")[0][:, closed.shape[1] :]
+        give = root[:, None] * basis
+        return cls(chain, give, known @ give, right[rank:].T, angles, free, unit)
+
+    def turns(self, given: Floats, following: Floats) -> Floats:
+        """Return the angles of all bodies, from φ and r."""
+        nodes = 2 * len(self.chain.parts.nodes)
+        turned: Floats = self.angles @ given[: self.angles.shape[1]] + self.free_angles @ following[nodes:]
+        return turned
+
+    def nodes(self, y: Floats) -> Floats:
+        """Return displacements of nodes, shape (columns of y, nodes, 2) [m]."""
+        count = len(self.chain.parts.nodes)
+        return (self.unit * self.follow[: 2 * count] @ y).T.reshape(-1, count, 2)
+
+    def momentum(self) -> Floats:
+        """Return G: speeds of masses times the roots of these for unit y', rigid motions taken out."""
+        moved = self._speeds(self.give, self.follow)
+        if self.rigid.shape[1]:
+            none = np.zeros((len(self.give), self.rigid.shape[1]))
+            basis = np.linalg.qr(self._speeds(none, self.rigid))[0]
+            # Twice, because once leaves a rounding of what is taken away.
+            for _ in range(2):
+                moved = moved - basis @ (basis.T @ moved)
+        return moved
+
+    def _speeds(self, given: Floats, following: Floats) -> Floats:
+        turns, rows, parts = self.turns(given, following), list[Floats](), self.chain.parts
+        places = self.unit * following[: 2 * len(parts.nodes)].reshape(len(parts.nodes), 2, -1)
+        for stretch, chain, bodies in zip(parts.stretches, self.chain.chains, self.chain.bodies, strict=True):
+            start = places[stretch.nodes[0]]
+            angle = turns[list(bodies)] * (chain.length > 0.0)[:, None]
+            mass, length = chain.mass[:, None], chain.length[:, None]
+            before = np.cumsum(length * angle, axis=0) - length * angle
+            across = np.array(stretch.normal) @ start + before + chain.centre[:, None] * angle
+            rows.append(np.sqrt(mass) * across)
+            rows.append(np.sqrt(chain.rotary_inertia)[:, None] * angle)
+            rows.append(math.sqrt(chain.mass.sum()) * np.array(stretch.axis)[None] @ start)
+        for node, place, body in zip(parts.nodes, places, self.chain.joints, strict=True):
+            turn = np.zeros(given.shape[1]) if body is None else turns[body]
+            across, up = node.offset
+            rows.append(math.sqrt(node.mass) * (place + np.outer((-up, across), turn)))
+            rows.append(math.sqrt(node.rotary_inertia) * turn[None])
+        return np.vstack(rows)
+
+
+def _tree(chain: StructureChain) -> tuple[Floats, Floats, list[int]]:
+    """Return angles of bodies for unit φ, the free parts they belong to, and hinges that close loops."""
+    about: list[list[tuple[int, int, float]]] = [[] for _ in range(chain.body_count)]
+    for e, hinge in enumerate(chain.hinges):
+        a, b = hinge.bodies
+        about[a].append((b, e, 1.0))
+        about[b].append((a, e, -1.0))
+    angles = np.zeros((chain.body_count, len(chain.hinges)))
+    part, used = np.full(chain.body_count, -1), set[int]()
+    parts = 0
+    for root in range(chain.body_count):
+        if part[root] >= 0:
+            continue
+        part[root], pending = parts, [root]
+        parts += 1
+        while pending:
+            body = pending.pop()
+            for other, e, sign in about[body]:
+                if part[other] < 0:
+                    part[other] = part[body]
+                    angles[other] = angles[body]
+                    angles[other, e] += sign
+                    used.add(e)
+                    pending.append(other)
+    # The ground's own part, the first, does not turn.
+    free = (part[:, None] == np.arange(1, parts)).astype(float)
+    return angles, free, [e for e in range(len(chain.hinges)) if e not in used]
+
+
+def _constraints(
+    chain: StructureChain, angles: Floats, free: Floats, loops: list[int], unit: float
+) -> tuple[Floats, Floats]:
+    """Return rows over (φ, lengthenings / unit, displacements / unit, free angles), and the flexibilities."""
+    parts = chain.parts
+    springs = [
+        (i, direction, stiffness)
+        for i, node in enumerate(parts.nodes)
+        for direction, stiffness in node.supports
+        if stiffness < math.inf
+    ]
+    hinges, first = len(chain.hinges), len(chain.hinges) + len(springs)
+    turned = first + 2 * len(parts.nodes)
+    rows = []
+
+    def new() -> Floats:
+        rows.append(np.zeros(turned + free.shape[1]))
+        return rows[-1]
+
+    def displace(row: Floats, node: int, direction: tuple[float, float], factor: float) -> None:
+        row[first + 2 * node : first + 2 * node + 2] += factor * np.array(direction)
+
+    for stretch, pieces, bodies in zip(parts.stretches, chain.chains, chain.bodies, strict=True):
+        start, end = stretch.nodes
+        for direction in (stretch.axis, stretch.normal):
+            row = new()
+            displace(row, end, direction, 1.0)
+            displace(row, start, direction, -1.0)
+        arms = pieces.length / unit
+        row[:hinges] -= arms @ (angles[list(bodies)] * (arms > 0.0)[:, None])
+        row[turned:] -= arms @ (free[list(bodies)] * (arms > 0.0)[:, None])
+    for i, node in enumerate(parts.nodes):
+        for direction, stiffness in node.supports:
+            if stiffness == math.inf:
+                displace(new(), i, direction, 1.0)
+    for k, (i, direction, _) in enumerate(springs):
+        row = new()
+        displace(row, i, direction, 1.0)
+        row[hinges + k] = -1.0
+    for e in loops:
+        row = new()
+        a, b = chain.hinges[e].bodies
+        row[:hinges] = angles[a] - angles[b]
+        row[e] += 1.0
+    flexibility = [hinge.flexibility for hinge in chain.hinges]
+    flexibility += [1.0 / (stiffness * unit**2) for _, _, stiffness in springs]
+    return np.array(rows), np.array(flexibility)

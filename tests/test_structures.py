@@ -1,0 +1,306 @@
+"""Beams with stations and planar structures: the exact judge, chains, and the two against each other."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator
+
+import numpy as np
+import pytest
+from random_structures import structure
+from scipy.linalg import eigh
+
+import beammodes as bm
+from beammodes.chains.structure_chain import Hinge
+from beammodes.exact.structure_judge import modes_below
+from beammodes.numerics.blas import one_thread
+
+INF = math.inf
+UNIT = bm.Beam.unit()
+
+
+@pytest.fixture(autouse=True)
+def _one_thread() -> Iterator[None]:
+    # Many small matrices: threads of BLAS would only wait for each other.
+    with one_thread():
+        yield
+
+
+def ell() -> bm.Structure:
+    joints = {"foot": bm.Joint(0, 0, "clamped"), "corner": bm.Joint(0, 1), "tip": bm.Joint(1, 1)}
+    return bm.Structure(joints, [bm.Member(UNIT, "foot", "corner"), bm.Member(UNIT, "corner", "tip")])
+
+
+def portal() -> bm.Structure:
+    """Fixed feet, three equal bars."""
+    joints = {
+        "a": bm.Joint(0, 0, "clamped"),
+        "b": bm.Joint(0, 1),
+        "c": bm.Joint(1, 1),
+        "d": bm.Joint(1, 0, "clamped"),
+    }
+    return bm.Structure(joints, [bm.Member(UNIT, *pair) for pair in ("ab", "bc", "cd")])
+
+
+def tee() -> bm.Structure:
+    """Three bars at one joint, one of them clamped, with a body on the end of another."""
+    joints = {
+        "foot": bm.Joint(0, 0, "clamped"),
+        "top": bm.Joint(0, 1),
+        "left": bm.Joint(-0.6, 1.3, mass=0.5, rotary_inertia=0.02, offset=(-0.05, 0.1)),
+        "right": bm.Joint(1, 1),
+    }
+    left = bm.Beam(math.hypot(0.6, 0.3), 0.7, 2.0)
+    return bm.Structure(
+        joints,
+        [bm.Member(UNIT, "foot", "top"), bm.Member(left, "top", "left"), bm.Member(UNIT, "top", "right")],
+    )
+
+
+def errors(given: bm.Structure, segments: int | list[int], modes: int, rule: str = "gregory") -> np.ndarray:
+    chain = bm.structure_chain_modes(bm.StructureChain(given, segments, rule), modes)
+    return chain.angular_frequency / bm.structure_modes(given, modes).angular_frequency - 1.0
+
+
+# --- The judge ----------------------------------------------------------------------------------------------
+
+
+def test_a_single_beam_is_the_one_of_the_closed_forms() -> None:
+    # euler_bernoulli solves transcendental equations of the two ends; here polynomials and a matrix.
+    body = bm.End(mass=0.4, rotary_inertia=0.01, offset=0.1)
+    on_springs = (bm.End(3.0, 2.0, mass=0.1), bm.End(20.0, 0.3, 0.2, 0.03, 0.2))
+    for pair in ("clamped-free", "free-free", "guided-pinned", ("clamped", body), on_springs):
+        found = bm.structure_modes(bm.Structure.of_beam(UNIT, pair), 6)
+        judge = bm.euler_bernoulli(UNIT, pair, 6)
+        np.testing.assert_allclose(found.angular_frequency, judge.angular_frequency, rtol=3e-15)
+        assert found.rigid_body_modes == judge.rigid_body_modes
+
+
+def test_steps_tapers_and_rotary_inertia() -> None:
+    taper = bm.Beam(1.2, lambda x: 85 * (1 - 0.6 * x) ** 3, lambda x: 0.62 * (1 - 0.6 * x), 1e-3)
+    for beam in (bm.Beam(1.2, [85.0, 40.0, 20.0], 0.62, 2e-3), taper):
+        found = bm.structure_modes(bm.Structure.of_beam(beam, "clamped-pinned", [bm.Station(0.5)]), 3)
+        judge = bm.euler_bernoulli(beam, "clamped-pinned", 3)
+        np.testing.assert_allclose(found.angular_frequency, judge.angular_frequency, rtol=1e-12)
+
+
+def test_a_rod_that_slides_along_itself_is_a_rigid_motion_more() -> None:
+    bar = bm.Structure({"a": bm.Joint(0, 0), "b": bm.Joint(1, 0)}, [bm.Member(UNIT, "a", "b")])
+    assert bm.structure_modes(bar, 1).rigid_body_modes == 3
+
+
+def changes(function: Callable[[float], float], roots: np.ndarray, within: float = 1e-11) -> bool:
+    """Whether a characteristic function has a root next to each of these."""
+    return all(function(w * (1 - within)) * function(w * (1 + within)) < 0 for w in roots.tolist())
+
+
+def test_two_spans() -> None:
+    # S. Timoshenko, D. H. Young, W. Weaver, Vibration Problems in Engineering, 4th ed. (1974), 5.15: beams on
+    # three supports, coth - cot of both spans add up to zero; of equal ones also those of one span.
+    a, b = 0.55, 0.45
+    found = bm.structure_modes(bm.Structure.of_beam(UNIT, "pinned-pinned", [bm.Station(a, INF)]), 8)
+
+    def free_of_poles(omega: float) -> float:
+        k = math.sqrt(omega)
+        sa, sb = math.sin(k * a), math.sin(k * b)
+        return sb * (sa / math.tanh(k * a) - math.cos(k * a)) + sa * (sb / math.tanh(k * b) - math.cos(k * b))
+
+    assert changes(free_of_poles, found.angular_frequency)
+    equal = bm.structure_modes(bm.Structure.of_beam(UNIT, "pinned-pinned", [bm.Station(0.5, INF)]), 8)
+    half = bm.Beam(0.5, 1.0, 1.0)
+    spans = [
+        bm.euler_bernoulli(half, pair, 4).angular_frequency for pair in ("pinned-pinned", "clamped-pinned")
+    ]
+    np.testing.assert_allclose(equal.angular_frequency, np.sort(np.concatenate(spans)), rtol=3e-15)
+
+
+def test_an_overhang_and_a_mass_on_a_light_bar() -> None:
+    # A 6 x 6 determinant of both pieces' solutions; deflection per force a²b²/(3 EI L) + springs.
+    beam = bm.Structure.of_beam(bm.Beam(7.5, 1.0, 1.0), "pinned-free", [bm.Station(6.2, INF)])
+    expected = [0.24891668215852666, 0.8681117302754399, 1.4980702903429028]
+    np.testing.assert_allclose(bm.structure_modes(beam, 3).angular_frequency, expected, rtol=1e-12)
+    spring = bm.End(translational_stiffness=300.0)
+    light = bm.Structure.of_beam(
+        bm.Beam(120.0, 30e6, 1e-12), (spring, spring), [bm.Station(84.0, mass=1000 / 386)]
+    )
+    give = 84**2 * 36**2 / (3 * 30e6 * 120) + (0.3**2 + 0.7**2) / 300
+    period = 2 * math.pi * math.sqrt(1000 / 386 * give)
+    assert math.isclose(1 / bm.structure_modes(light, 1).frequency[0], period, rel_tol=1e-10)
+    assert math.isclose(period, 0.533227803, abs_tol=1e-8)
+    chain = bm.structure_chain_modes(bm.StructureChain(light, 10), 1)
+    assert math.isclose(1 / chain.frequency[0], period, rel_tol=1e-10)
+
+
+def test_a_mass_and_a_crack_at_mid_length() -> None:
+    # Symmetric modes of a pinned-pinned beam, k = βL/2: tan k - tanh k = 2/(μ k) with a mass μ ρAL there
+    # (I. A. Karnovsky, O. I. Lebed, Formulas for Structural Dynamics, 2001), and = 2 K/k on a crack of K EI/L
+    # (T. G. Chondros, A. D. Dimarogonas, J. Yao, Journal of Sound and Vibration 215, 1998). The antisymmetric
+    # ones are those of the half beam.
+    half = bm.euler_bernoulli(bm.Beam(0.5, 1.0, 1.0), "pinned-pinned", 3).angular_frequency
+    for station, ratio in ((bm.Station(0.5, mass=0.7), 1 / 0.7), (bm.Station(0.5, hinge=1.3), 1.3)):
+        found = bm.structure_modes(
+            bm.Structure.of_beam(UNIT, "pinned-pinned", [station]), 6
+        ).angular_frequency
+
+        def free_of_poles(omega: float, ratio: float = ratio) -> float:
+            k = math.sqrt(omega) / 2
+            return math.sin(k) - math.cos(k) * (math.tanh(k) + 2 * ratio / k)
+
+        assert changes(free_of_poles, found[::2])
+        np.testing.assert_allclose(found[1::2], half, rtol=3e-15)
+
+
+def test_a_portal_frame() -> None:
+    # Frequency functions of V. Koloušek, Dynamics in Engineering Structures (1973), for bars of length 1.
+    def symmetric(omega: float) -> float:
+        _, _, turn, carried = kolousek(omega)
+        return 2 * turn - carried
+
+    def sway(omega: float) -> float:
+        shift, mixed, turn, carried = kolousek(omega)
+        return (shift - omega**2 / 2) * (2 * turn + carried) - mixed**2
+
+    found = bm.structure_modes(portal(), 4)
+    is_sway = np.abs(found.displacement["b"][:, 0]) > 1e-9
+    assert is_sway.tolist() == [True, False, False, True] or is_sway.tolist() == [True, False, True, False]
+    assert changes(sway, found.angular_frequency[is_sway])
+    assert changes(symmetric, found.angular_frequency[~is_sway])
+
+
+def kolousek(omega: float) -> tuple[float, float, float, float]:
+    """Force per shift and per turn of an end, moment per its turn and per that of the other end."""
+    k = math.sqrt(omega)
+    s, c, S, C = math.sin(k), math.cos(k), math.sinh(k), math.cosh(k)
+    below = 1 - c * C
+    return (
+        k**3 * (s * C + c * S) / below,
+        k**2 * s * S / below,
+        k * (s * C - c * S) / below,
+        k * (S - s) / below,
+    )
+
+
+def test_counts_and_a_second_route_by_hermite_elements() -> None:
+    # Elements with cubic shapes, from any textbook, where the two legs of the L move as in the issue's case.
+    n, h = 40, 1.0 / 40
+    k = np.array([[12, 6 * h, -12, 6 * h], [6 * h, 4 * h**2, -6 * h, 2 * h**2]])
+    k = np.vstack([k, -k[0], [6 * h, 2 * h**2, -6 * h, 4 * h**2]]) / h**3
+    m = np.array([[156, 22 * h, 54, -13 * h], [22 * h, 4 * h**2, 13 * h, -3 * h**2]])
+    m = np.vstack([m, [54, 13 * h, 156, -22 * h], [-13 * h, -3 * h**2, -22 * h, 4 * h**2]]) * h / 420
+    first, size = 2 * (n + 1), 4 * (n + 1)
+    K, M = np.zeros((size, size)), np.zeros((size, size))
+    for start in (*range(0, 2 * n, 2), *range(first, first + 2 * n, 2)):
+        part = np.ix_(range(start, start + 4), range(start, start + 4))
+        K[part] += k
+        M[part] += m
+    M[first - 2, first - 2] += 1.0  # the second leg moves sideways with the corner
+    kept = np.delete(np.eye(size), [0, 1, first, first + 1], axis=1)
+    kept[first + 1] += kept[first - 1]
+    squares = eigh(kept.T @ K @ kept, kept.T @ M @ kept, eigvals_only=True, subset_by_index=[0, 4])
+    found = bm.structure_modes(ell(), 5)
+    np.testing.assert_allclose(found.angular_frequency, np.sqrt(squares), rtol=2e-6)
+    for number, omega in enumerate(found.angular_frequency.tolist()):
+        assert modes_below(ell(), omega * (1 - 1e-9)) == number
+        assert modes_below(ell(), omega * (1 + 1e-9)) == number + 1
+
+
+# --- Chains -------------------------------------------------------------------------------------------------
+
+
+def test_a_chain_without_stations_is_the_chain_of_the_beam() -> None:
+    body = bm.End(mass=0.4, rotary_inertia=0.01, offset=0.1)
+    on_springs = (bm.End(3.0, 2.0, mass=0.1), bm.End(20.0, 0.3, 0.2, 0.03, 0.2))
+    for pair in (
+        "clamped-free",
+        "free-free",
+        "guided-pinned",
+        "clamped-clamped",
+        ("guided", body),
+        on_springs,
+    ):
+        for rule in ("mitiguy", "half_stub", "simpson", "gregory"):
+            ours = bm.structure_chain_modes(bm.StructureChain(bm.Structure.of_beam(UNIT, pair), 8, rule), 4)
+            plain = bm.linearize(bm.Chain(UNIT, pair, 8, rule))
+            np.testing.assert_allclose(
+                ours.angular_frequency, bm.solve_modes(plain, 4).angular_frequency, rtol=1e-11
+            )
+            assert (ours.elastic_modes, ours.rigid_body_modes) == (
+                plain.elastic_modes,
+                plain.rigid_body_modes,
+            )
+
+
+def test_the_L_frame_to_every_digit() -> None:
+    # "Beyond the single plane beam", section 3: exact, and percent errors of mode 2. The last stands there as
+    # 0.0000121; the chain's and the judge's frequencies have 14 digits and give 0.0000120.
+    found = bm.structure_modes(ell(), 3).angular_frequency
+    assert found.round(8).tolist() == [1.17178064, 3.19092568, 15.75459382]
+    percents = [100 * errors(ell(), [n, n], 2)[1] for n in (5, 10, 20, 40)]
+    assert [f"{p:.3g}" for p in percents] == ["0.0556", "0.00356", "0.000206", "1.2e-05"]
+    chain = bm.StructureChain(ell(), [5, 5])
+    weights = {hinge.name: round(hinge.flexibility * 5, 9) for hinge in chain.hinges}
+    assert weights["corner"] == 3 / 4
+    assert weights["foot-corner at 0.8"] == weights["corner-tip at 0.2"] == round(7 / 6, 9)
+
+    def plain_corner(n: int) -> float:
+        chain = bm.StructureChain(ell(), [n, n])
+        hinges = (
+            Hinge(hinge.name, hinge.bodies, 1 / n) if hinge.name == "corner" else hinge
+            for hinge in chain.hinges
+        )
+        object.__setattr__(chain, "hinges", tuple(hinges))
+        return 100 * float(bm.structure_chain_modes(chain, 2).angular_frequency[1] / found[1] - 1)
+
+    assert [f"{plain_corner(n):.2g}" for n in (5, 10, 20, 40)] == ["-3.8", "-2", "-1", "-0.51"]
+
+
+@pytest.mark.parametrize("rule", ["gregory", "half_stub_corrected"])
+def test_order_four_through_stations_and_corners(rule: str) -> None:
+    one = [bm.Station(0.4, INF)], [bm.Station(0.4, mass=0.8)], [bm.Station(0.4, hinge=1.5)]
+    body = [bm.Station(0.6, 30.0, 2.0, 0.5, 0.03, 0.1)]
+    beams = [bm.Structure.of_beam(UNIT, "clamped-pinned", stations) for stations in (*one, body)]
+    step = bm.Structure.of_beam(bm.Beam(1.0, [3.0, 1.0], [2.0, 1.0]), "clamped-free")
+    for given in (*beams, step, ell(), portal(), tee()):
+        coarse, fine = (errors(given, [n] * len(given.parts.stretches), 3, rule) for n in (48, 96))
+        order = np.log2(np.abs(coarse / fine))
+        # Where the first term is small the next, 1/N⁵ and 1/N⁶, still shows.
+        assert np.median(order) > 3.7 and (np.abs(fine) < 3e-6).all(), (given, order, fine)
+
+
+def sweep(seeds: range) -> None:
+    """Chains extrapolated to endless N find every mode of the judge, in order."""
+    for seed in seeds:
+        given = structure(seed)
+        count = len(given.parts.stretches)
+        coarse, fine = (bm.structure_chain_modes(bm.StructureChain(given, [n] * count)) for n in (9, 18))
+        modes = max(1, min(5, coarse.elastic_modes // 5))
+        limit = (16 * fine.angular_frequency[:modes] - coarse.angular_frequency[:modes]) / 15
+        judge = bm.structure_modes(given, modes)
+        np.testing.assert_allclose(limit, judge.angular_frequency, rtol=2e-3, err_msg=f"seed {seed}")
+        assert judge.rigid_body_modes == fine.rigid_body_modes, seed
+
+
+def test_random_structures() -> None:
+    sweep(range(1000, 1040))
+
+
+@pytest.mark.slow
+def test_very_many_random_structures() -> None:
+    sweep(range(500))
+
+
+def test_what_a_structure_refuses() -> None:
+    joints = {"a": bm.Joint(0, 0), "b": bm.Joint(2, 0)}
+    cases: list[tuple[Callable[[], object], str]] = [
+        (lambda: bm.Structure(joints, [bm.Member(UNIT, "a", "b")]), "1.0 between joints 2.0 apart"),
+        (lambda: bm.Structure(joints, [bm.Member(UNIT, "a", "c")]), "joint of a member must be one of a, b"),
+        (lambda: bm.Structure.of_beam(UNIT, "free-free", [bm.Station(1.0, INF)]), "what is at an end"),
+        (lambda: bm.Station(0.5, rotary_inertia=1.0, hinge=2.0), "which side of the kink"),
+        (lambda: bm.Joint(0, 0, "pined"), 'did you mean "pinned"'),
+        (lambda: bm.StructureChain(ell(), 1), "segments must be at least 2, for 2 stretches"),
+        (lambda: bm.StructureChain(ell(), [3]), "or 2, one for each stretch"),
+        (lambda: bm.structure_chain_modes(bm.StructureChain(ell(), 4), 9), "modes must be at most 4"),
+    ]
+    for call, words in cases:
+        with pytest.raises(ValueError, match=words):
+            call()
