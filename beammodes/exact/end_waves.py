@@ -18,6 +18,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from beammodes.exact.uniform_beam import UnitEnd
 from beammodes.numerics import double_double, long_decimals
 from beammodes.numerics.arrays import Floats
 from beammodes.numerics.counted_secants import Reading
@@ -124,11 +125,22 @@ class EndNumbers(NamedTuple):
         arm = DoubleDouble.of(mass) * offset
         return self._replace(coupled=arm * self.may_deflect, carried=arm * offset)
 
-    def in_decimals(self, mass: float, offset: float) -> EndNumbers:
-        """Return these numbers in decimals."""
-        arm = Decimal(mass) * Decimal(offset)
-        exact = EndNumbers(*map(Decimal, self))
-        return exact._replace(coupled=arm * exact.may_deflect, carried=arm * Decimal(offset))
+    @classmethod
+    def exact(cls, end: UnitEnd) -> EndNumbers:
+        """Return an end in decimals of the context's digits."""
+        may_deflect, may_turn = (Decimal(not held) for held in end.holds)
+        mass, one = +end.mass, Decimal(1)
+        arm = mass * end.offset
+        return cls(
+            +end.translational if may_deflect else one,
+            may_deflect,
+            +end.rotational if may_turn else one,
+            may_turn,
+            +end.inertia,
+            mass * may_deflect,
+            arm * may_deflect,
+            arm * end.offset,
+        )
 
 
 class _Waves(NamedTuple):

@@ -20,7 +20,17 @@ from beammodes.exact.uniform_beam import ABOVE_CRITICAL, UnitBeam, UnitEnd
 from beammodes.numerics.counted_secants import Reading, counted_root
 from beammodes.numerics.long_decimals import LONG, as_decimal
 
-__all__ = ["FLOOR", "LAST", "NOISE", "Rise", "apart", "in_decimals", "rigid_modes", "supported_frequency"]
+__all__ = [
+    "FLOOR",
+    "LAST",
+    "NOISE",
+    "Rise",
+    "apart",
+    "in_decimals",
+    "rigid_modes",
+    "supported_frequency",
+    "supported_root",
+]
 
 #: Below this frequency waves are too much alike for doubles, and long decimals look for roots.
 FLOOR = 1e-5
@@ -31,8 +41,8 @@ LAST = 5e-17
 # The rise is taken over this part of the frequency to either side, and from some mode on over a part that
 # falls as the modes draw near each other.
 _APART, _APART_TO_MODE = 1e-6, 100.0
-# Digits of the residual: cancellation takes twelve where doubles still count, and 17 are wanted of the rest.
-_DIGITS = 40
+# Digits of the residual: cancellation takes twelve where doubles still count, and 25 are wanted of the rest.
+_DIGITS = 50
 
 
 def supported_frequency(
@@ -57,18 +67,10 @@ def supported_frequency(
     >>> [round(supported_frequency(clamped, loaded, mode), 4) for mode in (1, 2)]
     [1.5573, 16.2501]
     """
-    if tension <= -float(ABOVE_CRITICAL):
-        return math.nan
-    number = mode + rigid_modes(left, right, tension)
-    near = math.nan
-    try:
-        near, sure = _corrected(left, right, number, tension, gyration)
-        if sure:
-            return near
-    except (ArithmeticError, ValueError):
-        # Beyond the range of doubles.
-        pass
-    return in_decimals(left, right, number, tension, gyration, near)
+    with localcontext(LONG):
+        beam = _beam(left, right, tension, gyration)
+        omega = supported_root(beam, mode + rigid_modes(left, right, tension))
+    return math.nan if omega is None else float(omega)
 
 
 def rigid_modes(left: Sequence[float], right: Sequence[float], tension: float) -> int:
@@ -106,67 +108,85 @@ class Rise(NamedTuple):
         return abs(step) * (noise + self.bend * abs(step))
 
 
-def _corrected(
-    left: Sequence[float], right: Sequence[float], number: int, tension: float, gyration: float
-) -> tuple[float, bool]:
-    """Return the root to the last digit, and whether it is sure."""
-    ends = EndNumbers.of(FLOATS, *left), EndNumbers.of(FLOATS, *right)
+def supported_root(beam: UnitBeam, number: int, rest: float = LAST) -> Decimal | None:
+    """Return ω of one number, rigid-body modes included, to this part of itself; None if the beam buckles.
 
-    def at(place: float) -> Reading:
-        return read(FLOATS, *ends, place, tension, gyration)
+    Examples
+    --------
+    >>> from beammodes.problem.beam import Beam
+    >>> from beammodes.problem.ends import Boundary
+    >>> root = supported_root(UnitBeam.of(Beam.unit(), Boundary.of("pinned-pinned")), 1, 1e-24)
+    >>> str(root)[:25], math.pi**2
+    ('9.86960440108935861883449', 9.869604401089358)
+    """
+    if beam.tension < -ABOVE_CRITICAL:
+        return None
+    try:
+        omega, sure = _corrected(beam, number, rest)
+    except (ArithmeticError, ValueError):
+        # Beyond the range of doubles.
+        omega, sure = Decimal(1), False
+    if sure:
+        return omega
+    with localcontext(LONG):
+        square = beam.root(number, omega * omega)
+        return None if square is None else square.sqrt()
 
-    def frequency(wave: float) -> float:
-        if wave <= 0.0 or wave * wave <= -tension:
-            return 0.0
-        return wave * math.sqrt((wave * wave + tension) / (1.0 + gyration * wave * wave))
 
-    # The pinned beam has k - 1 roots below k π. Others have at most two less and four more below a place.
-    start, low, high = (frequency((number + more) * math.pi) for more in (-0.5, -4.1, 2.1))
-    omega, part = counted_root(at, number, start, low, high, FLOOR), apart(number)
-    below, here, above = (at(omega * factor) for factor in (1.0 - part, 1.0, 1.0 + part))
-    if below.below != number - 1 or above.below != number or omega < 2.0 * FLOOR:
-        return omega, False
-    if tension < 0.0 and at(FLOOR).below > (left[0] == 0.0 and right[0] == 0.0):
-        # More than a translation below the floor: the beam may buckle.
-        return omega, False
-    rise = Rise.across(below, here, above, part)
+def _corrected(beam: UnitBeam, number: int, rest: float) -> tuple[Decimal, bool]:
+    """Return the root, and whether it is sure."""
     with localcontext(LONG) as context:
         context.prec = _DIGITS
-        first, second = (
-            end.in_decimals(side[2], side[4]) for end, side in zip(ends, (left, right), strict=True)
-        )
+        exact_left, exact_right = EndNumbers.exact(beam.left), EndNumbers.exact(beam.right)
+        left, right = EndNumbers(*map(float, exact_left)), EndNumbers(*map(float, exact_right))
+        tension, gyration = float(beam.tension), float(beam.gyration)
 
-        def exact(place: float) -> float:
-            square = Decimal(place) ** 2
-            return float(residual(DECIMALS, first, second, square, Decimal(tension), Decimal(gyration)))
+        def at(place: float) -> Reading:
+            return read(FLOATS, left, right, place, tension, gyration)
 
-        value = exact(omega)
-        noise, step = rise.noise(value), value / rise.rate
-        omega -= step * omega
-        rest = rise.left(step, noise)
-        if noise < NOISE and rest > LAST:
-            step = exact(omega) / rise.rate
-            omega -= step * omega
-            rest = rise.left(step, noise)
-    return omega, noise < NOISE and rest < LAST
+        def frequency(wave: float) -> float:
+            if wave <= 0.0 or wave * wave <= -tension:
+                return 0.0
+            return wave * math.sqrt((wave * wave + tension) / (1.0 + gyration * wave * wave))
+
+        # The pinned beam has k - 1 roots below k π. Others have at most two less and four more below a place.
+        start, low, high = (frequency((number + more) * math.pi) for more in (-0.5, -4.1, 2.1))
+        near, part = counted_root(at, number, start, low, high, FLOOR), apart(number)
+        below, here, above = (at(near * factor) for factor in (1.0 - part, 1.0, 1.0 + part))
+        omega = Decimal(near)
+        if below.below != number - 1 or above.below != number or near < 2.0 * FLOOR:
+            return omega, False
+        if tension < 0.0 and at(FLOOR).below > beam.translation_is_free:
+            # More than a translation below the floor: the beam may buckle.
+            return omega, False
+        rise, noise, left_over = Rise.across(below, here, above, part), 0.0, math.inf
+        for count in range(3):
+            square = omega * omega
+            value = float(residual(DECIMALS, exact_left, exact_right, square, beam.tension, beam.gyration))
+            noise = noise if count else rise.noise(value)
+            step = value / rise.rate
+            omega -= omega * Decimal(step)
+            left_over = rise.left(step, noise)
+            if left_over < rest:
+                break
+        return omega, noise < NOISE and left_over < rest
 
 
 def in_decimals(
-    left: Sequence[float],
-    right: Sequence[float],
-    number: int,
-    tension: float,
-    gyration: float,
-    near: float = math.nan,
+    left: Sequence[float], right: Sequence[float], number: int, tension: float, gyration: float, near: float
 ) -> float:
     """Return the frequency of one number, rigid-body modes included, by counts in long decimals alone."""
     with localcontext(LONG):
-        beam = UnitBeam(as_decimal(tension), as_decimal(gyration), _unit_end(left), _unit_end(right))
-        square = beam.root(number, as_decimal(near * near if 0.0 < near < math.inf else 1.0))
+        start = near * near if 0.0 < near < math.inf else 1.0
+        square = _beam(left, right, tension, gyration).root(number, as_decimal(start))
         return math.nan if square is None else float(square.sqrt())
 
 
-def _unit_end(side: Sequence[float]) -> UnitEnd:
+def _beam(left: Sequence[float], right: Sequence[float], tension: float, gyration: float) -> UnitBeam:
+    return UnitBeam(as_decimal(tension), as_decimal(gyration), _end(left), _end(right))
+
+
+def _end(side: Sequence[float]) -> UnitEnd:
     holds = (side[0] == math.inf, side[1] == math.inf)
     numbers = (0.0 if number == math.inf else number for number in side)
     return UnitEnd(holds, *map(as_decimal, numbers))
