@@ -1,4 +1,4 @@
-"""Mode shapes of the uniform beam in doubles, as four waves told from both ends, and its high modes."""
+"""Mode shapes of the uniform beam in doubles, as four waves told from both ends."""
 
 from __future__ import annotations
 
@@ -7,7 +7,6 @@ from decimal import Decimal, localcontext
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from beammodes.exact.uniform_beam import BeamMode, UnitBeam, UnitEnd, mixed
 from beammodes.numerics.arrays import Floats
@@ -122,17 +121,13 @@ def _series(p: Floats, q: Floats, state: Floats, z: Floats, order: int) -> Float
     return total
 
 
-# High modes of the supported beam: waves that run to and fro and are turned by a phase at either end.
-#
-# Once e^(-p) is below a double's resolution no end feels the other's decaying field. Each end then fixes the
-# phase φ of u = cos(qz - φ) alone, and mode k is the one root of q - φ₀ - φ₁ = (k - 1) π, an equation that
-# cancels nothing and rises with ω: modes by the million cost array operations only.
-
-
 class Reflection(NamedTuple):
-    """Phase φ of the waves at an end, and at unit amplitude of them: a, b, c, deflection, rotation."""
+    """The waves of a high mode at an end, at unit amplitude of the running ones; deflection and rotation.
 
-    phase: Floats
+    Once e^(-p) is below a double's resolution no end feels the other's fading wave, and each end alone fixes
+    the a, b, c next to it.
+    """
+
     waves: tuple[Floats, Floats, Floats]
     deflection: Floats
     rotation: Floats
@@ -157,37 +152,17 @@ def first_separate_wave(beam: UnitBeam) -> Decimal:
     return Decimal(max(_SEPARATE, wave))
 
 
-def high_waves(beam: UnitBeam, first: Decimal, number: NDArray[np.intp]) -> tuple[Floats, BeamWaves]:
-    """Return ω and the shapes of unit modal mass of modes `number`, from 1, rigid-body modes included.
-
-    All of them lie above q = `first`, of `first_separate_wave`.
-    """
-    low = np.maximum((number - 4) * math.pi, float(first) * (1 - 1e-12))
-    high = (number + 2) * math.pi
-    middle: Floats = 0.5 * (low + high)
-    while np.any((low < middle) & (middle < high)):
-        below = _phase_sum(beam, middle) < (number - 1) * math.pi
-        low, high = np.where(below, middle, low), np.where(below, high, middle)
-        middle = 0.5 * (low + high)
-    return _decaying(beam, middle) * middle, _unit_waves(beam, middle, np.where(number % 2, 1.0, -1.0))
-
-
-def _phase_sum(beam: UnitBeam, q: Floats) -> Floats:
-    p = _decaying(beam, q)
-    left, right = (_reflection(end, p, q).phase for end in (beam.left, beam.right))
-    return q - left - right
-
-
-def _decaying(beam: UnitBeam, q: Floats) -> Floats:
-    """Return p of q."""
-    p: Floats = np.sqrt((q * q + float(beam.tension)) / (1.0 + float(beam.gyration) * q * q))
-    return p
-
-
-def _unit_waves(beam: UnitBeam, q: Floats, sign: Floats) -> BeamWaves:
-    p = _decaying(beam, q)
+def high_waves(beam: UnitBeam, omega: Floats) -> BeamWaves:
+    """Return the shapes of unit modal mass of the modes at ω, all above q = `first_separate_wave`."""
+    pull = float(beam.tension) - float(beam.gyration) * omega**2
+    middle = np.hypot(0.5 * pull, omega)
+    large = np.sqrt(middle + 0.5 * np.abs(pull))
+    p, q = np.where(pull > 0.0, large, omega / large), np.where(pull > 0.0, omega / large, large)
     left, right = _reflection(beam.left, p, q), _reflection(beam.right, p, q)
-    near, far = np.array(left.waves), sign * np.array(right.waves)
+    (a, b, _), (a_right, b_right, _) = left.waves, right.waves
+    cosine, sine = np.cos(q), np.sin(q)
+    alike = (a * cosine + b * sine) * a_right + (a * sine - b * cosine) * b_right
+    near, far = np.array(left.waves), np.where(alike < 0.0, -1.0, 1.0) * np.array(right.waves)
     mass = _mass(p, q, float(beam.gyration), near, far)
     for end, turned in ((beam.left, left), (beam.right, right)):
         _, _, body, inertia, offset = map(float, end[1:])
@@ -201,38 +176,32 @@ def _reflection(end: UnitEnd, p: Floats, q: Floats) -> Reflection:
     """Solve an end's two conditions on u = a cos qz + b sin qz + c e^(-pz), up to a factor.
 
     With Z the end's impedance plus the stiffness of a beam whose waves have no cosine, the conditions are
-    Z (y, θ) = -a (p² + q²) (p, 1): with a = det Z nothing is divided. φ falls as ω rises, and passes that
-    of a pinned end, π/2, whenever one more eigenvalue of Z turns negative, which tells its whole turns.
+    Z (y, θ) = -a (p² + q²) (p, 1): with a = det Z nothing is divided.
     """
-    scale = p * p + q * q
-    a, deflection, rotation, negative = _released(end, p, q, scale)
+    a, deflection, rotation = _released(end, p, q, p * p + q * q)
     b = (rotation + p * (deflection - a)) / q
-    upright = np.where(a < 0.0, -1.0, 1.0)
-    phase = np.arctan2(b * upright, np.abs(a)) + math.pi * (1 - negative)
-    unit = upright * np.where(negative == 1, 1.0, -1.0) / np.hypot(a, b)
-    waves = (a * unit, b * unit, (deflection - a) * unit)
-    return Reflection(phase, waves, deflection * unit, rotation * unit)
+    size = np.hypot(a, b)
+    waves = (a / size, b / size, (deflection - a) / size)
+    return Reflection(waves, deflection / size, rotation / size)
 
 
-def _released(end: UnitEnd, p: Floats, q: Floats, scale: Floats) -> tuple[Floats, Floats, Floats, Floats]:
-    """Return det Z, y, θ and the number of negative eigenvalues of Z, over what is not held."""
+def _released(end: UnitEnd, p: Floats, q: Floats, scale: Floats) -> tuple[Floats, Floats, Floats]:
+    """Return det Z, y and θ, over what is not held."""
     _, kt, kr, mass, inertia, offset = end
     square, none = (p * q) ** 2, np.zeros_like(q)
     spring, turn = float(kt) - square * float(mass), float(kr) - square * float(inertia)
     coupled = square * float(mass) * float(offset)
     yy, yt, tt = spring - p * scale, coupled - p * p, turn - coupled * float(offset)
     if all(end.holds):
-        return none + 1.0, none, none, none
+        return none + 1.0, none, none
     if end.holds[0]:
-        return tt, none, -scale, np.where(tt < 0.0, 1.0, 0.0)
+        return tt, none, -scale
     if end.holds[1]:
-        return yy, -scale * p, none, np.where(yy < 0.0, 1.0, 0.0)
+        return yy, -scale * p, none
     # The products of coupled terms cancel by hand: a small J beside m a² would drown in them.
     determinant = spring * turn - float(kt) * coupled * float(offset)
     determinant += p * p * (2.0 * coupled - p * p) - p * scale * tt
-    both = np.where((yy < 0.0) | (tt < 0.0), 2.0, 0.0)
-    negative = np.where(determinant < 0.0, 1.0, both)
-    return determinant, -scale * (p * tt - yt), -scale * (yy - p * yt), negative
+    return determinant, -scale * (p * tt - yt), -scale * (yy - p * yt)
 
 
 def _mass(p: Floats, q: Floats, gyration: float, near: Floats, far: Floats) -> Floats:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from decimal import localcontext
 from functools import lru_cache
@@ -12,10 +13,12 @@ from beammodes.checks import real, shown, whole_number
 from beammodes.exact.beam_waves import BeamWaves, first_separate_wave, high_waves
 from beammodes.exact.exact_beam import EulerBernoulliModes, Theory, first_free
 from beammodes.exact.supported_root import supported_root
-from beammodes.exact.uniform_beam import UnitBeam
+from beammodes.exact.supported_roots import supported_frequencies
+from beammodes.exact.uniform_beam import UnitBeam, UnitEnd
 from beammodes.numerics.arrays import Floats
 from beammodes.numerics.long_decimals import LONG
 from beammodes.problem.beam import Beam
+from beammodes.problem.end_columns import BoundaryColumns, EndColumns
 from beammodes.problem.ends import Boundary, BoundaryLike
 from beammodes.problem.loading import Load, checked_load
 
@@ -156,8 +159,22 @@ def _frequencies(unit: UnitBeam, rigid: int, count: int) -> Floats | None:
     found = np.array([float(root) for root in roots[:low] if root is not None])
     if low == count:
         return found
-    high, _ = high_waves(unit, first_separate_wave(unit), np.array(_numbers(rigid, low, count)))
-    return np.concatenate([found, high])
+    return np.concatenate([found, _high_frequencies(unit, low, count)])
+
+
+def _high_frequencies(unit: UnitBeam, first: int, end: int) -> Floats:
+    number = np.arange(first, end)
+    ends = BoundaryColumns(*(_repeated(side, number.shape) for side in (unit.left, unit.right)))
+    tension = np.broadcast_to(float(unit.tension), number.shape)
+    return supported_frequencies(ends, tension, number + 1, float(unit.gyration))
+
+
+def _repeated(side: UnitEnd, shape: tuple[int, ...]) -> EndColumns:
+    """Return an end's columns of so many times itself."""
+    holds, *numbers = side
+    springs = (math.inf if held else float(spring) for held, spring in zip(holds, numbers[:2], strict=True))
+    columns = (np.broadcast_to(number, shape) for number in (*springs, *map(float, numbers[2:]), False))
+    return EndColumns(*columns)
 
 
 @lru_cache(maxsize=32)
@@ -169,8 +186,7 @@ def _waves(unit: UnitBeam, rigid: int, count: int) -> BeamWaves:
             roots = [supported_root(unit, number, _ROOT_OF_SHAPE) for number in _numbers(rigid, 0, low)]
             parts.append(BeamWaves.of(unit.modes([root * root for root in roots if root is not None])))
         if low < count:
-            high = high_waves(unit, first_separate_wave(unit), np.array(_numbers(rigid, low, count)))
-            parts.append(high[1])
+            parts.append(high_waves(unit, _high_frequencies(unit, low, count)))
     return BeamWaves.joined(parts)
 
 
