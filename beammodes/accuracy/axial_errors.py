@@ -27,12 +27,14 @@ from beammodes.problem.loading import Load
 from beammodes.problem.motions import Motion, motion_named
 
 __all__ = [
+    "axial_error_with_units",
     "axial_exact_frequencies",
     "axial_frequency_error",
     "axial_in_multiples",
     "axial_law_terms",
     "axial_numbers",
     "axial_with_numbers",
+    "no_load",
 ]
 
 
@@ -102,6 +104,29 @@ def axial_frequency_error(boundary: Any, segments: Any, mode: Any, rule: Any, mo
             beta = axial_wavenumber(pairs, ends[here], number[here])
             error[at[here]] = axial_frequencies(record, pairs[k], n, number[here]) / beta - 1.0
     return error.reshape(which.shape) if which.ndim else float(error[0])
+
+
+def axial_error_with_units(
+    boundary: Any,
+    segments: Any,
+    mode: Any,
+    rule: Any,
+    load: Load | None,
+    beam: Beam | None,
+    motion: str | Motion,
+) -> Any:
+    """Return what `frequency_error` does in twist and stretch.
+
+    Examples
+    --------
+    >>> rod = Beam(0.5, 1.0, 1.0, torsional_stiffness=80.0, polar_inertia_per_length=8e-6)
+    >>> args = ("fixed-free(inertia=2e-6)", 10, 1, "half_stub", None, rod, "twist")             # kg m²
+    >>> round(axial_error_with_units(*args), 7)
+    -0.0007527
+    """
+    kind = motion_named(motion)
+    no_load(load, kind)
+    return axial_frequency_error(axial_in_multiples(boundary, beam, kind), segments, mode, rule, kind)
 
 
 def axial_exact_frequencies(boundary: AxialBoundary, mode: NDArray[np.int64]) -> Floats:
@@ -176,13 +201,24 @@ def axial_law_terms(pair: AxialBoundary, mode: int, rule: Rule) -> tuple[float, 
         if 0.0 < end.stiffness < math.inf
     )
     whole = inside + springs
-    terms = [(2, -(beta**2) / 24.0 * inside / whole)]
+    terms = [(2, (-1.0 / 24.0 + _zigzag(rule)) * beta**2 * inside / whole)]
     for end, phase in zip((pair.left, pair.right), phases, strict=True):
         square = [beta**2 * math.sin(phase) ** 2, -(beta**3) * math.sin(2 * phase)]
         for k, (constant, per_segment) in enumerate(rule.end_defects(end.statics)[:2]):
             scale = -square[k] / (2.0 * whole)
             terms += [(k + 1, float(constant) * scale), (k + 2, float(per_segment) * scale)]
     return beta, [(power, value) for power, value in terms if power <= min(2, HIGHEST_ORDER)]
+
+
+def _zigzag(rule: Rule) -> float:
+    """Return  -½ Σ |p_G|²/(4 sin²(G/2))  of weights that repeat a pattern, p_G its harmonics G = 2πl/m.
+
+    They scatter the torque of a wave into zigzags of squared frequency 4 sin²(G/2).
+    """
+    period = len(rule.inside)
+    harmonics = np.fft.fft([float(weight) for weight in rule.inside]) / period
+    square = 4.0 * np.sin(np.pi * np.arange(1, period) / period) ** 2
+    return float(-0.5 * (np.abs(harmonics[1:]) ** 2 / square).sum())
 
 
 def _phase(end: AxialEnd, beta: float) -> float:

@@ -8,16 +8,19 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from beammodes.accuracy.beam_units import BEAM_NUMBERS, NUMBERS, looked_up, with_numbers
-from beammodes.accuracy.errors import MAX_MODES, errors_in_multiples, exact_frequencies
+from beammodes.accuracy.errors import MAX_MODES, exact_frequencies
+from beammodes.accuracy.lookups import Lookup, lookup_of
+from beammodes.chains.axial_chain import AnyAxialRule
 from beammodes.chains.chain import Chain
-from beammodes.chains.rules import AnyRule, Layout, layout_of
+from beammodes.chains.rules import AnyRule, layout_of
 from beammodes.checks import bounded, choice, shown, whole_number
 from beammodes.closed_form.uniform_chains import MAX_SEGMENTS
 from beammodes.numerics.arrays import Floats
+from beammodes.problem.axial_ends import AxialBoundaryLike
 from beammodes.problem.beam import Beam
 from beammodes.problem.ends import Boundary, BoundaryLike, is_pair
 from beammodes.problem.loading import Load, checked_load
+from beammodes.problem.motions import Motion
 from beammodes.progress import Progress, progress_of
 from beammodes.version import SOURCE
 from beammodes.vibration.linear import linearize
@@ -81,22 +84,31 @@ def listed(name: str, value: Any, single: tuple[type, ...]) -> list[Any]:
 class ChainGrid(NamedTuple):
     """Rules, pairs of ends and segment counts, the first dimensions of a table, and their beam."""
 
-    rules: list[Layout]
-    boundaries: list[Boundary]
+    rules: list[Any]
+    boundaries: list[Any]
     segments: list[int]
     beam: Beam
 
     @classmethod
-    def of(cls, boundary: Any, segments: Any, rule: Any, most: int, beam: Beam | None = None) -> ChainGrid:
-        """Return the grid of one or an iterable of each, of at most so many segments.
+    def of(
+        cls,
+        boundary: Any,
+        segments: Any,
+        rule: Any,
+        most: int,
+        beam: Beam | None = None,
+        how: Lookup | None = None,
+    ) -> ChainGrid:
+        """Return the grid of one or an iterable of each, of at most so many segments; of bending by default.
 
         Numbers of ends are in the units of `beam`; without one they are multiples of ρA L, EI/L and so on.
         """
         if beam is not None and not isinstance(beam, Beam):
             raise TypeError(f"beam must be a Beam or None, got {shown(beam)}")
+        how = lookup_of("bending") if how is None else how
         return cls(
-            [layout_of(name) for name in listed("rule", rule, (str, Layout))],
-            [Boundary.of(pair) for pair in listed("boundary", boundary, (str, Boundary, tuple))],
+            [how.layout(name) for name in listed("rule", rule, how.single_rule)],
+            [how.boundary(pair) for pair in listed("boundary", boundary, how.single_boundary)],
             [whole_number("segments", n, most=most) for n in listed("segments", segments, (str,))],
             Beam.unit() if beam is None else beam,
         )
@@ -152,13 +164,14 @@ def labelled(
 
 def error_dataset(
     *,
-    boundary: BoundaryLike | Iterable[BoundaryLike],
+    boundary: AxialBoundaryLike | Iterable[AxialBoundaryLike],
     segments: int | Iterable[int],
     modes: int,
-    rule: AnyRule | Iterable[AnyRule] = "mitiguy",
+    rule: AnyAxialRule | Iterable[AnyAxialRule] = "mitiguy",
     load: Load | None = None,
     over: Mapping[str, Iterable[float]] | None = None,
     beam: Beam | None = None,
+    motion: str | Motion = "bending",
 ) -> xarray.Dataset:
     """Return frequencies and errors of chains as one labelled table.
 
@@ -179,6 +192,9 @@ def error_dataset(
         then stay in the order given.
     beam : Beam, optional
         Uniform; sets the units of all numbers and frequencies. `Beam.unit()` makes them multiples.
+    motion : str
+        "bending", "twist" or "stretch"; see `frequency_error`. Names of `over` are then "right_stiffness"
+        and "right_inertia", in stretch "right_mass", and those of the left end.
 
     Returns
     -------
@@ -202,9 +218,10 @@ def error_dataset(
     >>> dict(bm.error_dataset(boundary="clamped-free", segments=8, modes=1, over=masses).sizes)
     {'rule': 1, 'boundary': 1, 'right_mass': 3, 'segments': 1, 'mode': 1}
     """
-    between, pull = _numbers_over(over), checked_load(load)
-    looked_up("clamped-free", pull, beam)
-    grid = ChainGrid.of(boundary, segments, rule, MAX_SEGMENTS, beam)
+    how = lookup_of(motion)
+    between, pull = _numbers_over(over, how), checked_load(load)
+    how.in_multiples("clamped-free", pull, beam)
+    grid = ChainGrid.of(boundary, segments, rule, MAX_SEGMENTS, beam, how)
     grid = grid if between else grid.canonical
     mode, counts = np.arange(1, whole_number("modes", modes, most=MAX_MODES) + 1), np.array(grid.segments)
     sizes = tuple(map(len, between.values()))
@@ -212,23 +229,24 @@ def error_dataset(
     error = np.empty((len(grid.rules), len(grid.boundaries), *sizes, len(counts), len(mode)))
     for p, *index in np.ndindex(exact.shape[:-1]):
         chosen = {name: values[i] for (name, values), i in zip(between.items(), index, strict=True)}
-        ends, force = with_numbers(grid.boundaries[p], pull, chosen)
+        ends, force = how.with_numbers(grid.boundaries[p], pull, chosen)
         if beam is not None:
-            ends, force = looked_up(ends, force, beam)
-        exact[p, *index] = exact_frequencies(ends, mode, force)
+            ends, force = how.in_multiples(ends, force, beam)
+        exact[p, *index] = how.exact(ends, mode, force)
         for r, record in enumerate(grid.rules):
-            error[r, p, *index] = errors_in_multiples(ends, counts[:, None], mode, record, force)
+            error[r, p, *index] = how.errors(ends, counts[:, None], mode, record, force)
     own = grid.beam == Beam.unit()
-    exact *= 1.0 if own else grid.beam.frequency_unit
+    exact *= 1.0 if own else how.frequency_unit(grid.beam)
     omega = exact[None, ..., None, :] * (1 + error)
-    return _errors_labelled(grid, omega, exact, error, route="closed form", own=own, between=between)
+    return _errors_labelled(grid, omega, exact, error, route="closed form", own=own, between=between, how=how)
 
 
-def _numbers_over(over: Mapping[str, Iterable[float]] | None) -> dict[str, list[float]]:
+def _numbers_over(over: Mapping[str, Iterable[float]] | None, how: Lookup) -> dict[str, list[float]]:
     if over is not None and not isinstance(over, Mapping):
         raise TypeError(f"over must map names to numbers, got {shown(over)}")
     return {
-        choice("over", name, NUMBERS): listed(name, values, (str,)) for name, values in (over or {}).items()
+        choice("over", name, how.numbers()): listed(name, values, (str,))
+        for name, values in (over or {}).items()
     }
 
 
@@ -241,16 +259,18 @@ def _errors_labelled(
     route: str,
     own: bool = True,
     between: Mapping[str, list[float]] = MappingProxyType({}),
+    how: Lookup | None = None,
 ) -> xarray.Dataset:
     """Return the Dataset that `error_dataset` describes.
 
     Shapes are (rules, boundaries, ..., segments, modes) of the chains, (boundaries, ..., modes) of the beam.
     """
-    unit = "sqrt(EI / (rhoA L^4))" if own else "rad / s"
+    how = lookup_of("bending") if how is None else how
+    unit = how.unit if own else "rad / s"
     exact = np.broadcast_to(exact[None, ..., None, :], error.shape)
-    numbers = NUMBERS if own else BEAM_NUMBERS
+    numbers = how.numbers()
     over = {
-        name: (name, values, {"long_name": name.replace("_", " "), "units": numbers[name]})
+        name: (name, values, {"long_name": name.replace("_", " "), "units": numbers[name][0 if own else 1]})
         for name, values in between.items()
     }
     return labelled(
@@ -259,7 +279,7 @@ def _errors_labelled(
             "angular_frequency": (omega, "angular frequency of the chain", unit),
             "exact_angular_frequency": (
                 np.where(np.isnan(error), np.nan, exact),
-                "angular frequency of the Euler-Bernoulli beam",
+                f"angular frequency of the {how.judge}",
                 unit,
             ),
             "relative_error": (error, "relative frequency error of the chain", "1"),

@@ -42,7 +42,8 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from beammodes.accuracy.errors import frequency_error
+from beammodes.accuracy.axial_errors import axial_law_terms
+from beammodes.accuracy.lookups import lookup_of
 from beammodes.accuracy.segments import first_lasting, segment_grid, solved_grid
 from beammodes.chains.rules import (
     CANCELLED,
@@ -53,12 +54,15 @@ from beammodes.chains.rules import (
     is_closed,
     rule_named,
 )
-from beammodes.checks import positive_real, whole_number, whole_numbers
+from beammodes.checks import positive_real, shown, whole_number, whole_numbers
 from beammodes.closed_form.uniform_chains import MAX_SEGMENTS
 from beammodes.exact.exact_beam import BeamModes, plain_modes
 from beammodes.numerics.arrays import Floats
+from beammodes.problem.axial_ends import AxialBoundary, AxialBoundaryLike
 from beammodes.problem.beam import Beam
-from beammodes.problem.ends import Boundary, BoundaryLike
+from beammodes.problem.ends import Boundary
+from beammodes.problem.loading import Load
+from beammodes.problem.motions import Motion, motion_named
 
 __all__ = ["ErrorLaw", "error_law", "interior_coefficient", "law_holds_from"]
 
@@ -93,7 +97,13 @@ class ErrorLaw:
         return f"ErrorLaw(e ~ {self.coefficient:.6g} / N**{self.order})"
 
 
-def error_law(boundary: BoundaryLike, mode: int, rule: RuleLike | RuleMaker = "mitiguy") -> ErrorLaw:
+def error_law(
+    boundary: AxialBoundaryLike,
+    mode: int,
+    rule: RuleLike | RuleMaker = "mitiguy",
+    *,
+    motion: str | Motion = "bending",
+) -> ErrorLaw:
     """Return the law  e ~ c / N^p  of a rule on a boundary, for one elastic mode.
 
         c = -½ Σ_ends Σ_k d_k f⁽ᵏ⁾ / ∫f  at the lowest power p = k + 1 that remains,  f = φ''²
@@ -110,6 +120,9 @@ def error_law(boundary: BoundaryLike, mode: int, rule: RuleLike | RuleMaker = "m
     mode : int
         1-based index of an elastic mode.
     rule : str, Rule, or a record from `mode_tuned`
+    motion : str
+        "bending", "twist" or "stretch". In these two f = T², T the torque or axial force, and no rule gets
+        beyond order 2 (`axial_law_terms`). Numbers of ends are multiples of GJ/L and ρIp L, EA/L and ρA L.
 
     Raises
     ------
@@ -124,7 +137,16 @@ def error_law(boundary: BoundaryLike, mode: int, rule: RuleLike | RuleMaker = "m
     (2, -0.125502)
     >>> [bm.law_holds_from("clamped-free", 1, rule) for rule in ("mitiguy", "gregory")]
     [1, 676]
+    >>> bm.error_law("fixed-free", mode=1, rule="gregory", motion="twist")                  # -π²/96
+    ErrorLaw(e ~ -0.102808 / N**2)
     """
+    if motion_named(motion).along:
+        if isinstance(rule, RuleMaker):
+            raise ValueError(f"rule must be a Rule or a name for motion {motion}, got {shown(rule)}")
+        beta, powers = axial_law_terms(AxialBoundary.of(boundary, motion), mode, rule_named(rule))
+        return _leading(powers, beta)
+    if isinstance(boundary, AxialBoundary):
+        raise ValueError(f"motion must be {boundary.motion} for {shown(boundary)}, got bending")
     pair = Boundary.of(boundary)
     record = rule.rule_for(pair) if isinstance(rule, RuleMaker) else rule_named(rule)
     index = whole_number("mode", mode, most=10**6)
@@ -144,7 +166,12 @@ def error_law(boundary: BoundaryLike, mode: int, rule: RuleLike | RuleMaker = "m
 
 
 def law_holds_from(
-    boundary: BoundaryLike, mode: int, rule: RuleLike | RuleMaker = "mitiguy", *, within: float = 0.2
+    boundary: AxialBoundaryLike,
+    mode: int,
+    rule: RuleLike | RuleMaker = "mitiguy",
+    *,
+    within: float = 0.2,
+    motion: str | Motion = "bending",
 ) -> int | None:
     """Return the smallest N from which a law and the error agree, for every larger N too.
 
@@ -156,7 +183,7 @@ def law_holds_from(
 
     Parameters
     ----------
-    boundary, mode, rule
+    boundary, mode, rule, motion
         As for `error_law`.
     within : float
         A fraction of the error: 0.2 is a fifth.
@@ -177,12 +204,13 @@ def law_holds_from(
     >>> bm.law_holds_from("clamped-free", 3, "half_stub")
     4
     """
-    pair, fraction = Boundary.of(boundary), positive_real("within", within)
+    how, fraction = lookup_of(motion), positive_real("within", within)
+    pair = how.boundary(boundary)
     record = rule.rule_for(pair) if isinstance(rule, RuleMaker) else rule_named(rule)
-    law = error_law(pair, mode, record)
+    law = error_law(pair, mode, record, motion=motion)
 
     def fails(counts: NDArray[np.int64]) -> NDArray[np.bool_]:
-        error = np.asarray(frequency_error(pair, segments=counts, mode=mode, rule=record))
+        error = np.asarray(how.errors(pair, counts, mode, record, Load()))
         # Written so that NaN fails: a mode that is not there.
         return np.asarray(~(np.abs(law.at(counts) - error) <= fraction * np.abs(error)))
 

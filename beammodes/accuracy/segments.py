@@ -8,14 +8,15 @@ from collections.abc import Callable, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from beammodes.accuracy.beam_units import looked_up
-from beammodes.accuracy.errors import errors_in_multiples
-from beammodes.chains.rules import AnyRule, AxiallyCorrected, Layout, fits_of, is_closed, layout_of
+from beammodes.accuracy.lookups import lookup_of
+from beammodes.chains.axial_chain import AnyAxialRule
+from beammodes.chains.rules import Layout, fits_of
 from beammodes.checks import shown, small_fraction, whole_number
 from beammodes.closed_form.uniform_chains import MAX_SEGMENTS
+from beammodes.problem.axial_ends import AxialBoundaryLike
 from beammodes.problem.beam import Beam
-from beammodes.problem.ends import Boundary, BoundaryLike
 from beammodes.problem.loading import Load
+from beammodes.problem.motions import Motion
 
 __all__ = [
     "MAX_MODES_SOUGHT",
@@ -45,13 +46,14 @@ class ToleranceOutOfReach(ValueError):
 
 
 def segments_needed(
-    boundary: BoundaryLike,
+    boundary: AxialBoundaryLike,
     tolerance: float,
     modes: int = 1,
-    rule: AnyRule = "mitiguy",
+    rule: AnyAxialRule = "mitiguy",
     *,
     load: Load | None = None,
     beam: Beam | None = None,
+    motion: str | Motion = "bending",
 ) -> int:
     """Return the smallest N from which the first modes all stay within a tolerance, for every larger N too.
 
@@ -76,6 +78,8 @@ def segments_needed(
         Loads along the beam or of a turning hub, in the units of `beam`, which must then be given.
     beam : Beam, optional
         Uniform. `Beam.unit()` makes all numbers multiples of EI/L², ρA L and so on.
+    motion : str
+        "bending", "twist" or "stretch"; see `frequency_error`.
 
     Raises
     ------
@@ -91,8 +95,9 @@ def segments_needed(
     26
     """
     limit = small_fraction("tolerance", tolerance)
-    ends, pull = looked_up(Boundary.of(boundary), load, beam)
-    record, mode = layout_of(rule), np.arange(1, whole_number("modes", modes, most=MAX_MODES_SOUGHT) + 1)
+    how = lookup_of(motion)
+    ends, pull = how.in_multiples(how.boundary(boundary), load, beam)
+    record, mode = how.layout(rule), np.arange(1, whole_number("modes", modes, most=MAX_MODES_SOUGHT) + 1)
     exact = getattr(record, "exact_modes", None)
     if exact is not None:
         raise ValueError(
@@ -102,14 +107,13 @@ def segments_needed(
         )
 
     def fails(count: Counts) -> NDArray[np.bool_]:
-        error = errors_in_multiples(ends, count[:, None], mode, record, pull)
+        error = how.errors(ends, count[:, None], mode, record, pull)
         return np.asarray(~(np.abs(error) <= limit).all(axis=1))
 
-    closed = is_closed(record)
-    corrected = isinstance(record, AxiallyCorrected) and is_closed(record.rule)
-    if closed and ends.is_plain and pull == Load():
+    cost = how.cost(ends, record, pull)
+    if cost == "looked up":
         grid = segment_grid(len(mode))
-    elif (closed or corrected) and pull.is_axial:
+    elif cost == "roots":
         grid = _sparse_grid(len(mode), _LONGEST)
     else:
         grid = solved_grid(len(mode), record)

@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import overload
 
 import numpy as np
 
+from beammodes.chains.axial_chain import AxialChain
 from beammodes.checks import row_shown, shown, whole_number
 from beammodes.numerics.arrays import Floats
 from beammodes.problem.loading import Load
+from beammodes.vibration.axial_spectrum import AxialChainModes, solve_axial_modes
 from beammodes.vibration.linear import BentModel, LinearModel
 from beammodes.vibration.spectrum import (
     Buckled,
@@ -62,7 +65,17 @@ class Modes:
         return f"Modes(chain: {row_shown(self.frequency, '{:.4g}', 'Hz')}{rigid})"
 
 
-def solve_modes(model: LinearModel | BentModel, modes: int | None = None) -> Modes:
+@overload
+def solve_modes(model: LinearModel | BentModel, modes: int | None = ...) -> Modes: ...
+
+
+@overload
+def solve_modes(model: AxialChain, modes: int | None = ...) -> AxialChainModes: ...
+
+
+def solve_modes(
+    model: LinearModel | BentModel | AxialChain, modes: int | None = None
+) -> Modes | AxialChainModes:
     """Return the lowest elastic modes of a linear chain.
 
         K u = ω² M u,   uᵀ M u = 1
@@ -72,10 +85,10 @@ def solve_modes(model: LinearModel | BentModel, modes: int | None = None) -> Mod
 
     Parameters
     ----------
-    model : LinearModel or BentModel
-        From `linearize`. About a bent shape `position` is that along the chain, `deflection` the nodes'
-        motion along y (along x they move by  -Σ l_i sin θ_i  times the rotations), and the accuracy of ω
-        is about 1e-16 N².
+    model : LinearModel or BentModel, or AxialChain
+        From `linearize`; a chain in twist or stretch is linear as it is (`solve_axial_modes`). About a bent
+        shape `position` is that along the chain, `deflection` the nodes' motion along y (along x they move by
+        -Σ l_i sin θ_i  times the rotations), and the accuracy of ω is about 1e-16 N².
     modes : int, optional
         Number of modes, from the first; all of them by default. A chain with fewer gives those it has.
 
@@ -92,6 +105,8 @@ def solve_modes(model: LinearModel | BentModel, modes: int | None = None) -> Mod
     >>> bm.solve_modes(bm.linearize(chain), modes=2).angular_frequency
     array([ 3.50364768, 21.28034888])
     """
+    if isinstance(model, AxialChain):
+        return solve_axial_modes(model, modes)
     if not isinstance(model, LinearModel | BentModel):
         raise TypeError(f"model must be a LinearModel or a BentModel from linearize(), got {shown(model)}")
     chain = model.chain

@@ -13,12 +13,14 @@ from dataclasses import replace
 
 import numpy as np
 
+from beammodes.chains.axial_chain import AxialChain
 from beammodes.chains.chain import Chain
 from beammodes.checks import shown, whole_number
 from beammodes.equations.mechanics import axial_pull
 from beammodes.numerics.arrays import Floats
 from beammodes.problem.beam import Beam
 from beammodes.problem.loading import Load, checked_load
+from beammodes.vibration.axial_spectrum import highest_axial_frequency
 from beammodes.vibration.damping import Damping, ModalDamping, damped_eigenvalues, damping_of_modes
 from beammodes.vibration.integrators import (
     Integrator,
@@ -87,7 +89,11 @@ def published_time_step(beam: Beam, modes: int) -> float:
 
 
 def stable_time_step(
-    chain: Chain, integrator: str = "rk4", *, load: Load | None = None, damping: Damping | None = None
+    chain: Chain | AxialChain,
+    integrator: str = "rk4",
+    *,
+    load: Load | None = None,
+    damping: Damping | None = None,
 ) -> float:
     """Return the largest fixed step at which a chain's small motion is stable [s].
 
@@ -103,9 +109,10 @@ def stable_time_step(
 
     Parameters
     ----------
-    chain : Chain
-        Its own highest frequency decides, not the modes that one wants to see. Of more than 500 hinges the
-        answer is a lower bound: within a few percent without damping or without a load, else less close.
+    chain : Chain or AxialChain
+        In twist and stretch without load and damping: ω_max ≤ (2N/L) √(GJ/ρIp), with equality between fixed
+        ends. Its own highest frequency decides, not the modes that one wants to see. Of more than 500 hinges
+        the answer is a lower bound: within a few percent without damping or without a load, else less close.
     integrator : str
         A name in `INTEGRATORS` of fixed step, or an engine's, such as "MuJoCo implicitfast".
     load : Load, optional
@@ -141,6 +148,14 @@ def stable_time_step(
     0.0066
     """
     record = fixed_step_integrator(integrator)
+    if isinstance(chain, AxialChain):
+        for name, given in (("load", load), ("damping", damping)):
+            if given is not None:
+                raise ValueError(
+                    f"{name} must be left out for a chain in twist or stretch, got {shown(given)}"
+                )
+        highest = highest_axial_frequency(chain)
+        return stability_limit(record.name) / highest if highest else math.inf
     if not isinstance(chain, Chain):
         raise TypeError(f"chain must be a Chain, got {shown(chain)}")
     if damping is not None and not isinstance(damping, Damping):
