@@ -11,13 +11,21 @@ import numpy as np
 import pytest
 
 from beammodes.accuracy.axial_errors import axial_frequency_error
+from beammodes.accuracy.error_table import error_dataset
+from beammodes.accuracy.errors import frequency_error
+from beammodes.accuracy.law import error_law, law_holds_from
+from beammodes.accuracy.segments import segments_needed
 from beammodes.chains.axial_chain import AxialChain
 from beammodes.chains.rules import RULES, Rule, Weight
 from beammodes.closed_form.axial_chains import end_waves
 from beammodes.exact.axial_beam import axial_modes, axial_wavenumber
 from beammodes.problem.axial_ends import AxialBoundary, AxialEnd, distinct_axial
 from beammodes.problem.beam import Beam
+from beammodes.problem.loading import Load
+from beammodes.problem.sections import Circle
 from beammodes.vibration.axial_spectrum import solve_axial_modes
+from beammodes.vibration.modes import solve_modes
+from beammodes.vibration.stability import stable_time_step
 
 UNIT = Beam(1.0, 1.0, 1.0, torsional_stiffness=1.0, polar_inertia_per_length=1.0, axial_stiffness=1.0)
 
@@ -266,3 +274,129 @@ def test_ends_are_read_and_refused() -> None:
     ):
         with pytest.raises(ValueError, match=message):
             AxialBoundary.of(ends, motion)
+
+
+# --- the doors ------------------------------------------------------------------------------------------
+
+
+def test_the_law_against_exact_errors() -> None:
+    # Over random ends the leading term at N = 10⁵, where the next is smaller by 1/N or more.
+    random = np.random.default_rng(7)
+    for rule in [*RULES.values(), OWN]:
+        segments = 10**5 if rule.has_equal_springs else 1000
+        for _ in range(4):
+            pair, mode = random_ends(random, 0.5), int(random.integers(1, 4))
+            law = error_law(pair, mode, rule, motion="twist")
+            error = frequency_error(pair, segments=segments, mode=mode, rule=rule, motion="twist")
+            assert law.order <= 2
+            assert float(law.at(segments)) == pytest.approx(error, rel=0.03), (rule.name, pair, mode)
+    assert error_law("fixed-free", 2, "half_stub", motion="twist").coefficient == pytest.approx(
+        -((1.5 * math.pi) ** 2) / 24, rel=1e-13
+    )
+    assert law_holds_from("fixed-free", 2, "half_stub", motion="stretch", within=0.01) == math.ceil(
+        # x²/120 of x/6 is a hundredth at x = (β/2N)² = 1/5.
+        1.5 * math.pi / 2 * math.sqrt(5)
+    )
+
+
+def test_segments_for_a_tolerance() -> None:
+    # sin x/x = 1 - tolerance, N = β/2x; 2.04 β and 6.45 β.
+    for tolerance, factor in ((0.01, 2.04), (0.001, 6.45)):
+        x = float(mpmath.findroot(lambda y, t=tolerance: mpmath.sin(y) / y - 1 + t, math.sqrt(6 * tolerance)))
+        assert 1 / (2 * x) == pytest.approx(factor, abs=0.005)
+        for ends, beta in (("fixed-free", 2.5 * math.pi), ("free-free", 3 * math.pi)):
+            needed = segments_needed(ends, tolerance, 3, "half_stub", motion="stretch")
+            assert needed == math.ceil(beta / (2 * x))
+    assert segments_needed("fixed-free", 0.01, 1, "naive", motion="twist") == 50
+
+
+def test_a_table_in_twist_has_units_and_numbers_of_its_own() -> None:
+    shaft = Beam(0.5, 1.0, 1.0, torsional_stiffness=80.0, polar_inertia_per_length=8e-6)
+    table = error_dataset(
+        boundary="free-fixed", segments=[4, 8], modes=2, rule=["naive", "half_stub"], beam=shaft,
+        over={"left_inertia": [0.0, 2e-6]}, motion="twist",
+    )  # fmt: skip
+    assert (
+        table.left_inertia.attrs["units"] == "kg m^2" and table.angular_frequency.attrs["units"] == "rad / s"
+    )
+    found = table.sel(rule="half_stub", left_inertia=2e-6, segments=8, mode=2).squeeze()
+    exact = axial_modes(shaft, "free(inertia=2e-6)-fixed", 2).angular_frequency[1]
+    chain = solve_modes(AxialChain(shaft, "free(inertia=2e-6)-fixed", 8, "half_stub")).angular_frequency[1]
+    assert float(found.exact_angular_frequency) == pytest.approx(exact, rel=1e-12)
+    assert float(found.angular_frequency) == pytest.approx(chain, rel=1e-12)
+    bare = error_dataset(boundary="clamped-free", segments=3, modes=1, motion="stretch")
+    assert bare.boundary.item() == "fixed-free"
+    assert bare.angular_frequency.attrs["units"] == "sqrt(EA / (rhoA L^2))"
+    with pytest.raises(ValueError, match="load must be left out for motion twist"):
+        frequency_error(
+            "fixed-free", segments=3, mode=1, motion="twist", load=Load(axial_force=1.0), beam=shaft
+        )
+
+
+def test_many_errors_at_once_are_those_of_single_ones() -> None:
+    # Boundaries, rules and N of all kinds in one call, and one by one.
+    ends = ["fixed-free", "free(stiffness=2)-free(inertia=0.3)", "fixed-fixed"]
+    rules = ["naive", "simpson", "half_stub_corrected"]
+    counts = np.array([1, 7, 40, 10**4])
+    together = frequency_error(
+        np.array(ends)[:, None, None], segments=counts, mode=2, rule=np.array(rules)[:, None], motion="twist"
+    )
+    for i, pair in enumerate(ends):
+        for j, rule in enumerate(rules):
+            one = [
+                frequency_error(pair, segments=int(n), mode=2, rule=rule, motion="twist") for n in counts[:3]
+            ]
+            assert together[i, j, :3] == pytest.approx(one, rel=1e-12, nan_ok=True)
+
+
+def test_the_stable_step() -> None:
+    # ω_max = 2N c/L between fixed ends; 2.04 N with gregory's clamped weights at both of two stiff springs.
+    steps = [
+        stable_time_step(AxialChain(UNIT, ends, 20, "double_wall"), "leapfrog")
+        for ends in ("fixed-fixed", "fixed-free", "free-free")
+    ]
+    assert steps[0] == pytest.approx(1 / 20, rel=1e-12) and min(steps) == steps[0]
+    stiff = AxialChain(UNIT, AxialBoundary(AxialEnd(1e9), AxialEnd(1e9)), 4, "gregory")
+    assert 2 / stable_time_step(stiff, "leapfrog") / 4 == pytest.approx(2.04, abs=0.005)
+    # Round steel, r the radius: omega_twist/omega_bend = 0.358 ell/r, omega_axial/omega_bend = 0.577 ell/r.
+    rod = Beam.from_section(
+        Circle(0.02), length=4.0, elastic_modulus=2.1e11, density=7800.0, poisson_ratio=0.3
+    )
+    bend = math.sqrt(48.0) * 20**2 * rod.frequency_unit
+    for motion, factor in (("twist", 0.358), ("stretch", 0.577)):
+        chain = AxialChain(rod, "fixed-fixed", 20, "double_wall", motion=motion)
+        highest = 2 / stable_time_step(chain, "leapfrog")
+        assert highest / bend / (0.2 / 0.01) == pytest.approx(factor, abs=5e-4)
+
+
+def test_questions_of_users() -> None:
+    # A round steel rod of 0.5 m by 10 mm, clamped at one end: (2n - 1)/(4L) √(G/ρ).
+    shear, density = 79.3e9, 7850.0
+    rod = Beam.from_section(
+        Circle(0.010), length=0.5, elastic_modulus=2.6 * shear, density=density, poisson_ratio=0.3
+    )
+    expected = (2 * np.arange(1, 4) - 1) / 2.0 * math.sqrt(shear / density)
+    assert axial_modes(rod, "clamped-free", 3).frequency == pytest.approx(expected, rel=1e-13)
+    two_at_the_wall, alike = (
+        frequency_error("clamped-free", segments=10, mode=1, rule=rule, motion="twist")
+        for rule in ("double_wall", "naive")
+    )
+    # A 10 x 10 eigenvalue problem in numpy gives these.
+    assert two_at_the_wall == pytest.approx(-0.0010277667514637656, rel=1e-9)
+    assert alike == pytest.approx(-0.04850689664005059, rel=1e-9)
+    wall, inside = AxialChain(rod, "clamped-free", 10, "double_wall").joint_stiffness[:2]
+    assert (wall, inside) == pytest.approx((2 * rod.torsional_stiffness / 0.05, wall / 2), rel=1e-12)
+    # An aluminium rod of 1 m: √(E/ρ)/4L along it, and slide springs EA/ell.
+    bar = Beam.from_section(Circle(0.02), length=1.0, elastic_modulus=70e9, density=2700.0)
+    assert axial_modes(bar, "clamped-free", 1, motion="stretch").frequency[0] == pytest.approx(
+        1272.9376930432888, rel=1e-12
+    )
+    springs = AxialChain(bar, "clamped-free", 10, "half_stub", motion="stretch").joint_stiffness
+    assert springs == pytest.approx(np.full(10, 70e9 * math.pi * 0.01**2 / 0.1), rel=1e-12)
+    # A shaft held at its right end, three torques: the sum of T l/GJ, at the middles of pieces as in the
+    # beam.
+    shaft = Beam(1.2, 1.0, 1.0, torsional_stiffness=30e3, polar_inertia_per_length=1.0)
+    turns = AxialChain(shaft, "free-fixed", 12).displacement({0.0: 100.0, 0.4: -220.0, 0.7: -60.0})
+    middles = (np.arange(12) + 0.5) / 10
+    along = np.interp(middles, [0.0, 0.4, 0.7, 1.2], [-0.0028666666666666667, -0.0042, -0.003, 0.0])
+    assert turns[:12] == pytest.approx(along, abs=1e-15)

@@ -274,6 +274,7 @@ CALLS: dict[str, Arguments] = {
         "load": bm.Load(axial_force=0.1),
         "over": {"right_mass": [0.1]},
         "beam": bm.Beam.unit(),
+        "motion": "bending",
     },
     "error_remarks": lambda: {
         "boundary": "clamped-free(mass=0.1)",
@@ -283,7 +284,7 @@ CALLS: dict[str, Arguments] = {
         "load": bm.Load(axial_force=0.1),
         "beam": beam(),
     },
-    "error_law": of(boundary="clamped-free", mode=1, rule="gregory"),
+    "error_law": of(boundary="clamped-free", mode=1, rule="gregory", motion="twist"),
     "BeamModes.shape": lambda: {
         "self": bm.euler_bernoulli(beam(), "clamped-free", 2),
         "x": [0.0, 1.0],
@@ -325,6 +326,7 @@ CALLS: dict[str, Arguments] = {
         "rule": "gregory",
         "load": bm.Load(axial_force=0.1),
         "beam": beam(),
+        "motion": "bending",
     },
     "frequency_spread": lambda: {
         "section": bm.Rectangle(0.06, 0.02),
@@ -343,7 +345,7 @@ CALLS: dict[str, Arguments] = {
     },
     "harmonic": of(amplitude=0.1, angular_frequency=2.0),
     "joint_dampers": lambda: {"chain": chain(), "ratio": 0.05, "mode": 1},
-    "law_holds_from": of(boundary="clamped-free", mode=1, rule="gregory", within=0.3),
+    "law_holds_from": of(boundary="clamped-free", mode=1, rule="gregory", within=0.3, motion="bending"),
     "linearize": lambda: {"chain": chain(), "load": bm.Load(axial_force=0.1), "at": None},
     "match_springs": lambda: {
         "boundary": "clamped-free",
@@ -388,6 +390,7 @@ CALLS: dict[str, Arguments] = {
         "rule": "gregory",
         "load": None,
         "beam": None,
+        "motion": "stretch",
     },
     "segments_within_spread": lambda: {"spread": spread(), "rule": "gregory", "fraction": 0.3},
     "shape_dataset": lambda: {

@@ -111,8 +111,9 @@ def stable_time_step(
     ----------
     chain : Chain or AxialChain
         In twist and stretch without load and damping: ω_max ≤ (2N/L) √(GJ/ρIp), with equality between fixed
-        ends. Its own highest frequency decides, not the modes that one wants to see. Of more than 500 hinges
-        the answer is a lower bound: within a few percent without damping or without a load, else less close.
+        ends; a light disc behind a hinge of its own, or a stiff spring on a stub, takes it beyond any bound.
+        Its own highest frequency decides, not the modes that one wants to see. Of more than 500 hinges the
+        answer is a lower bound: within a few percent without damping or without a load, else less close.
     integrator : str
         A name in `INTEGRATORS` of fixed step, or an engine's, such as "MuJoCo implicitfast".
     load : Load, optional
