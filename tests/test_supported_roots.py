@@ -11,6 +11,7 @@ import pytest
 from numpy.typing import NDArray
 
 from beammodes.exact.end_waves import ARRAYS, EndNumbers, read
+from beammodes.exact.supported_root import ROOT_OF_SHAPE, cutoff, supported_root
 from beammodes.exact.supported_roots import supported_frequencies
 from beammodes.exact.uniform_beam import UnitBeam
 from beammodes.numerics.long_decimals import LONG
@@ -156,3 +157,24 @@ def test_counts_in_doubles() -> None:
     for i in range(500):
         with localcontext(LONG):
             assert reading.below[i] == unit_beam(ends, tension, i).sample(Decimal(omega[i]) ** 2).below
+
+
+def test_shear_below_the_cut_off() -> None:
+    """Source: roots by counts in long decimals, of the stiffness of Timoshenko's clamped beam."""
+    ends, _, _ = random_cases(9, 40)
+    chance = np.random.default_rng(10)
+    compared = 0
+    for i in range(40):
+        gyration, ratio = 10.0 ** chance.uniform(-5.0, -1.0), chance.uniform(0.5, 10.0)
+        pair = boundary(ends, i)
+        with localcontext(LONG):
+            beam = UnitBeam.of(Beam.unit(), pair, 0.0, gyration, 1.0 / (ratio * gyration))
+            rigid = pair.rigid_body_modes
+            if beam.sample(Decimal(cutoff(beam)) ** 2).below < rigid + 3:
+                continue
+            for number, square in enumerate(beam.lowest(rigid, 3) or [], rigid + 1):
+                root = supported_root(beam, number, ROOT_OF_SHAPE)
+                assert root is not None
+                assert abs(root * root / square - 1) < Decimal("1e-22")
+                compared += 1
+    assert compared > 90

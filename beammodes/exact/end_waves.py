@@ -1,11 +1,11 @@
 """The characteristic equation of a beam between two ends, told in waves, with a count of its roots.
 
-A beam of unit length, stiffness and mass, its ends as in `uniform_beam`: with pq = ω and p² - q² = t, the
-tension less ρI ω², each end sees  a cos qz + b sin qz + c e^(-pz) + d e^(pz)  at the distance z from it.
-Its two conditions on a, b, c, d have six determinants, each linear in  det Z, Z_yy, Z_θθ, Z_yθ  and  1  of
-the end's stiffness Z = K - ω² M; if that holds, in what goes with the highest power of the infinite spring.
-From one end to the other a product of two waves only turns by q and fades by e^(-p): the whole determinant is
-twenty operations on those of the ends. It is one formula for doubles, arrays of them, and pairs of doubles.
+A beam of unit length, stiffness and mass, its ends as in `uniform_beam`. Below the cut-off of shear each end
+sees  a cos qz + b sin qz + c e^(-pz) + d e^(pz)  at the distance z from it. Its two conditions on a, b, c, d
+have six determinants, each linear in  det Z, Z_yy, Z_θθ, Z_yθ  and  1  of the end's stiffness Z = K - ω² M;
+if that holds, in what goes with the highest power of the infinite spring. From one end to the other a product
+of two waves only turns by q and fades by e^(-p): the whole determinant is twenty operations on those of the
+ends. It is one formula for doubles, arrays of them, pairs of doubles and decimals.
 """
 
 from __future__ import annotations
@@ -144,12 +144,20 @@ class EndNumbers(NamedTuple):
 
 
 class _Waves(NamedTuple):
+    """Both wavenumbers, `angle` and `fading`, and what waves of unit deflection have at an end.
+
+    Rotations `turn` of the sine and `fall` of the fading wave, moments `bent` and `fallen` of cosine and
+    fading wave: q, p, q² and p² without shear. `pull` is `fallen` less `bent`, `apart` their sum.
+    """
+
     square: Any
+    angle: Any
+    fading: Any
+    turn: Any
+    fall: Any
+    bent: Any
+    fallen: Any
     pull: Any
-    p2: Any
-    q2: Any
-    p: Any
-    q: Any
     apart: Any
 
 
@@ -168,20 +176,27 @@ class _Side(NamedTuple):
     turning: Any
 
 
-def _waves(algebra: Algebra, square: Any, tension: Any, gyration: Any) -> _Waves:
-    """Return both wavenumbers; nothing cancels but the tension with the rotary inertia."""
+def _waves(algebra: Algebra, square: Any, tension: Any, gyration: Any, shear: Any) -> _Waves:
+    """Return both waves; nothing cancels but the tension with the rotary inertia, and next to the cut-off."""
     pull = tension - square * gyration if gyration else tension
+    if shear:
+        pull = pull + square * shear
     half = pull * algebra.half
     middle = algebra.sqrt(half * half + square)
     pulled = half > 0.0
     large = middle + algebra.where(pulled, half, -half)
     small = square / large
-    p2, q2 = algebra.where(pulled, large, small), algebra.where(pulled, small, large)
-    return _Waves(square, pull, p2, q2, algebra.sqrt(p2), algebra.sqrt(q2), 2 * middle)
+    fallen, bent = algebra.where(pulled, large, small), algebra.where(pulled, small, large)
+    if not shear:
+        q, p = algebra.sqrt(bent), algebra.sqrt(fallen)
+        return _Waves(square, q, p, q, p, bent, fallen, pull, 2 * middle)
+    q = algebra.sqrt(bent + square * shear)
+    p = algebra.sqrt(fallen - square * shear)
+    return _Waves(square, q, p, bent / q, fallen / p, bent, fallen, pull, 2 * middle)
 
 
 def _side(end: EndNumbers, waves: _Waves) -> _Side:
-    square, pull, p2, q2, p, q, apart = waves
+    square, turn, fall, bent, fallen = waves.square, waves.turn, waves.fall, waves.bent, waves.fallen
     deflection = end.spring - square * end.across
     turning = end.turning - square * end.inertia
     carried = square * end.carried
@@ -191,10 +206,14 @@ def _side(end: EndNumbers, waves: _Waves) -> _Side:
     free = end.may_deflect * end.may_turn
     coupled = square * end.coupled
     doubled = 2 * coupled
-    a_even, a_odd = p * (both - q2 * (doubled + q2 * free)), apart * (deflection * end.may_turn)
-    b_even, b_odd = both + p2 * (doubled - p2 * free), p * apart * (turning * end.may_deflect)
-    alike = both + pull * coupled + square * free
-    return _Side(q * (b_odd - b_even), -a_even - a_odd, -q * (b_odd + b_even), a_even - a_odd, alike, turning)
+    a_even = fall * (both - bent * (doubled + bent * free))
+    a_odd = waves.apart * (deflection * end.may_turn)
+    b_even = both + fallen * (doubled - fallen * free)
+    b_odd = fall * waves.apart * (turning * end.may_deflect)
+    alike = both + waves.pull * coupled + square * free
+    return _Side(
+        turn * (b_odd - b_even), -a_even - a_odd, -turn * (b_odd + b_even), a_even - a_odd, alike, turning
+    )
 
 
 class _Row(NamedTuple):
@@ -220,21 +239,34 @@ def _carried(left: _Side, waves: _Waves, cosine: Any, sine: Any, faded: Any) -> 
         cosine * left.sine - sine * left.cosine,
         twice * (cosine * left.cosine_grown + sine * left.sine_grown),
         twice * (cosine * left.sine_grown - sine * left.cosine_grown),
-        -4 * faded * (waves.p * waves.q) * left.alike,
+        -4 * faded * (waves.fall * waves.turn) * left.alike,
     )
 
 
 def residual(
-    algebra: Algebra, left: EndNumbers, right: EndNumbers, square: Any, tension: Any, gyration: Any
+    algebra: Algebra,
+    left: EndNumbers,
+    right: EndNumbers,
+    square: Any,
+    tension: Any,
+    gyration: Any,
+    shear: Any = 0,
 ) -> Any:
     """Return the determinant at ω² = `square`."""
-    waves = _waves(algebra, square, tension, gyration)
-    row = _carried(_side(left, waves), waves, *algebra.cosine_and_sine(waves.q), algebra.decay(waves.p))
+    waves = _waves(algebra, square, tension, gyration, shear)
+    phases = algebra.cosine_and_sine(waves.angle)
+    row = _carried(_side(left, waves), waves, *phases, algebra.decay(waves.fading))
     return row.met(_side(right, waves))
 
 
 def read(
-    algebra: Algebra, left: EndNumbers, right: EndNumbers, frequency: Any, tension: Any, gyration: float
+    algebra: Algebra,
+    left: EndNumbers,
+    right: EndNumbers,
+    frequency: Any,
+    tension: Any,
+    gyration: float,
+    shear: float = 0.0,
 ) -> Reading:
     """Count the frequencies below one and return the determinant there, in doubles.
 
@@ -245,23 +277,23 @@ def read(
     sign of one next to its zero the count stays, as those before and after it differ in sign there.
     """
     where = algebra.where
-    waves = _waves(algebra, frequency * frequency, tension, gyration)
-    p, q, apart = waves.p, waves.q, waves.apart
-    cosine, sine = algebra.cosine_and_sine(q)
-    faded = algebra.decay(p)
-    pinned = algebra.ceil(q / math.pi) - 1.0
+    waves = _waves(algebra, frequency * frequency, tension, gyration, shear)
+    turn, fall, apart = waves.turn, waves.fall, waves.apart
+    cosine, sine = algebra.cosine_and_sine(waves.angle)
+    faded = algebra.decay(waves.fading)
+    pinned = algebra.ceil(waves.angle / math.pi) - 1.0
     # Of the sign that goes with the count, next to multiples of π too.
-    sine = abs(sine) * (1.0 - 2.0 * (pinned % 2.0))
+    odd = pinned % 2.0 == 1.0
+    sine = where(odd, -abs(sine), abs(sine))
     one, other = _side(left, waves), _side(right, waves)
     row = _carried(one, waves, cosine, sine, faded)
     twice = faded * faded
-    stiff = one.turning * (p * sine * (1.0 + twice) - q * cosine * (1.0 - twice))
+    stiff = one.turning * (fall * sine * (1.0 + twice) - turn * cosine * (1.0 - twice))
     turned = -apart * (stiff + left.may_turn * apart * sine * (1.0 - twice))
     loose = where(left.may_deflect == 0.0, turned, -apart * (row.cosine + row.cosine_grown))
-    stiff = row.alike - q * (row.sine + row.sine_grown) - p * (row.cosine - row.cosine_grown)
+    stiff = row.alike - turn * (row.sine + row.sine_grown) - fall * (row.cosine - row.cosine_grown)
     turned_too = other.turning * stiff + right.may_turn * loose
     whole = where(right.may_deflect == 0.0, turned_too, row.met(other))
-    odd = sine < 0.0
     first, second, third, fourth = turned > 0.0, loose > 0.0, turned_too > 0.0, whole > 0.0
     below = (
         pinned
@@ -273,4 +305,4 @@ def read(
     across = row.sine * other.cosine - row.cosine * other.sine
     phase = math.pi * below + algebra.angle(abs(whole), across * (1.0 - 2.0 * (below % 2.0)))
     size = algebra.sqrt((one.sine**2 + one.cosine**2) * (other.sine**2 + other.cosine**2))
-    return Reading(below, whole, size, phase, p * (1.0 + gyration * waves.q2) / apart)
+    return Reading(below, whole, size, phase, waves.fading * (1.0 + gyration * waves.bent) / apart)

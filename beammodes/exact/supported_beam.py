@@ -12,7 +12,7 @@ import numpy as np
 from beammodes.checks import real, shown, whole_number
 from beammodes.exact.beam_waves import BeamWaves, first_separate_wave, high_waves
 from beammodes.exact.exact_beam import EulerBernoulliModes, Theory, first_free
-from beammodes.exact.supported_root import supported_root
+from beammodes.exact.supported_root import ROOT_OF_SHAPE, supported_root
 from beammodes.exact.supported_roots import supported_frequencies
 from beammodes.exact.uniform_beam import UnitBeam, UnitEnd
 from beammodes.numerics.arrays import Floats
@@ -25,8 +25,6 @@ from beammodes.problem.loading import Load, checked_load
 __all__ = ["SupportedBeamModes", "critical_compression", "supported_modes"]
 
 
-# Shapes of near-double roots need many more digits of the root than a double has.
-_ROOT_OF_SHAPE = 1e-24
 # The pinned beam has twelve modes below q = 40, where waves are never separate, others at most two less.
 _SURELY_LOW = 10
 
@@ -183,7 +181,7 @@ def _waves(unit: UnitBeam, rigid: int, count: int) -> BeamWaves:
     low, parts = _low_modes(unit, rigid, count), []
     with localcontext(LONG):
         if low:
-            roots = [supported_root(unit, number, _ROOT_OF_SHAPE) for number in _numbers(rigid, 0, low)]
+            roots = [supported_root(unit, number, ROOT_OF_SHAPE) for number in _numbers(rigid, 0, low)]
             parts.append(BeamWaves.of(unit.modes([root * root for root in roots if root is not None])))
         if low < count:
             parts.append(high_waves(unit, _high_frequencies(unit, low, count)))

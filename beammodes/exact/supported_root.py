@@ -38,9 +38,13 @@ FLOOR = 1e-5
 NOISE = 1e-3
 #: What a correction may leave.
 LAST = 5e-17
+#: What a root for a shape may leave: near-double roots need many more digits than a double has.
+ROOT_OF_SHAPE = 1e-24
 # The rise is taken over this part of the frequency to either side, and from some mode on over a part that
 # falls as the modes draw near each other.
 _APART, _APART_TO_MODE = 1e-6, 100.0
+# Brackets end short of the cut-off of shear by this part of it.
+_SHORT_OF_CUTOFF = 1e-4
 # Digits of the residual: cancellation takes twelve where doubles still count, and 25 are wanted of the rest.
 _DIGITS = 50
 
@@ -139,18 +143,14 @@ def _corrected(beam: UnitBeam, number: int, rest: float) -> tuple[Decimal, bool]
         context.prec = _DIGITS
         exact_left, exact_right = EndNumbers.exact(beam.left), EndNumbers.exact(beam.right)
         left, right = EndNumbers(*map(float, exact_left)), EndNumbers(*map(float, exact_right))
-        tension, gyration = float(beam.tension), float(beam.gyration)
+        tension, gyration, shear = float(beam.tension), float(beam.gyration), float(beam.shear)
 
         def at(place: float) -> Reading:
-            return read(FLOATS, left, right, place, tension, gyration)
-
-        def frequency(wave: float) -> float:
-            if wave <= 0.0 or wave * wave <= -tension:
-                return 0.0
-            return wave * math.sqrt((wave * wave + tension) / (1.0 + gyration * wave * wave))
+            return read(FLOATS, left, right, place, tension, gyration, shear)
 
         # The pinned beam has k - 1 roots below k π. Others have at most two less and four more below a place.
-        start, low, high = (frequency((number + more) * math.pi) for more in (-0.5, -4.1, 2.1))
+        start, low, high = (_pinned(beam, (number + more) * math.pi) for more in (-0.5, -4.1, 2.1))
+        high = min(high, cutoff(beam) * (1.0 - _SHORT_OF_CUTOFF))
         near, part = counted_root(at, number, start, low, high, FLOOR), apart(number)
         below, here, above = (at(near * factor) for factor in (1.0 - part, 1.0, 1.0 + part))
         omega = Decimal(near)
@@ -162,7 +162,8 @@ def _corrected(beam: UnitBeam, number: int, rest: float) -> tuple[Decimal, bool]
         rise, noise, left_over = Rise.across(below, here, above, part), 0.0, math.inf
         for count in range(3):
             square = omega * omega
-            value = float(residual(DECIMALS, exact_left, exact_right, square, beam.tension, beam.gyration))
+            numbers = (square, beam.tension, beam.gyration, beam.shear)
+            value = float(residual(DECIMALS, exact_left, exact_right, *numbers))
             noise = noise if count else rise.noise(value)
             step = value / rise.rate
             omega -= omega * Decimal(step)
@@ -170,6 +171,22 @@ def _corrected(beam: UnitBeam, number: int, rest: float) -> tuple[Decimal, bool]
             if left_over < rest:
                 break
         return omega, noise < NOISE and left_over < rest
+
+
+def cutoff(beam: UnitBeam) -> float:
+    """Return ω beyond which shear has a second branch of modes, infinite without shear or rotary inertia."""
+    coupled = float(beam.shear) * float(beam.gyration)
+    return math.sqrt((1.0 + float(beam.shear * beam.tension)) / coupled) if coupled else math.inf
+
+
+def _pinned(beam: UnitBeam, wave: float) -> float:
+    """Return ω of the wavenumber q on the first branch, zero where there is none."""
+    tension, gyration, shear = float(beam.tension), float(beam.gyration), float(beam.shear)
+    stiffness = wave * wave * (wave * wave + tension)
+    if wave <= 0.0 or stiffness <= 0.0:
+        return 0.0
+    mass = 1.0 + shear * tension + (gyration + shear) * wave * wave
+    return math.sqrt(2.0 * stiffness / (mass + math.sqrt(mass * mass - 4.0 * shear * gyration * stiffness)))
 
 
 def in_decimals(

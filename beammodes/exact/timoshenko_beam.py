@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike
 from beammodes.checks import positive_real, row_shown, shown, whole_number
 from beammodes.exact.exact_beam import ExactModes
 from beammodes.exact.spectral_beam import spectral_solution
+from beammodes.exact.supported_root import ROOT_OF_SHAPE, cutoff, supported_root
 from beammodes.exact.uniform_beam import BeamMode, UnitBeam
 from beammodes.numerics.arrays import Floats
 from beammodes.numerics.long_decimals import LONG
@@ -203,11 +204,21 @@ def _uniform(beam: Beam, pair: Boundary, count: int) -> tuple[Floats, int, _Shap
     assert isinstance(beam.rotary_inertia_per_length, float)
     with localcontext(LONG):
         unit = UnitBeam.of(beam, pair, 0.0, beam.rotary_inertia_per_length, beam.shear_stiffness)
-        squares = unit.lowest(pair.rigid_body_modes, count)
-        # Without an axial force nothing buckles.
-        assert squares is not None
+        squares = _squares(unit, pair.rigid_body_modes, count)
         omega = np.array([float(square.sqrt()) for square in squares])
         return omega, pair.rigid_body_modes, _UniformShapes(unit.modes(squares))
+
+
+def _squares(unit: UnitBeam, rigid: int, count: int) -> list[Decimal]:
+    """Return ω² of elastic modes; those below the cut-off are roots of the same waves as without shear."""
+    limit = cutoff(unit)
+    if limit == math.inf or unit.sample(Decimal(limit) ** 2).below >= rigid + count:
+        roots = [supported_root(unit, rigid + number, ROOT_OF_SHAPE) for number in range(1, count + 1)]
+        return [root * root for root in roots if root is not None]
+    squares = unit.lowest(rigid, count)
+    # Without an axial force nothing buckles.
+    assert squares is not None
+    return squares
 
 
 def theory_error_of(
