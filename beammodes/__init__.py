@@ -71,6 +71,7 @@ _NAMES = {
     "accuracy.advice": "recommend",
     "accuracy.buckling": "buckling_dataset buckling_load",
     "accuracy.chain_against_beam": "SlendernessWarning chain_errors theory_errors",
+    "accuracy.chain_against_rod": "rod_error_dataset rod_errors",
     "accuracy.error_table": "derived_error_dataset error_dataset",
     "accuracy.errors": "frequency_error",
     "accuracy.identification": "stiffness_from_deflection stiffness_from_frequency",
@@ -87,8 +88,9 @@ _NAMES = {
     "chains.axial_chain": "AxialChain",
     "chains.chain": "Chain",
     "chains.rods": "MissedFeatureWarning",
-    "chains.structure_chain": "StructureChain",
     "chains.rules": "Layout RULES Rule Weight axially_corrected",
+    "chains.spatial_chain": "SpatialChain",
+    "chains.structure_chain": "StructureChain",
     "closed_form.chain_frequencies": "chain_frequency",
     "dynamics.base_motion": "BaseMotion harmonic spin_up",
     "dynamics.simulation": "DivergedWarning UnsavedMotion UnstableStepWarning mode_start simulate",
@@ -100,9 +102,10 @@ _NAMES = {
     "exact.axial_beam": "AxialModes axial_modes",
     "exact.beam_theory": "euler_bernoulli",
     "exact.exact_beam": "BeamModes wavenumber",
+    "exact.exact_rod": "RodModes rod_modes",
     "exact.spectral_beam": "SpectralBeamModes",
-    "exact.supported_beam": "SupportedBeamModes",
     "exact.structure_judge": "StructureModes structure_modes",
+    "exact.supported_beam": "SupportedBeamModes",
     "exact.timoshenko_beam": "TimoshenkoModes timoshenko",
     "exporters.chain_csv": "read_chain_csv",
     "exporters.export": "export_chain",
@@ -113,6 +116,8 @@ _NAMES = {
     "problem.loading": "Load",
     "problem.materials": "MODULI elastic_modulus",
     "problem.profiles": "Table",
+    "problem.rod": "Rod",
+    "problem.rod_ends": "RodEnd RodEnds",
     "problem.sections": "Box Channel Circle GivenSection ISection Rectangle Tube from_sectionproperties",
     "problem.structure": "Joint Member Station Structure",
     "springs.matched_springs": "match_springs matched",
@@ -122,8 +127,9 @@ _NAMES = {
     "vibration.integrators": "INTEGRATORS Integrator",
     "vibration.linear": "BentModel LinearModel linearize",
     "vibration.modes": "Modes solve_modes",
-    "vibration.structure_vibration": "StructureChainModes structure_chain_modes",
+    "vibration.modes_in_space": "SpatialModes spatial_modes",
     "vibration.stability": "published_time_step stable_time_step",
+    "vibration.structure_vibration": "StructureChainModes structure_chain_modes",
     "views.animation": "animate",
     "views.schematic": "draw_chain",
 }
@@ -138,6 +144,8 @@ if TYPE_CHECKING:
     from beammodes.accuracy.chain_against_beam import SlendernessWarning as SlendernessWarning
     from beammodes.accuracy.chain_against_beam import chain_errors as chain_errors
     from beammodes.accuracy.chain_against_beam import theory_errors as theory_errors
+    from beammodes.accuracy.chain_against_rod import rod_error_dataset as rod_error_dataset
+    from beammodes.accuracy.chain_against_rod import rod_errors as rod_errors
     from beammodes.accuracy.error_table import derived_error_dataset as derived_error_dataset
     from beammodes.accuracy.error_table import error_dataset as error_dataset
     from beammodes.accuracy.errors import frequency_error as frequency_error
@@ -169,6 +177,7 @@ if TYPE_CHECKING:
     from beammodes.chains.rules import Rule as Rule
     from beammodes.chains.rules import Weight as Weight
     from beammodes.chains.rules import axially_corrected as axially_corrected
+    from beammodes.chains.spatial_chain import SpatialChain as SpatialChain
     from beammodes.chains.structure_chain import StructureChain as StructureChain
     from beammodes.closed_form.chain_frequencies import chain_frequency as chain_frequency
     from beammodes.dynamics.base_motion import BaseMotion as BaseMotion
@@ -194,6 +203,8 @@ if TYPE_CHECKING:
     from beammodes.exact.beam_theory import euler_bernoulli as euler_bernoulli
     from beammodes.exact.exact_beam import BeamModes as BeamModes
     from beammodes.exact.exact_beam import wavenumber as wavenumber
+    from beammodes.exact.exact_rod import RodModes as RodModes
+    from beammodes.exact.exact_rod import rod_modes as rod_modes
     from beammodes.exact.spectral_beam import SpectralBeamModes as SpectralBeamModes
     from beammodes.exact.structure_judge import StructureModes as StructureModes
     from beammodes.exact.structure_judge import structure_modes as structure_modes
@@ -215,6 +226,9 @@ if TYPE_CHECKING:
     from beammodes.problem.materials import MODULI as MODULI
     from beammodes.problem.materials import elastic_modulus as elastic_modulus
     from beammodes.problem.profiles import Table as Table
+    from beammodes.problem.rod import Rod as Rod
+    from beammodes.problem.rod_ends import RodEnd as RodEnd
+    from beammodes.problem.rod_ends import RodEnds as RodEnds
     from beammodes.problem.sections import Box as Box
     from beammodes.problem.sections import Channel as Channel
     from beammodes.problem.sections import Circle as Circle
@@ -241,6 +255,8 @@ if TYPE_CHECKING:
     from beammodes.vibration.linear import linearize as linearize
     from beammodes.vibration.modes import Modes as Modes
     from beammodes.vibration.modes import solve_modes as solve_modes
+    from beammodes.vibration.modes_in_space import SpatialModes as SpatialModes
+    from beammodes.vibration.modes_in_space import spatial_modes as spatial_modes
     from beammodes.vibration.stability import published_time_step as published_time_step
     from beammodes.vibration.stability import stable_time_step as stable_time_step
     from beammodes.vibration.structure_vibration import StructureChainModes as StructureChainModes

@@ -57,6 +57,11 @@ def shaft() -> bm.Beam:
 
 
 @functools.cache
+def rod() -> bm.Rod:
+    return bm.Rod(1.0, 1.0, 0.8, 1.0, 0.01, curvature=(0.5, 0.0, 1.0))
+
+
+@functools.cache
 def chain() -> bm.Chain:
     return bm.Chain(beam(), "clamped-free", 4)
 
@@ -115,6 +120,7 @@ def of(**given: Any) -> Arguments:
     return lambda: dict(given)
 
 
+WIRE: dict[str, Any] = {"bending_stiffness": 1.0, "torsional_stiffness": 0.8, "mass_per_length": 1.0}
 PIECES: dict[str, Any] = {
     "length": [0.0, 0.5, 0.5],
     "mass": [0.0, 0.5, 0.5],
@@ -196,6 +202,42 @@ CALLS: dict[str, Arguments] = {
     },
     "Normal": of(mean=1.0, standard_deviation=0.1, within=4.0),
     "Rectangle": of(width=0.1, height=0.2),
+    "Rod": of(
+        length=1.0,
+        bending_stiffness=1.0,
+        torsional_stiffness=0.8,
+        mass_per_length=1.0,
+        polar_inertia_per_length=0.01,
+        second_bending_stiffness=2.0,
+        axial_stiffness=1e4,
+        shear_stiffness=1e3,
+        curvature=(0.5, 0.0, 1.0),
+        breaks=(),
+    ),
+    "Rod.from_beam": lambda: {
+        "beam": beam(),
+        "torsional_stiffness": 60.0,
+        "polar_inertia_per_length": 0.01,
+        "second_bending_stiffness": 90.0,
+        "curvature": (0.0, 0.0, 1.0),
+    },
+    "Rod.helix": lambda: {"radius": 0.1, "pitch": 0.05, "turns": 2.0, **WIRE},
+    "Rod.hook": lambda: {"straight": 0.5, "radius": 0.1, "angle": 2.0, **WIRE},
+    "Rod.through": lambda: {
+        "points": [[0, 0, 0], [1, 0, 0], [2, 1, 0], [3, 1, 1]],
+        "up": (0.0, 0.0, 1.0),
+        "twist": 0.1,
+        **WIRE,
+    },
+    "RodEnd": of(
+        translational_stiffness=(1.0, math.inf, 0.0),
+        rotational_stiffness=2.0,
+        mass=0.5,
+        rotary_inertia=(0.1, 0.2, 0.2),
+        offset=(0.1, 0.0, 0.0),
+    ),
+    "RodEnds": lambda: {"left": bm.RodEnd(), "right": bm.RodEnd(mass=1.0)},
+    "RodEnds.of": of(boundary="clamped-free"),
     "Rule": lambda: {
         "name": "mine",
         "clamped": (bm.Weight(Fraction(1, 2)),),
@@ -216,6 +258,12 @@ CALLS: dict[str, Arguments] = {
         "stations": [bm.Station(0.5, mass=1.0)],
     },
     "StructureChain": lambda: {"structure": structure(), "segments": 4, "rule": "gregory"},
+    "SpatialChain": lambda: {
+        "rod": rod(),
+        "boundary": "clamped-free",
+        "segments": 4,
+        "rule": "gregory",
+    },
     "Study.grid": of(boundary="clamped-free", segments=[2, 3], mode=1, compute="relative_error"),
     "Table": of(x=[0.0, 0.5, 1.0], value=[1.0, 2.0, 3.0]),
     "Tolerance": of(size=0.1, distribution="uniform"),
@@ -383,6 +431,16 @@ CALLS: dict[str, Arguments] = {
         "rules": ["gregory"],
         "integrator": "rk4",
     },
+    "rod_error_dataset": lambda: {
+        "rod": rod(),
+        "boundary": "clamped-free",
+        "segments": [3],
+        "modes": 1,
+        "rule": "gregory",
+    },
+    "rod_errors": lambda: {"chain": bm.SpatialChain(rod(), "clamped-free", 4), "modes": 2},
+    "rod_modes": lambda: {"rod": rod(), "boundary": "clamped-free", "modes": 2},
+    "spatial_modes": lambda: {"chain": bm.SpatialChain(rod(), "clamped-free", 4), "modes": 2},
     "segments_needed": lambda: {
         "boundary": "clamped-free",
         "tolerance": 0.05,
@@ -468,6 +526,8 @@ ANSWERS = {
     "Layout",
     "LinearModel",
     "Modes",
+    "RodModes",
+    "SpatialModes",
     "SpectralBeamModes",
     "StructureChainModes",
     "StructureModes",
@@ -596,6 +656,9 @@ ARITHMETIC = (
     "match_springs",
     "modal_response",
     "recommend",
+    "rod_error_dataset",
+    "rod_errors",
+    "rod_modes",
     "theory_errors",
     "timoshenko",
 )

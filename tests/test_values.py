@@ -22,6 +22,7 @@ import beammodes as bm
 UNIT = bm.Beam.unit()
 TAPERED = bm.Beam(1.0, bm.Table([0.0, 0.5, 1.0], [1.0, 0.8, 0.7]), 1.0)
 CHAIN = bm.Chain(UNIT, "clamped-free", 3)
+WIRE = {"bending_stiffness": 1.0, "torsional_stiffness": 0.8, "mass_per_length": 1.0}
 BODY = bm.Boundary.of(("clamped", bm.End(mass=0.5)))
 
 #: Made from equal parts by each call.
@@ -46,6 +47,10 @@ MADE: dict[str, Callable[[], Any]] = {
     "Load": lambda: bm.Load(axial_force=0.1, gravity=(0.0, -9.81)),
     "Normal": lambda: bm.Normal(1.0, 0.1),
     "Rectangle": lambda: bm.Rectangle(0.1, 0.2),
+    "Rod": lambda: bm.Rod.arc(1.0, length=1.0, **WIRE),
+    "Rod through points": lambda: bm.Rod.through([(0, 0, 0), (1, 0, 0), (2, 1, 0), (3, 1, 1)], **WIRE),
+    "RodEnd": lambda: bm.RodEnd(mass=0.5, rotary_inertia=(0.1, 0.2, 0.3)),
+    "RodEnds": lambda: bm.RodEnds.of("clamped-pinned"),
     "Rule": lambda: bm.RULES["gregory"],
     "axially_corrected": lambda: bm.axially_corrected("mitiguy", bm.Load(axial_force=0.1), UNIT),
     "mode_tuned": lambda: bm.mode_tuned(1),
@@ -78,6 +83,9 @@ FOUND: dict[str, Callable[[], Any]] = {
     "DerivedChain": lambda: bm.derive_chain(bm.Chain(UNIT, "clamped-free", 2)),
     "Equilibrium": lambda: bm.find_equilibrium(CHAIN, bm.Load(tip_moment=0.1)),
     "Modes": lambda: bm.solve_modes(bm.linearize(CHAIN)),
+    "RodModes": lambda: bm.rod_modes(bm.Rod(1.0, **WIRE), "clamped-free", 2),
+    "SpatialChain": lambda: bm.SpatialChain(bm.Rod(1.0, **WIRE), "clamped-free", 3),
+    "SpatialModes": lambda: bm.spatial_modes(bm.SpatialChain(bm.Rod(1.0, **WIRE), "clamped-free", 3)),
     "match_springs": lambda: bm.match_springs("clamped-free", 3, 2),
     "recommend": lambda: bm.recommend("clamped-free", 0.01, 2)[0],
 }

@@ -1,0 +1,266 @@
+"""The ends of a rod in space: what holds each of six motions, and the rigid body fixed to it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, TypeAlias
+
+import numpy as np
+
+from beammodes.checks import real, shown
+from beammodes.numerics.arrays import Floats
+from beammodes.numerics.rotations import cross_matrix
+from beammodes.problem.ends import ENDS, Boundary, End
+
+__all__ = ["RodBoundaryLike", "RodEnd", "RodEnds"]
+
+Three = tuple[float, float, float]
+Tensor = tuple[Three, Three, Three]
+
+
+@dataclass(frozen=True, slots=True, init=False)
+class RodEnd:
+    """One end of a rod: supports of its deflection and rotation in three directions, and a rigid body.
+
+    All directions are those of the section's axes at that end, at rest: x along the centre line, y and z
+    across it. A number stands for all three.
+
+    Parameters
+    ----------
+    translational_stiffness : float or three [N/m]
+        Of springs between the end and the ground, along x, y and z: `math.inf` holds, 0 leaves free.
+    rotational_stiffness : float or three [N m/rad]
+        Likewise about x (twist), y and z (bending).
+    mass : float [kg]
+        Of a rigid body fixed to the end.
+    rotary_inertia : float, three, or three rows of three [kg m²]
+        Of that body about its centre of mass: about every axis, about x, y and z, or the whole tensor.
+    offset : three floats [m]
+        From the end to the body's centre of mass.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If a number is not real, is negative (of an offset it may be) or not finite (stiffnesses may be), or
+        the tensor is not symmetric and positive.
+
+    Examples
+    --------
+    >>> RodEnd.of("pinned").rotational_stiffness                           # a ball joint
+    (0.0, 0.0, 0.0)
+    >>> RodEnd(mass=0.5, offset=(0.1, 0, 0)).offset
+    (0.1, 0.0, 0.0)
+    """
+
+    translational_stiffness: Three
+    rotational_stiffness: Three
+    mass: float
+    rotary_inertia: Tensor
+    offset: Three
+
+    def __init__(
+        self,
+        translational_stiffness: float | Sequence[float] = 0.0,
+        rotational_stiffness: float | Sequence[float] = 0.0,
+        mass: float = 0.0,
+        rotary_inertia: float | Sequence[Any] = 0.0,
+        offset: Sequence[float] = (0.0, 0.0, 0.0),
+    ) -> None:
+        for name, given in (
+            ("translational_stiffness", translational_stiffness),
+            ("rotational_stiffness", rotational_stiffness),
+        ):
+            object.__setattr__(self, name, _three(name, given, least=0.0, infinite=True))
+        object.__setattr__(self, "mass", _number("mass", mass, least=0.0))
+        object.__setattr__(self, "rotary_inertia", _tensor(rotary_inertia))
+        object.__setattr__(self, "offset", _three("offset", offset))
+
+    @classmethod
+    def of(cls, end: object, *, side: int = 1) -> RodEnd:
+        """Return the end that a word, an `End` of a planar beam, or a `RodEnd` stands for.
+
+        ========  ==========================================================
+        clamped   all six held
+        pinned    a ball joint: the deflections held
+        guided    the rotations and what is along the rod held
+        free      none held
+        ========  ==========================================================
+
+        The numbers of an `End` count in both planes, its rotational ones in twist too; its offset is outward,
+        which `side` tells: 1 at the right end, -1 at the left one.
+
+        Examples
+        --------
+        >>> RodEnd.of("free(mass=0.5, offset=0.1)", side=-1).offset
+        (-0.1, 0.0, 0.0)
+        """
+        if isinstance(end, RodEnd):
+            return end
+        plain = end if isinstance(end, End) else Boundary.of((end, "free")).left  # type: ignore[arg-type]
+        across, turning = float(plain.translational_stiffness), float(plain.rotational_stiffness)
+        along = math.inf if plain.is_grounded and (plain.holds_deflection or plain.holds_rotation) else across
+        inertia = float(plain.rotary_inertia)
+        offset = (side * float(plain.offset), 0.0, 0.0)
+        return cls((along, across, across), turning, float(plain.mass), inertia, offset)
+
+    def with_supports(self, translational: Sequence[float], rotational: Sequence[float]) -> RodEnd:
+        """Return the end with other supports and the same body."""
+        return RodEnd(translational, rotational, self.mass, self.rotary_inertia, self.offset)
+
+    @property
+    def stiffness(self) -> Floats:
+        """The six stiffnesses, of the deflections first."""
+        return np.array([*self.translational_stiffness, *self.rotational_stiffness])
+
+    @property
+    def mass_matrix(self) -> Floats:
+        """Of the body, for deflection and rotation of the end, shape (6, 6)."""
+        arm = cross_matrix(np.array(self.offset))
+        matrix = np.zeros((6, 6))
+        matrix[:3, :3] = self.mass * np.eye(3)
+        matrix[3:, :3] = self.mass * arm
+        matrix[:3, 3:] = -self.mass * arm
+        matrix[3:, 3:] = np.array(self.rotary_inertia) - self.mass * arm @ arm
+        return matrix
+
+    @property
+    def has_body(self) -> bool:
+        """True if a body is fixed to the end."""
+        return bool(self.mass_matrix.any())
+
+    def word(self, axis: int, *, alone: bool) -> str:
+        """Return the plain end whose rule weights apply to turning about an axis (0 to 2) here.
+
+        `alone` says that nothing couples this turning with others along the rod (straight, no pretwist in
+        bending): only then does a held rotation without a shear force have a mirror.
+        """
+        held = self.rotational_stiffness[axis]
+        felt = self.mass_matrix[3 + axis, 3:].any()
+        if not held and not felt:
+            # Which of the two makes no difference to a rule: no moment, no hinge at the end.
+            return "free"
+        # The deflection that bends about this axis go along with; twist has none.
+        across = self.translational_stiffness[3 - axis] if axis else 0.0
+        shearless = math.isinf(held) and not across and not (axis and self.mass)
+        return "guided" if alone and shearless else "clamped"
+
+    def __repr__(self) -> str:
+        given = {
+            "translational_stiffness": _short(self.translational_stiffness, 0.0),
+            "rotational_stiffness": _short(self.rotational_stiffness, 0.0),
+            "mass": self.mass or None,
+            "rotary_inertia": self._inertia_shown(),
+            "offset": self.offset if any(self.offset) else None,
+        }
+        return f"RodEnd({', '.join(f'{k}={v!r}' for k, v in given.items() if v is not None)})"
+
+    def _inertia_shown(self) -> Any:
+        tensor = np.array(self.rotary_inertia)
+        if (tensor == np.diag(np.diagonal(tensor))).all():
+            x, y, z = np.diagonal(tensor).tolist()
+            return _short((x, y, z), 0.0)
+        return self.rotary_inertia
+
+
+def _short(three: Three, usual: float) -> float | Three | None:
+    if three[0] == three[1] == three[2]:
+        return None if three[0] == usual else three[0]
+    return three
+
+
+def _number(name: str, value: object, *, least: float = -math.inf, infinite: bool = False) -> float:
+    if infinite and isinstance(value, float) and value == math.inf:
+        return math.inf
+    number = real(name, value)
+    if number < least:
+        raise ValueError(f"{name} must not be negative, got {shown(value)}")
+    return number + 0.0
+
+
+def _three(name: str, given: object, *, least: float = -math.inf, infinite: bool = False) -> Three:
+    if isinstance(given, np.ndarray):
+        given = given.tolist()
+    if isinstance(given, list | tuple):
+        if len(given) != 3:
+            raise ValueError(f"{name} must be three numbers, along x, y and z, got {shown(given)}")
+        x, y, z = (_number(name, value, least=least, infinite=infinite) for value in given)
+        return x, y, z
+    if name == "offset":
+        raise TypeError(f"{name} must be three numbers, along x, y and z, got {shown(given)}")
+    number = _number(name, given, least=least, infinite=infinite)
+    return number, number, number
+
+
+def _tensor(given: object) -> Tensor:
+    rows = given.tolist() if isinstance(given, np.ndarray) else given
+    if isinstance(rows, list | tuple) and len(rows) == 3 and isinstance(rows[0], list | tuple):
+        x, y, z = (_three("rotary_inertia", row) for row in rows)
+        matrix = np.array([x, y, z])
+        if not (matrix == matrix.T).all() or np.linalg.eigvalsh(matrix)[0] < -1e-12 * np.abs(matrix).max():
+            raise ValueError(f"rotary_inertia must be symmetric and positive, got {shown(given)}")
+        return x, y, z
+    a, b, c = _three("rotary_inertia", given, least=0.0)
+    return (a, 0.0, 0.0), (0.0, b, 0.0), (0.0, 0.0, c)
+
+
+@dataclass(frozen=True, slots=True)
+class RodEnds:
+    """The two ends of a rod, at s = 0 and at s = L.
+
+    Examples
+    --------
+    >>> straight = (np.eye(3), np.array([1.0, 0.0, 0.0]))
+    >>> [RodEnds.of(name).rigid_body_modes(*straight) for name in ("clamped-free", "pinned-pinned")]
+    [0, 1]
+    """
+
+    left: RodEnd
+    right: RodEnd
+
+    @classmethod
+    def of(cls, boundary: RodBoundaryLike) -> RodEnds:
+        """Return the ends that a name such as "clamped-free", a pair of ends or `RodEnds` stands for.
+
+        Raises
+        ------
+        TypeError, ValueError
+            As `Boundary.of`.
+        """
+        if isinstance(boundary, RodEnds):
+            return boundary
+        if isinstance(boundary, tuple | list) and any(isinstance(end, RodEnd) for end in boundary):
+            if len(boundary) != 2:
+                raise ValueError(f"boundary must be two ends, got {shown(boundary)}")
+            return cls(RodEnd.of(boundary[0], side=-1), RodEnd.of(boundary[1]))
+        pair = Boundary.of(boundary)  # type: ignore[arg-type]
+        return cls(RodEnd.of(pair.left, side=-1), RodEnd.of(pair.right))
+
+    def rigid_body_modes(self, frame: Floats, place: Floats) -> int:
+        """Return how many motions of a rigid rod the ends let go without storing energy.
+
+        Parameters
+        ----------
+        frame : ndarray, shape (3, 3)
+            The right end's axes, seen from the left end.
+        place : ndarray, shape (3,)
+            Where it lies, over the rod's length.
+        """
+        left, right = np.eye(6), np.zeros((6, 6))
+        right[:3, :3] = right[3:, 3:] = frame.T
+        right[:3, 3:] = -frame.T @ cross_matrix(place)
+        rows = np.vstack([left[self.left.stiffness > 0], right[self.right.stiffness > 0]])
+        return 6 - int(np.linalg.matrix_rank(rows, tol=1e-9)) if len(rows) else 6
+
+    def __str__(self) -> str:
+        return f"{_told(self.left)}-{_told(self.right)}"
+
+
+def _told(end: RodEnd) -> str:
+    words = [word for word in ENDS if end == RodEnd.of(word)]
+    return words[0] if words else repr(end)
+
+
+#: What stands for the two ends of a rod.
+RodBoundaryLike: TypeAlias = str | tuple[str | End | RodEnd, str | End | RodEnd] | Boundary | RodEnds

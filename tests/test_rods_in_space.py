@@ -1,0 +1,312 @@
+"""Rods in space: their chains and the exact rod, each against the other and against what others derived."""
+
+from __future__ import annotations
+
+import math
+import re
+from pathlib import Path
+from typing import Any
+
+import mpmath as mp
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+import beammodes as bm
+from beammodes.chains.rigid_tree import RigidTree, Support
+from beammodes.numerics.rotations import rotation
+from beammodes.vibration.tree_form import tree_form
+
+Floats = NDArray[np.float64]
+
+# EI/GJ of a solid round section of steel, 1 + ν.
+ROUND = {"bending_stiffness": 1.0, "torsional_stiffness": 1 / 1.3, "mass_per_length": 1.0}
+BLADE = bm.Rod.pretwisted(
+    math.pi / 2,
+    length=1.0,
+    bending_stiffness=1.0,
+    second_bending_stiffness=16.0,
+    torsional_stiffness=1.0,
+    mass_per_length=1.0,
+)
+ARC = bm.Rod.arc(math.pi / 2, length=math.pi / 2, **ROUND)
+HELIX = bm.Rod(1.0, **ROUND, curvature=(1.0, 0.0, 2 * math.pi))
+RODS = {"blade": BLADE, "arc": ARC, "helix": HELIX}
+THEORY = (Path(bm.__file__).parent / "pages" / "theory.md").read_text(encoding="utf-8")
+
+
+def omega(rod: bm.Rod, boundary: Any, modes: int = 3) -> Floats:
+    return bm.rod_modes(rod, boundary, modes).angular_frequency
+
+
+# --- The exact rod ----------------------------------------------------------------------------------------
+
+
+def test_the_free_ring_of_love() -> None:
+    # Love, Mathematical Theory of Elasticity, 4th ed., 293: ω² = n²(n²-1)²/(n²+1) in its plane and
+    # n²(n²-1)²/(n²+EI/GJ) out of it. A quarter ring between two antinodes has every even n.
+    mirror = bm.RodEnd((math.inf, 0.0, 0.0), (0.0, math.inf, math.inf))
+    found = bm.rod_modes(ARC, (mirror, mirror), 6)
+    n = np.array([2, 4, 6])
+    square = n**2 * (n**2 - 1) ** 2 / np.array([n**2 + 1.3, n**2 + 1.0])
+    np.testing.assert_allclose(found.angular_frequency**2, np.sort(square.ravel()), rtol=1e-11)
+    assert found.rigid_body_modes == 1
+
+
+def by_determinant(rod: bm.Rod, low: float, high: float) -> float:
+    """The root of the 6 by 6 determinant of a uniform clamped-free rod, with 22 digits; its own equations."""
+
+    def cross(v: Any) -> Any:
+        return mp.matrix([[0, -v[2], v[1]], [v[2], 0, -v[0]], [-v[1], v[0], 0]])
+
+    def determinant(w: Any) -> Any:
+        flow = mp.zeros(12)
+        turning, tangent = cross([mp.mpf(k) for k in rod.curvature]), cross([1, 0, 0])  # type: ignore[union-attr]
+        give = (rod.torsional_stiffness, rod.second_bending_stiffness, rod.bending_stiffness)
+        for i in range(3):
+            for j in range(3):
+                for block in range(4):
+                    flow[3 * block + i, 3 * block + j] = -turning[i, j]
+                flow[i, 3 + j] = flow[9 + i, 6 + j] = -tangent[i, j]
+            flow[6 + i, i] = -(w**2) * rod.mass_per_length
+            flow[9 + i, 3 + i] = -(w**2) * rod.polar_inertia_per_length if i == 0 else 0
+            flow[3 + i, 9 + i] = 1 / mp.mpf(give[i])
+        return mp.det(mp.expm(rod.length * flow)[6:12, 6:12])
+
+    with mp.workdps(22):
+        return float(mp.findroot(determinant, (low, high)))
+
+
+def test_trusted_numbers_and_a_determinant_of_22_digits() -> None:
+    # Pretwisted, curved and helical cantilevers, computed elsewhere by expm and by finite elements.
+    weak = bm.Rod.pretwisted(math.pi / 4, length=1.0, second_bending_stiffness=4.0, **ROUND)
+    np.testing.assert_allclose(omega(weak, "clamped-free", 2), [3.5350525, 6.8720420], rtol=1e-8)
+    np.testing.assert_allclose(omega(BLADE, "clamped-free", 2), [3.6087715, 9.961236], rtol=1e-8)
+    np.testing.assert_allclose(omega(ARC, "clamped-free", 2), [1.45175369, 1.49816288], rtol=5e-9)
+    np.testing.assert_allclose(omega(HELIX, "clamped-free", 2), [6.59038148, 7.42199987], rtol=5e-9)
+    heavy = bm.Rod(1.3, 2.0, 1.5, 0.7, 0.03, second_bending_stiffness=5.0, curvature=(0.7, -1.1, 2.0))
+    for rod, mode in ((HELIX, 0), (HELIX, 1), (heavy, 2)):
+        found = omega(rod, "clamped-free", 3)[mode]
+        exact = by_determinant(rod, found * (1 - 1e-6), found * (1 + 1e-6))
+        assert found == pytest.approx(exact, rel=1e-12)
+
+
+def test_a_straight_rod_is_two_beams_and_a_shaft() -> None:
+    # Bending by `euler_bernoulli` in both planes; twist between the same ends from GJ θ'' = ρI_p θ̈.
+    rod = bm.Rod(1.2, 85.0, 60.0, 0.62, 0.004, second_bending_stiffness=500.0)
+    speed = math.sqrt(60.0 / 0.004) / 1.2
+    twist = {
+        "clamped-free": 0.5,
+        "clamped-clamped": 1.0,
+        "pinned-pinned": 1.0,
+        "free-free": 1.0,
+        "pinned-free": 1.0,
+    }
+    for boundary, first in twist.items():
+        shaft = math.pi * speed * (first + np.arange(3))
+        beams = [
+            bm.euler_bernoulli(bm.Beam(1.2, stiffness, 0.62), boundary, 8).angular_frequency
+            for stiffness in (85.0, 500.0)
+        ]
+        expected = np.sort(np.concatenate([shaft, *beams]))[:8]
+        np.testing.assert_allclose(omega(rod, boundary, 8), expected, rtol=1e-12, err_msg=boundary)
+
+
+def test_stretch_shear_and_rotary_inertia() -> None:
+    # Timoshenko's beam judges bending with shear; a bar's stretch is EA u'' = ρA ü.
+    rod = bm.Rod(1.0, 1.0, 0.8, 1.0, rotary_inertia_per_length=0.01, second_rotary_inertia_per_length=0.01,
+                 shear_stiffness=30.0, second_shear_stiffness=30.0, axial_stiffness=90.0)  # fmt: skip
+    beam = bm.timoshenko(
+        bm.Beam(1.0, 1.0, 1.0, 0.01, shear_stiffness=30.0), "clamped-free", 3
+    ).angular_frequency
+    bar = math.pi * math.sqrt(90.0) * np.array([0.5])
+    expected = np.sort(np.concatenate([np.repeat(beam, 2), bar]))[:5]
+    np.testing.assert_allclose(omega(rod, "clamped-free", 5), expected, rtol=1e-11)
+
+
+# --- Chains -----------------------------------------------------------------------------------------------
+
+
+def test_one_plane_of_a_straight_rod_is_the_planar_chain() -> None:
+    # To what a sum over one more route rounds differently: 3e-14 relative at most, seen 2e-14.
+    beam, rod = bm.Beam(1.2, 85.0, 0.62), bm.Rod(1.2, 85.0, 60.0, 0.62, second_bending_stiffness=500.0)
+    for boundary in ("clamped-free", "pinned-pinned", "clamped-guided", "free-free", "free-clamped"):
+        for rule in ("gregory", "half_stub", "hencky", "rigid_stub", "simpson"):
+            planar = bm.solve_modes(bm.linearize(bm.Chain(beam, boundary, 8, rule)), 3).angular_frequency
+            spatial = bm.spatial_modes(bm.SpatialChain(rod, boundary, 8, rule), 12).angular_frequency
+            nearest = np.abs(spatial[:, None] / planar - 1).min(axis=0)
+            assert nearest.max() < 3e-14, (boundary, rule)
+
+
+def test_the_page_has_the_orders_and_every_digit() -> None:
+    rows = re.findall(
+        r"(?m)^\| (\w*) *\| `(\w+)` \| ([-+.e\d]+) \| ([-+.e\d]+) \| ([-+.e\d]+) \| ([-+.e\d]+) \|$", THEORY
+    )
+    assert len(rows) == 9
+    order = {"naive": 1, "half_stub": 2, "double_wall": 2, "gregory": 4}
+    name = ""
+    for given, rule, *printed in rows:
+        name = given or name
+        table = bm.rod_error_dataset(RODS[name], "clamped-free", segments=[5, 10, 20, 40], modes=1, rule=rule)
+        errors = table.relative_error.values.ravel()
+        assert [f"{100 * error:.3g}" for error in errors] == printed, (name, rule)
+        slope = np.log2(np.abs(errors[:-1] / errors[1:]))
+        assert abs(slope[-1] - order[rule]) < 0.1, (name, rule)
+        # Of the sixth of a turn that a helix bends in each of five pieces the first halving tells less.
+        assert abs(slope.mean() - order[rule]) < 0.45, (name, rule)
+
+
+SPRINGS = bm.RodEnd((math.inf, 30.0, 10.0), (3.0, 8.0, math.inf), 0.1, (0.0, 0.02, 0.03), (0.0, 0.02, -0.03))
+TENSOR = ((0.01, 0.002, 0.0), (0.002, 0.02, 0.001), (0.0, 0.001, 0.03))
+BODY = bm.RodEnd(0.0, 0.0, 0.3, TENSOR, (0.05, 0.02, -0.03))
+
+
+def test_random_rods_between_random_ends_converge_at_fourth_order() -> None:
+    draw = np.random.default_rng(5)
+    ends: list[Any] = ["clamped-free", "clamped-clamped", "pinned-pinned", "free-free", "guided-pinned"]
+    ends += [(SPRINGS, BODY), ("clamped", BODY), (BODY, "free"), (BODY, SPRINGS)]
+    for boundary in ends:
+        stiffness, second, torsional = draw.uniform(0.5, 3.0, 3)
+        rod = bm.Rod(
+            1.0,
+            stiffness,
+            torsional,
+            1.0,
+            second_bending_stiffness=second,
+            curvature=draw.normal(0.0, 2.0, 3),
+        )
+        exact = bm.rod_modes(rod, boundary, 3)
+        errors = []
+        for segments in (24, 48):
+            found = bm.spatial_modes(bm.SpatialChain(rod, boundary, segments, "gregory"), 3)
+            assert found.rigid_body_modes == exact.rigid_body_modes
+            errors.append(np.abs(found.angular_frequency / exact.angular_frequency - 1).max())
+        assert errors[1] < 4e-5 and errors[0] / errors[1] > 10, (boundary, errors)
+
+
+def gained(rod: bm.Rod, segments: list[int]) -> float:
+    """By how much more segments lessen the larger error of two modes."""
+    table = bm.rod_error_dataset(rod, "clamped-free", segments=segments, modes=2, rule="gregory")
+    few, many = np.abs(table.relative_error).max(("mode", "rule")).values
+    return float(few / many)
+
+
+def test_rods_that_vary_hooks_and_lines_through_points() -> None:
+    # A hook's kink is an end of two stretches: order 4 with a hinge on it. The line through points of a
+    # circle and the arc itself agree, and so do a curvature as a function and as three numbers.
+    hook = bm.Rod.hook(straight=0.5, radius=0.25, angle=2.0, **ROUND)
+    assert gained(hook, [16, 32]) > 10
+    angle = np.linspace(0.0, math.pi / 2, 25)
+    circle = np.stack([np.cos(angle), np.sin(angle), 0 * angle], axis=1)
+    line = bm.Rod.through(circle, **ROUND)
+    assert line.length == pytest.approx(math.pi / 2, rel=1e-8)
+    np.testing.assert_allclose(omega(line, "clamped-free", 2), omega(ARC, "clamped-free", 2), rtol=1e-6)
+    bent = bm.Rod(1.0, **ROUND, curvature=lambda s: (1.0, 0.0 * s, 2 * math.pi))
+    np.testing.assert_allclose(omega(bent, "clamped-free", 2), omega(HELIX, "clamped-free", 2), rtol=1e-11)
+    pieces = [bm.SpatialChain(rod, "clamped-free", 7).tree for rod in (bent, HELIX)]
+    np.testing.assert_allclose(pieces[0].inertia, pieces[1].inertia, atol=1e-15)
+    taper = bm.Rod(
+        1.0,
+        lambda s: (1 - s / 2) ** 3,
+        lambda s: 0.8 * (1 - s / 2) ** 3,
+        lambda s: 1 - s / 2,
+        curvature=lambda s: (0.5 * s, 0.0, 1 + s),
+    )
+    assert gained(taper, [12, 24]) > 10
+
+
+def test_a_turned_rod_has_the_same_frequencies_and_modes_are_orthonormal() -> None:
+    chain = bm.SpatialChain(HELIX, "clamped-free", 60, "gregory")
+    turned = bm.SpatialChain(HELIX, "free-clamped", 60, "gregory")
+    ours = bm.spatial_modes(chain, 6)
+    # A helix is its own image under half a turn about an axis across it.
+    np.testing.assert_allclose(
+        ours.angular_frequency, bm.spatial_modes(turned, 6).angular_frequency, rtol=1e-12
+    )
+    every = bm.spatial_modes(chain, 180)
+    np.testing.assert_allclose(ours.angular_frequency, every.angular_frequency[:6], rtol=1e-12)
+    tree = chain.tree
+    centre = ours.displacement[:, chain.tree.parent.clip(0)[1:]] + np.cross(
+        ours.rotation[:, 1:], (tree.centre - tree.joint_place)[1:]
+    )
+    product = np.einsum("p,mpi,npi->mn", tree.mass[1:], centre, centre)
+    product += np.einsum("mpi,pij,npj->mn", ours.rotation, tree.inertia, ours.rotation)
+    np.testing.assert_allclose(product, np.eye(6), atol=1e-10)
+
+
+def test_a_long_chain_keeps_its_digits() -> None:
+    # Order 4 leaves 1e-13 at N = 2,000: what differs from the exact rod is rounding.
+    errors = bm.rod_errors(bm.SpatialChain(HELIX, "clamped-free", 2000, "gregory"), 4)
+    assert np.abs(errors).max() < 1e-10
+    # Of a round straight rod the frequencies of two planes are equal; none is missed.
+    straight = bm.spatial_modes(bm.SpatialChain(bm.Rod(1.0, **ROUND), "clamped-free", 2000, "gregory"), 6)
+    planar = bm.euler_bernoulli(bm.Beam.unit(), "clamped-free", 3).angular_frequency
+    np.testing.assert_allclose(straight.angular_frequency, np.repeat(planar, 2), rtol=1e-10)
+
+
+def test_a_tree_with_a_fork_against_its_assembled_matrices() -> None:
+    # Two branches on a trunk, sprung to the ground at three points: M and K summed piece by piece, dense.
+    draw = np.random.default_rng(2)
+    parent = np.array([-1, 0, 1, 2, 1, 4, 0])
+    count = len(parent)
+    place, frame = draw.normal(size=(count, 3)), rotation(draw.normal(size=(count, 3)))
+    root = draw.normal(size=(count, 3, 3))
+    supports = tuple(
+        Support(piece, draw.normal(size=3), rotation(draw.normal(size=3)), stiffness)
+        for piece, stiffness in (
+            (0, np.array([math.inf, 2.0, 0.0, 1.0, 0.0, 3.0])),
+            (3, np.array([0.5, 0.0, math.inf, 0.0, 0.0, 0.0])),
+            (6, np.array([1.0, 1.0, 0.0, 0.0, 2.0, 0.0])),
+        )
+    )
+    tree = RigidTree(
+        parent,
+        place,
+        frame,
+        draw.uniform(0.1, 1.0, (count, 3)),
+        draw.uniform(0.5, 1.0, count),
+        draw.normal(size=(count, 3)),
+        root @ np.swapaxes(root, 1, 2),
+        supports,
+    )
+    form = tree_form(tree)
+    x = form.allowed(np.linalg.qr(form.forbidden, mode="complete")[0][:, form.forbidden.shape[1] :])
+    inverse = np.linalg.svd(form.kinetic(x), compute_uv=False)
+    adjoint = form.adjoint(form.kinetic(x))
+    np.testing.assert_allclose(x.T @ adjoint, form.kinetic(x).T @ form.kinetic(x), atol=1e-12)
+    # Twists of all pieces from six root coordinates and three turns a joint.
+    twists = np.zeros((count, 6, 6 + 3 * (count - 1)))
+    twists[0, :, :6] = np.eye(6)
+    for i in range(1, count):
+        twists[i] = twists[parent[i]]
+        own = slice(6 + 3 * (i - 1), 9 + 3 * (i - 1))
+        twists[i, 3:, own] += frame[i]
+        twists[i, :3, own] += np.cross(place[i][:, None], frame[i], axis=0)
+    images = tree.mass_root @ twists
+    mass = np.einsum("pik,pil->kl", images, images)
+    stiffness = np.diag(np.concatenate([np.zeros(6), 1 / tree.joint_flexibility[1:].ravel()]))
+    held = []
+    for support in supports:
+        reading = support.reading @ twists[support.piece]
+        finite = np.isfinite(support.stiffness)
+        stiffness += reading[finite].T @ (support.stiffness[finite][:, None] * reading[finite])
+        held.append(reading[~finite])
+    free = np.linalg.svd(np.vstack(held))[2][len(np.vstack(held)) :].T
+    square = np.linalg.eigvals(np.linalg.solve(free.T @ mass @ free, free.T @ stiffness @ free)).real
+    square = np.sort(square)
+    rigid = form.rigid.shape[1]
+    assert rigid == int((square < 1e-9).sum())
+    np.testing.assert_allclose(np.sort(1 / inverse**2)[: len(square) - rigid], square[rigid:], rtol=1e-8)
+
+
+def test_bad_input_is_named() -> None:
+    with pytest.raises(ValueError, match="curvature must be three numbers"):
+        bm.Rod(1.0, **ROUND, curvature=(1.0, 2.0))
+    with pytest.raises(TypeError, match="curvature must be a function of s that returns three numbers"):
+        bm.Rod(1.0, **ROUND, curvature=lambda s: s)
+    with pytest.raises(ValueError, match="rotary_inertia must be symmetric"):
+        bm.RodEnd(rotary_inertia=((1, 0.5, 0), (0, 1, 0), (0, 0, 1)))
+    with pytest.raises(ValueError, match="points must each lie away"):
+        bm.Rod.through([(0, 0, 0), (0, 0, 0), (1, 0, 0), (2, 0, 0)], **ROUND)
+    with pytest.raises(ValueError, match='did you mean "clamped-free"'):
+        bm.SpatialChain(HELIX, "clamped-fre", 3)  # type: ignore[arg-type]
