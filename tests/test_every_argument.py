@@ -157,6 +157,8 @@ GOOD: dict[str, dict[str, Any]] = {
         "output_step": 1e-3,
         "initial": ([0.0] * 4, [0.0] * 4),
         "tolerance": 1e-6,
+        "modes": 1,
+        "halve_step": False,
         "progress": False,
     },
     "solve_modes": {"model": bm.linearize(CHAIN), "modes": 2},

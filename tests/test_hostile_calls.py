@@ -469,6 +469,8 @@ CALLS: dict[str, Arguments] = {
         "base": None,
         "damping": bm.Damping(joint=0.01),
         "tolerance": 1e-6,
+        "modes": 1,
+        "halve_step": False,
         "progress": False,
         "path": None,
     },

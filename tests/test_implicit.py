@@ -9,14 +9,17 @@ from typing import Any
 import casadi
 import numpy as np
 import pytest
+import scipy.linalg
 
 import beammodes as bm
+from beammodes.dynamics import step_choice
 from beammodes.dynamics.base_motion import BaseMotion, harmonic, spin_up
 from beammodes.dynamics.forward_dynamics import ChainState, base_vector
 from beammodes.dynamics.implicit import ImplicitStepper
 from beammodes.dynamics.runs import projection
+from beammodes.dynamics.step_choice import Motion
 from beammodes.equations.mechanics import Algebra, coordinate_names, piece_energies
-from beammodes.vibration.integrators import INTEGRATORS, amplification
+from beammodes.vibration.integrators import INTEGRATORS, accuracy_limit, amplification
 
 IMPLICIT = [name for name, record in INTEGRATORS.items() if record.run == "implicit"]
 # One of each kind of left end and right end, held, sprung and carrying, and both kinds of first piece.
@@ -162,15 +165,97 @@ def test_sdirk2_stops_what_a_step_cannot_resolve() -> None:
     assert abs(amplification("sdirk2", 1e6)) < 1e-5
 
 
-def test_a_chain_of_ten_thousand_pieces_takes_steps() -> None:
-    # Its step is a hundredth of the first period: energy stays within (ωh)² or so.
-    chain = bm.Chain(bm.Beam.unit(), "clamped-free", segments=10_000)
-    period = 2 * math.pi / bm.solve_modes(bm.linearize(chain), 1).angular_frequency[0]
-    assert period / 100 > 1e6 * bm.stable_time_step(chain, "rk4")
-    start = bm.mode_start(chain, 1, 0.1)
-    motion = bm.simulate(chain, duration=period / 20, step=period / 100, initial=start, integrator="midpoint")
-    assert motion.sizes["time"] == 6
-    np.testing.assert_allclose(motion.energy / motion.energy[0], 1.0, atol=(2 * math.pi / 100) ** 2)
-    # A mode's angle falls as its cosine.
-    expected = math.cos(2 * math.pi / 20)
-    assert float(motion.q[-1, -1] / motion.q[0, -1]) == pytest.approx(expected, abs=2e-3)
+@pytest.mark.parametrize(
+    "boundary", [pytest.param("clamped-free", marks=pytest.mark.slow), "clamped-clamped"]
+)
+def test_a_chain_of_ten_thousand_pieces_takes_steps(boundary: str) -> None:
+    # By the midpoint rule at the step that mode 1 allows, a million times the stable one.
+    chain = bm.Chain(bm.Beam.unit(), boundary, segments=10_000)
+    omega = bm.solve_modes(bm.linearize(chain), 1).angular_frequency[0]
+    period = 2 * math.pi / omega
+    start = bm.mode_start(chain, 1, 0.02)
+    motion = bm.simulate(chain, duration=period / 20, output_step=period / 20, initial=start)
+    assert motion.integrator == "midpoint" and motion.step > 5e5 * bm.stable_time_step(chain, "rk4")
+    assert motion.step == pytest.approx(
+        period / 20 / math.ceil(2 * math.pi / 20 / accuracy_limit("midpoint"))
+    )
+    np.testing.assert_allclose(motion.energy / motion.energy[0], 1.0, atol=1e-6)
+    # A mode's angle falls as its cosine, by the rule's frequency, (ωh)²/12 of it lower.
+    turned = 2 * math.pi / 20 * (1 - (omega * motion.step) ** 2 / 12)
+    fall = float(motion.q[-1, 2500] / motion.q[0, 2500])
+    assert fall == pytest.approx(math.cos(turned), abs=2e-4)
+
+
+def test_a_start_is_split_into_modes() -> None:
+    # By the whole chain's matrices: the n-th mode has ½ ω² a² + ½ b²; motion as a rigid body is left out.
+    for boundary in BOUNDARIES:
+        chain = bm.Chain(bm.Beam.unit(), boundary, segments=6)
+        model, tips = bm.linearize(chain), coordinate_names(chain)
+        start, moved = np.random.default_rng(6).normal(size=(2, len(tips))), []
+        for values in start:
+            if chain.boundary.right.holds_deflection:
+                reach = chain.length[~np.array(chain.held_angles)]
+                values -= reach * (reach @ values) / (reach @ reach)
+            angle, given = np.zeros(chain.pieces), dict(zip(tips, values, strict=True))
+            angle[~np.array(chain.held_angles)] = [given[n] for n in tips if n.startswith("theta")]
+            y = given.get("y_0", 0.0) + np.concatenate([[0.0], np.cumsum(chain.length * angle)])
+            named = {f"y_{k}": value for k, value in enumerate(y)}
+            named |= {f"theta_{k}": value for k, value in enumerate(angle, start=0)}
+            moved.append([named[name] for name in model.coordinates])
+        square, shape = scipy.linalg.eigh(model.stiffness_matrix, model.mass_matrix)
+        parts = (np.array(moved) @ model.mass_matrix @ shape)[:, model.rigid_body_modes :]
+        each = square[model.rigid_body_modes :] * parts[0] ** 2 + parts[1] ** 2
+        motion = Motion(chain, 1.0, bm.Load(), BaseMotion(), None, (start[0], start[1]))
+        found = step_choice._shares(motion, model.elastic_modes)
+        np.testing.assert_allclose(found, np.cumsum(each) / each.sum(), rtol=1e-9, err_msg=boundary)
+
+
+def test_method_and_step_are_chosen_for_what_is_wanted() -> None:
+    short, chain = (bm.Chain(bm.Beam.unit(), "clamped-free", segments=n) for n in (4, 200))
+    omega = bm.solve_modes(bm.linearize(chain), 4).angular_frequency
+    base, damping = BaseMotion(y=harmonic(1e-3, 400.0)), bm.Damping(stiffness=1e-4)
+
+    def took(which: bm.Chain = chain, mode: int = 1, **given: Any) -> step_choice.Chosen:
+        start = bm.mode_start(which, mode, 0.1)
+        if mode == 4:  # at rest in its shape, with a twentieth of mode 1: shares go by squares of ω a
+            start = start[0] + bm.mode_start(which, 1, 0.005)[0], start[1]
+        arguments = {"load": bm.Load(), "base": BaseMotion(), "damping": None} | given
+        name = arguments.pop("integrator", None)
+        return step_choice.chosen(Motion(which, 100.0, start=start, **arguments), name, 1.0)
+
+    few = took(short)
+    # As stable as before: half the limit, and a thousandth of the whole motion.
+    limit = min(0.1, bm.stable_time_step(short) / 2)
+    assert few.integrator == "rk4" and few.step == pytest.approx(1 / math.ceil(1 / limit))
+    reached = accuracy_limit("midpoint")
+    for given, rate in (
+        ({}, omega[0]),
+        ({"mode": 4}, omega[3]),
+        ({"mode": 4, "modes": 2}, omega[1]),
+        ({"base": base}, 400.0),
+        ({"integrator": "midpoint"}, omega[0]),
+    ):
+        found = took(**given)
+        assert found.integrator == "midpoint"
+        assert reached / 2 < found.step * rate <= reached * (1 + 1e-3)
+    # A load excites three modes; a damped chain is run by the method that damps.
+    loaded = took(load=bm.Load(tip_moment=0.1), damping=damping)
+    assert loaded.integrator == "sdirk2" and "damping" in loaded.reason
+    assert loaded.step * omega[2] == pytest.approx(accuracy_limit("sdirk2"), rel=0.05)
+    assert "mode 3: frequency -0.1 %" in loaded.step_error
+
+
+def test_half_the_step_tells_the_error() -> None:
+    # Against Runge-Kutta at a step whose error is ten thousand times less.
+    chain = bm.Chain(bm.Beam.unit(), "clamped-free", segments=3)
+    start, outputs = bm.mode_start(chain, 1, 0.4), {"duration": 2.0, "output_step": 0.1}
+    exact = bm.simulate(chain, step=1e-3, initial=start, **outputs)
+    for integrator in IMPLICIT:
+        found = bm.simulate(
+            chain, step=0.01, initial=start, integrator=integrator, halve_step=True, **outputs
+        )
+        for name, values in (("tip_error", "tip_deflection"), ("angle_error", "angle")):
+            error = float(np.abs(found[values] - exact[values]).max())
+            assert found.attrs[name] == pytest.approx(error, rel=0.05)
+    with pytest.raises(ValueError, match="halve_step must be False for dop853"):
+        bm.simulate(chain, initial=start, integrator="dop853", halve_step=True, **outputs)

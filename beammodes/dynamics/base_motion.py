@@ -87,7 +87,7 @@ class BaseMotion:
         course = np.zeros((3, 3, *t.shape))
         for axis, name in enumerate(("x", "y", "angle")):
             if getattr(self, name) is not at_rest:
-                course[axis] = self._course(name, t)
+                course[axis] += self._course(name, t)
         if self.hub_radius:
             phi, rate, acceleration = course[2]
             out, side = self.hub_radius * np.array([[np.cos(phi), np.sin(phi)], [-np.sin(phi), np.cos(phi)]])

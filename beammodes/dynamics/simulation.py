@@ -5,16 +5,18 @@ from __future__ import annotations
 import io
 import math
 import warnings
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from beammodes.chains.chain import Chain
-from beammodes.checks import bounded, choice, positive_real, real, real_numbers, shown, whole_number
+from beammodes.checks import bounded, choice, flag, positive_real, real, real_numbers, shown, whole_number
 from beammodes.dynamics.base_motion import BaseMotion
 from beammodes.dynamics.forward_dynamics import base_vector, checked_system
 from beammodes.dynamics.runs import Run, projection, runner
+from beammodes.dynamics.step_choice import OUTPUTS, Chosen, Motion, chosen
 from beammodes.equations.mechanics import Algebra, coordinate_names, piece_energies, tip_names
 from beammodes.files import file_target, write_atomically
 from beammodes.numerics.arrays import Floats
@@ -41,8 +43,6 @@ __all__ = [
 
 #: Of variable-step ones the step is the largest one and the one of output: the report's recipe.
 MOTION_INTEGRATORS: tuple[str, ...] = tuple(name for name, record in INTEGRATORS.items() if record.run)
-#: How many output times a run has unless told otherwise.
-OUTPUTS = 1000
 #: A motion that takes more memory is refused [bytes].
 MAX_MEMORY = 4 * 2**30
 # Numbers of 8 bytes that are held for each output time: for each piece, and for all of them. A
@@ -242,14 +242,16 @@ def simulate(
     chain: Chain,
     *,
     duration: float,
-    integrator: str = "rk4",
+    integrator: str | None = None,
     step: float | None = None,
+    modes: int | None = None,
     output_step: float | None = None,
     initial: Any = None,
     load: Load | None = None,
     base: BaseMotion | None = None,
     damping: Damping | None = None,
     tolerance: float = 1e-9,
+    halve_step: bool = False,
     progress: Progress | bool | None = False,
     path: str | Path | None = None,
 ) -> xarray.Dataset:
@@ -263,12 +265,20 @@ def simulate(
         Its left end tied to the base, or neither end held.
     duration : float [s]
         A fixed step ends the motion with the first step that reaches it.
-    integrator : str
-        One of `INTEGRATORS` that has a run, such as "rk4", "midpoint", or with a variable step "dop853".
+    integrator : str, optional
+        One of `INTEGRATORS` that has a run, such as "rk4", "midpoint", or with a variable step "dop853". With
+        a step and no integrator it is "rk4". With neither it is "rk4" where its stable steps are cheap or
+        cost no more than implicit ones, else "midpoint" if nothing damps the motion, which keeps its
+        energy, and "sdirk2" if something does, which damps the modes that a step does not resolve.
     step : float [s], optional
-        At most `duration`. Of fixed steps by default half the longest stable one (of "rk4" for an integrator
-        that takes springs implicitly), with the damping and with the pull of loads and base; the largest one
-        of variable steps, by default that of output.
+        At most `duration`. Of fixed steps by default half the longest stable one of an explicit method, with
+        the damping and with the pull of loads and base. That of an implicit method is bounded by accuracy
+        alone: the last of `modes`, the base and the start's turning keep their frequency to 0.1 % (and
+        the mode its amplitude to 1 %) over 100 periods. The largest one of variable steps, by default
+        that of output.
+    modes : int, optional
+        How many of the lowest elastic modes an implicit step must resolve. By default those that hold 99.9 %
+        of what the start stores, at most 20, and no fewer than three under a load or on a moving base.
     output_step : float [s], optional
         Between output times, rounded to whole steps; a thousandth of the duration by default. The motion is
         held in memory, and refused if it takes more than 4 GiB.
@@ -281,6 +291,11 @@ def simulate(
     damping : Damping, optional
     tolerance : float
         Relative, of variable-step integrators; absolute is a thousandth of it.
+    halve_step : bool
+        Run again with half the (fixed) step, at twice the cost, and give attributes `tip_error` [m] and
+        `angle_error` [rad]: the largest errors of tip_deflection and of a segment's angle that the steps
+        make at the output times, by Richardson's extrapolation. It holds where steps are short enough for
+        errors to fall with the method's order.
     progress : bool, callable or None
         True shows on standard error how far a run is, None only on a terminal; a function is called with
         (steps or output times done, all of them).
@@ -292,7 +307,9 @@ def simulate(
     -------
     xarray.Dataset
         Over time: angle and angular_velocity of each segment, x and y of each node, tip_deflection, energies
-        and momenta, q and u. Attribute `complete` is 0 if the run was interrupted from the keyboard or left
+        and momenta, q and u. Attributes `integrator` and `step` [s] are those of the run, `reason` says why
+        these, and `step_error` what an implicit step does to the modes that it was chosen for, as of a small
+        motion. Attribute `complete` is 0 if the run was interrupted from the keyboard or left
         the finite numbers; `stopped` then says why. What came before is kept. Without damping, on a base at
         rest, `energy` changes by the error of the steps only: it tells whether they were short enough.
         Ctrl-C, however often, ends the motion with the step that it came in, and what there is of it is put
@@ -327,7 +344,12 @@ def simulate(
     checked_system(chain, load, damping, base)
     given, ground = checked_load(load), base or BaseMotion()
     span = positive_real("duration", duration)
-    kind = choice("integrator", integrator, MOTION_INTEGRATORS)
+    kind = None if integrator is None else choice("integrator", integrator, MOTION_INTEGRATORS)
+    most = max(1, chain.elastic_modes + chain.boundary.rigid_body_modes)
+    wanted = None if modes is None else whole_number("modes", modes, most=most)
+    halving = flag("halve_step", halve_step)
+    if halving and kind is not None and INTEGRATORS[kind].variable_step:
+        raise ValueError(f"halve_step must be False for {kind}, which chooses its steps itself")
     shown_step = span / OUTPUTS if output_step is None else positive_real("output_step", output_step)
     told = progress_of(progress, "simulation", "steps")
     if path is not None:
@@ -336,37 +358,74 @@ def simulate(
         raise ValueError(f"tolerance must be at least 1e-13, got {shown(tolerance)}")
     if step is not None and positive_real("step", step) > span:
         raise ValueError(f"step must not be longer than duration, {span}, got {shown(step)}")
-    longest = step or min(shown_step, span)
-    if step is None and not INTEGRATORS[kind].variable_step:
-        pull = _largest_pull(chain, given, ground, span)
-        limit = _safe_step(kind, chain, span, Load(axial_force=pull), damping)
-        longest /= max(1, math.ceil(longest / limit))
-    if span / longest > 1e9:
+    start = _initial_state(chain, initial, ground)
+    took = _taken(
+        Motion(chain, span, given, ground, damping, start, wanted), kind, step, min(shown_step, span)
+    )
+    if span / took.step > 1e9:
         raise ValueError(
-            f"duration must be shorter, or step longer: {span / longest:.2g} steps of {longest:.3g} s"
+            f"duration must be shorter, or step longer: {span / took.step:.2g} steps of {took.step:.3g} s"
         )
-    every = max(1, round(min(shown_step, span) / longest))
-    _check_memory(chain, span, longest * every)
-    if step is not None and not INTEGRATORS[kind].variable_step:
+    every = max(1, round(min(shown_step, span) / took.step))
+    _check_memory(chain, span, took.step * every)
+    if step is not None and not INTEGRATORS[took.integrator].variable_step:
         taut = Load(axial_force=max(0.0, float(given.axial_force)))
-        limit = stable_time_step(chain, kind, load=taut, damping=damping)
+        limit = stable_time_step(chain, took.integrator, load=taut, damping=damping)
         if step > limit * (1 + 1e-9):
             message = (
-                f"step must be at most {limit:.6g} s for {kind} to be stable on this chain, got {step:.6g} s"
+                f"step must be at most {limit:.6g} s for {took.integrator} to be stable on this chain, got "
+                f"{step:.6g} s"
             )
             warnings.warn(f"{message}: the energy will grow", UnstableStepWarning, stacklevel=2)
-    start = _initial_state(chain, initial, ground)
-    steps = math.ceil(span / longest - 1e-9)
-    run = Run(chain, given, ground, damping or Damping(), span, longest, every, steps, float(tolerance), kind)
+    steps = math.ceil(span / took.step - 1e-9)
+    run = Run(
+        chain,
+        given,
+        ground,
+        damping or Damping(),
+        span,
+        took.step,
+        every,
+        steps,
+        float(tolerance),
+        took.integrator,
+    )
     with held():
-        time, q, u, why = runner(kind)(run, start, told)
-        attributes = {"integrator": kind, "step": longest, "complete": int(not why), "stopped": why}
+        time, q, u, why = runner(run.integrator)(run, start, told)
+        attributes = {**asdict(took), "complete": int(not why), "stopped": why}
         result = _motion_dataset(chain, time, q, u, given, ground, attributes)
+        if halving:
+            result = result.assign_attrs(_errors(run, start, told, result))
         if path is not None:
             _save(result, path)
     if why.startswith("non-finite"):
         warnings.warn(f"{why}: the step is too long or the motion unstable", DivergedWarning, stacklevel=2)
     return result
+
+
+def _taken(motion: Motion, kind: str | None, step: float | None, longest: float) -> Chosen:
+    """Return method and step, of which those that are given stay; no step is longer than `longest`."""
+    if kind is not None and INTEGRATORS[kind].variable_step:
+        return Chosen(kind, step or longest, "the method chooses its steps; this is the longest")
+    if step is not None:
+        return Chosen(kind or "rk4", step, "step as given")
+    return chosen(motion, kind, longest)
+
+
+def _errors(run: Run, start: Start, told: Progress, result: xarray.Dataset) -> dict[str, float]:
+    """Return the largest errors at the output times, by the motion at half the step."""
+    half = replace(run, step=run.step / 2, every=2 * run.every, steps=2 * run.steps)
+    time, q, u, why = runner(run.integrator)(half, start, told)
+    fine = _motion_dataset(run.chain, time, q, u, run.load, run.base, {})
+    whole = not why and result.complete
+    share = 2.0 ** INTEGRATORS[run.integrator].order
+    values = {"tip_error": "tip_deflection", "angle_error": "angle"}
+    return {
+        name: float(np.abs(fine[each].values - result[each].values).max()) * share / (share - 1)
+        if whole
+        else math.nan
+        for name, each in values.items()
+    }
 
 
 def _check_memory(chain: Chain, span: float, output: float) -> None:
@@ -378,34 +437,6 @@ def _check_memory(chain: Chain, span: float, output: float) -> None:
             f"{chain.pieces} pieces would take {count * size / 2**30:.3g} GiB of memory; a longer motion can "
             "be simulated in parts, each with the end of the last one as its initial"
         )
-
-
-def _safe_step(integrator: str, chain: Chain, span: float, pull: Load, damping: Damping | None) -> float:
-    """Return a fixed step at which every mode is stable, and short beside the whole motion."""
-    name, dampings = (
-        (integrator, {None, damping}) if INTEGRATORS[integrator].springs == "explicit" else ("rk4", {None})
-    )
-    # Dampers may stop the highest modes: their limit is then far below the undamped one.
-    step = min(stable_time_step(chain, name, load=pull, damping=each) for each in dampings)
-    if not step:
-        raise ValueError(
-            f"step must be given for {integrator}, at no step of which an undamped motion is stable"
-        )
-    return min(span / OUTPUTS, step / 2)
-
-
-def _largest_pull(chain: Chain, load: Load, base: BaseMotion, span: float) -> float:
-    """Return how hard a motion may pull on a piece [N]: what pulls makes its vibration faster.
-
-    What pushes a chain from the side pulls on it once it has turned, and pulls thrice as hard on a pendulum
-    that has fallen from level, as its weight does.
-    """
-    push = math.hypot(*map(float, load.tip)) + float(chain.mass.sum()) * math.hypot(*map(float, load.weight))
-    if base != BaseMotion():
-        (_, _, ax), (_, _, ay), (_, spin, gain) = base.at(np.linspace(0.0, span, OUTPUTS + 1))
-        carried = np.hypot(ax, ay) + chain.length.sum() * np.hypot(spin**2, gain)
-        push += float(chain.mass.sum() * carried.max())
-    return max(0.0, float(load.axial_force)) + 3 * push
 
 
 def _save(result: xarray.Dataset, path: str | Path) -> None:

@@ -1,0 +1,229 @@
+"""The method and the step that a motion takes when none is given, and what a step does to the modes.
+
+An explicit method must resolve the chain's highest mode, whose frequency grows as N², or be unstable. An
+implicit one is stable at any step, so that its step is bounded by what one wants to see: the modes that
+the start or the caller asks for, and how fast the base moves and turns. Such a mode then keeps its frequency
+to 0.1 % and its amplitude to 1 % over 100 periods (`accuracy_limit`). The midpoint rule keeps the amplitude
+of every mode; sdirk2 damps those that a step does not resolve (`amplification` says by how much).
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from beammodes.chains.chain import Chain
+from beammodes.dynamics.base_motion import BaseMotion
+from beammodes.equations.mechanics import tip_names
+from beammodes.numerics.arrays import Floats
+from beammodes.problem.loading import Load
+from beammodes.vibration.damping import Damping
+from beammodes.vibration.integrators import INTEGRATORS, accuracy_limit, amplification
+from beammodes.vibration.linear import LinearModel, linearize
+from beammodes.vibration.modes import solve_modes
+from beammodes.vibration.stability import stable_time_step
+
+__all__ = ["OUTPUTS", "Chosen", "Motion", "chosen"]
+
+#: How many output times a run has unless told otherwise.
+OUTPUTS = 1000
+# Steps times pieces that Runge-Kutta takes in a few seconds: 0.5 to 1 µs each were measured.
+_CHEAP = 5_000_000
+# What a step costs in steps of Runge-Kutta, measured at N = 10 to 1,000.
+_COST = {"midpoint": 10, "sdirk2": 20}
+# Modes that a load or a base is taken to excite; most that a start is searched for, and the share of what it
+# stores that they must hold.
+_EXCITED, _MOST, _SHARE = 3, 20, 0.999
+
+
+@dataclass(frozen=True)
+class Motion:
+    """A motion whose step is to be chosen: `span` [s], `start` as (q, q'), `modes` those asked for."""
+
+    chain: Chain
+    span: float
+    load: Load
+    base: BaseMotion
+    damping: Damping | None
+    start: tuple[Floats, Floats]
+    modes: int | None = None
+
+
+@dataclass(frozen=True)
+class Chosen:
+    """An integrator, its step [s], why, and what the step does to the modes that bound it, or nothing."""
+
+    integrator: str
+    step: float
+    reason: str
+    step_error: str = ""
+
+
+def chosen(motion: Motion, integrator: str | None, longest: float) -> Chosen:
+    """Return an integrator of fixed step, the given one if any, and a step that divides `longest`."""
+    explicit = "rk4" if integrator is None else integrator
+    if INTEGRATORS[explicit].springs == "implicit":
+        return _by_accuracy(motion, explicit, longest, "method as given")
+    step = _divided(longest, _stable_step(motion, explicit))
+    half = "half its longest stable step or less"
+    if integrator is not None:
+        return Chosen(explicit, step, f"method as given; {half}")
+    count = math.ceil(motion.span / step)
+    if count * motion.chain.pieces <= _CHEAP:
+        return Chosen(explicit, step, f"{count:,} steps of rk4 are cheap; {half}")
+    damped = motion.damping is not None and motion.damping != Damping()
+    kind = "sdirk2" if damped else "midpoint"
+    why = (
+        "damping makes the highest modes die out, as sdirk2 does"
+        if damped
+        else "nothing damps the motion, and midpoint keeps its energy"
+    )
+    found = _by_accuracy(motion, kind, longest, f"rk4 would take {count:,} steps; {why}")
+    if math.ceil(motion.span / found.step) * _COST[kind] < count:
+        return found
+    return Chosen(explicit, step, f"{kind} would cost as much as {count:,} steps of rk4; {half}")
+
+
+def _divided(longest: float, limit: float) -> float:
+    return longest / max(1, math.ceil(longest / limit))
+
+
+def _stable_step(motion: Motion, integrator: str) -> float:
+    """Return a fixed step at which every mode is stable, and short beside the whole motion."""
+    pull = Load(axial_force=_largest_pull(motion))
+    # Dampers may stop the highest modes: their limit is then far below the undamped one.
+    step = min(
+        stable_time_step(motion.chain, integrator, load=pull, damping=each) for each in {None, motion.damping}
+    )
+    if not step:
+        raise ValueError(
+            f"step must be given for {integrator}, at no step of which an undamped motion is stable"
+        )
+    return min(motion.span / OUTPUTS, step / 2)
+
+
+def _largest_pull(motion: Motion) -> float:
+    """Return how hard a motion may pull on a piece [N]: what pulls makes its vibration faster.
+
+    What pushes a chain from the side pulls on it once it has turned, and pulls thrice as hard on a pendulum
+    that has fallen from level, as its weight does.
+    """
+    chain, load = motion.chain, motion.load
+    push = math.hypot(*map(float, load.tip)) + float(chain.mass.sum()) * math.hypot(*map(float, load.weight))
+    if motion.base != BaseMotion():
+        (_, _, ax), (_, _, ay), (_, spin, gain) = _sampled(motion)
+        carried = np.hypot(ax, ay) + chain.length.sum() * np.hypot(spin**2, gain)
+        push += float(chain.mass.sum() * carried.max())
+    return max(0.0, float(load.axial_force)) + 3 * push
+
+
+def _sampled(motion: Motion) -> Floats:
+    return motion.base.at(np.linspace(0.0, motion.span, OUTPUTS + 1))
+
+
+def _by_accuracy(motion: Motion, integrator: str, longest: float, why: str) -> Chosen:
+    """Return the longest step of an implicit method that resolves the modes asked for or excited."""
+    pulled = linearize(motion.chain, load=Load(axial_force=_largest_pull(motion)))
+    number, reason = _modes_wanted(motion, pulled)
+    omega = solve_modes(pulled, number).angular_frequency if number else np.zeros(0)
+    rates = {f"mode {number}": float(omega[-1]) if len(omega) else 0.0} | _rates(motion)
+    fastest = max(rates, key=lambda name: rates[name])
+    if not rates[fastest]:
+        return Chosen(integrator, longest, f"{why}; nothing vibrates or turns")
+    step = _divided(longest, accuracy_limit(integrator) / rates[fastest])
+    text = f"{why}; the step resolves {fastest}, {rates[fastest]:.4g} rad/s; {reason}"
+    return Chosen(integrator, step, text, _step_error(integrator, step, omega))
+
+
+def _step_error(integrator: str, step: float, omega: Floats) -> str:
+    """Say what a step does to the first and the last of some modes."""
+    parts = []
+    for k in sorted({0, len(omega) - 1}) if len(omega) else ():
+        turned = omega[k] * step
+        factor = complex(amplification(integrator, turned))
+        shift, kept = np.angle(factor) / turned - 1, abs(factor) ** (2 * math.pi / turned)
+        parts.append(f"mode {k + 1}: frequency {100 * shift:+.2g} %, amplitude times {kept:.8g} a period")
+    return "; ".join(parts)
+
+
+def _rates(motion: Motion) -> dict[str, float]:
+    """Return how fast the base moves and turns, and the start turns [rad/s]."""
+    speeds = motion.start[1][len(tip_names(motion.chain)) :]
+    # No step need be shorter than an explicit one.
+    fastest = 1 / _stable_step(motion, "rk4")
+    rates = {"the start's rate of turning": min(float(np.abs(speeds).max(initial=0.0)), fastest)}
+    if motion.base != BaseMotion():
+        course = np.abs(_sampled(motion)).max(axis=2)
+        rates["the base's rate of turning"] = float(course[2, 1])
+        # Of a harmonic course its frequency.
+        moving = course[:, 1] > 0
+        rates["the base's motion"] = float((course[moving, 2] / course[moving, 1]).max(initial=0.0))
+    return rates
+
+
+def _modes_wanted(motion: Motion, pulled: LinearModel) -> tuple[int, str]:
+    """Return the number of the pulled chain's modes that a step must resolve, and why that many."""
+    if motion.modes is not None:
+        return min(motion.modes, pulled.elastic_modes), f"modes to {motion.modes} are asked for"
+    there = linearize(motion.chain).elastic_modes
+    # Squares of absurd speeds are too large.
+    with np.errstate(over="ignore", invalid="ignore"):
+        shares = np.nan_to_num(_shares(motion, min(_MOST, there)), posinf=0.0)
+    number = min(int(np.searchsorted(shares, _SHARE)) + 1, len(shares)) if shares.any() else 0
+    if motion.load != Load() or motion.base != BaseMotion():
+        # A pull makes modes of what was rigid-body motion.
+        number = min(max(number + pulled.elastic_modes - there, _EXCITED), pulled.elastic_modes)
+        return number, f"modes to {number} are what loads, the base and the start are taken to excite"
+    if not number:
+        return min(1, there), "the start bends nothing"
+    return number, f"modes to {number} hold {shares[number - 1]:.2%} of what the start stores"
+
+
+def _shares(motion: Motion, count: int) -> Floats:
+    """Return the share of the start's energy, as of a small motion, that the first 1, 2, ... modes hold.
+
+    Energy is a sum of squares: of springs' moments by √k, of masses' speeds by √m. A motion of the whole as a
+    rigid body is no part of it.
+    """
+    if not count:
+        return np.zeros(0)
+    chain, (q, u) = motion.chain, motion.start
+    modes = solve_modes(linearize(chain), count)
+    tips, free = tip_names(chain), ~np.array(chain.held_angles)
+    course = motion.base.at(0.0)
+    across, turned = [], []
+    for k, values in enumerate((q, u)):
+        angle = np.zeros(chain.pieces)
+        angle[free] = values[len(tips) :] - course[2, k]
+        y = values[tips.index("y_0")] - course[1, k] if "y_0" in tips else 0.0
+        across.append(np.concatenate([[y], y + np.cumsum(chain.length * angle)]))
+        turned.append(angle)
+    support = np.sqrt(np.where(np.isfinite(chain.support_stiffness), chain.support_stiffness, 0.0))
+
+    def strain(node: Floats, angle: Floats) -> Floats:
+        bent = np.sqrt(chain.joint_stiffness) * np.diff(angle, axis=-1)
+        return np.concatenate(
+            [bent, node[..., [0, -1]] * support[:, 0], angle[..., [0, -1]] * support[:, 1]], -1
+        )
+
+    def speed(node: Floats, angle: Floats) -> Floats:
+        middle = np.sqrt(chain.mass) * (node[..., :-1] + chain.centre * angle)
+        return np.concatenate([middle, np.sqrt(chain.rotary_inertia) * angle], -1)
+
+    stored, moving = strain(across[0], turned[0]), speed(across[1], turned[1])
+    everything = float(stored @ stored + moving @ moving)
+    if modes.rigid_body_modes:
+        shifts = [(np.ones(chain.pieces + 1), np.zeros(chain.pieces))] if "y_0" in tips else []
+        turns = [(chain.node_position, np.ones(chain.pieces))] if free.all() else []
+        strains, speeds = (np.array([each(*shape) for shape in shifts + turns]) for each in (strain, speed))
+        # Those mixtures of a shift and a turn that store nothing.
+        _, mixed = np.linalg.eigh(strains @ strains.T)
+        rigid, _ = np.linalg.qr(speeds.T @ mixed[:, : modes.rigid_body_modes])
+        moving = moving - rigid @ (rigid.T @ moving)
+    shapes = modes.deflection, modes.rotation
+    held = (strain(*shapes) @ stored / modes.angular_frequency) ** 2 + (speed(*shapes) @ moving) ** 2
+    whole = float(stored @ stored + moving @ moving)
+    # A motion as a rigid body leaves rounding.
+    return np.cumsum(held) / whole if whole > 1e-12 * everything else np.zeros(count)
