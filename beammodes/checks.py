@@ -164,7 +164,7 @@ def flag(name: str, value: object, *, or_none: bool = False) -> bool:
     return bool(value)
 
 
-def bounded(name: str, values: Iterable[Any], *, most: int = MAX_ITEMS) -> list[Any]:
+def bounded(name: str, values: Iterable[Any], *, most: int | None = None) -> list[Any]:
     """Return what an iterable yields, as a list; one that never ends is found out by its length.
 
     Raises
@@ -172,13 +172,14 @@ def bounded(name: str, values: Iterable[Any], *, most: int = MAX_ITEMS) -> list[
     TypeError
         If it is no iterable.
     ValueError
-        If it has more than `most` values.
+        If it has more than `most` values, 10⁷ by default.
 
     Examples
     --------
     >>> bounded("rules", ("naive", "gregory"), most=100)
     ['naive', 'gregory']
     """
+    most = MAX_ITEMS if most is None else most
     _check_unmasked(name, values)
     if isinstance(values, np.ndarray) and values.ndim == 0:
         return [values.item()]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from fractions import Fraction
 
@@ -10,7 +11,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from beammodes.checks import choice, positive_real, real, shown, whole_number
+from beammodes.checks import bounded, choice, positive_real, real, shown, whole_number
 
 WORDS = ["clamped", "pinned", "guided", "free"]
 
@@ -158,3 +159,8 @@ def test_choice_offers_nothing_for_nonsense() -> None:
 def test_choice_refuses_other_types(value: object) -> None:
     with pytest.raises(TypeError, match=r"^end must be one of clamped, pinned, guided, free, got "):
         choice("end", value, WORDS)
+
+
+def test_lists_are_read_up_to_ten_million_values() -> None:
+    with pytest.raises(ValueError, match="loads must have at most 10000000 values, got more"):
+        bounded("loads", itertools.count())

@@ -173,7 +173,8 @@ def test_with_a_beam_all_numbers_are_in_its_units(words: str, numbers: dict[str,
     own, pull = in_units_of(Beam.unit(), words, numbers)
     again = frequency_error(own, segments=12, mode=[1, 2], rule="gregory", load=pull, beam=Beam.unit())
     np.testing.assert_allclose(again, found, rtol=1e-7, atol=3e-13)
-    if load.is_axial:
+    # The beams take turns.
+    if load.is_axial and LOADED.index((words, numbers)) % len(BEAMS) == BEAMS.index(beam):
         count = segments_needed(pair, 0.02, 1, load=load, beam=beam)
         assert count == segments_needed(own, 0.02, 1, load=pull, beam=Beam.unit())
         for n, within in ((count, True), (count - 1, False)):

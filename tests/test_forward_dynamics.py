@@ -186,7 +186,7 @@ def lagrange(
         equations.append(kinetic.diff(v).diff(t) - kinetic.diff(c) + potential.diff(c) + lost.diff(v))
     order = [d for c in (*free, x, y, phi) for d in (c.diff(t, 2), c.diff(t), c)]
     plain = [sympy.Symbol(f"s{k}") for k in range(len(order))]
-    residual = sympy.Matrix(equations).subs(list(zip(order, plain, strict=True)))
+    residual = sympy.Matrix(equations).xreplace(dict(zip(order, plain, strict=True)))
     return residual, plain[: 3 * len(free) : 3], plain
 
 
@@ -224,7 +224,7 @@ def test_moving_base_equals_lagranges_equations(
     for k, (value, rate) in enumerate(states):
         known |= {plain[3 * k + 2]: value, plain[3 * k + 1]: rate}
     known |= {plain[3 * (len(q) + k)]: b[2] for k, b in enumerate(base)}
-    numbers = residual.subs(known)
+    numbers = residual.xreplace({symbol: sympy.Float(value) for symbol, value in known.items()})
     matrix = np.array(numbers.jacobian(unknown).evalf().tolist(), dtype=float)
     rest = np.array(numbers.subs(dict.fromkeys(unknown, 0)).evalf().tolist(), dtype=float)[:, 0]
     found = accelerations(chain, q, u, load=load, base=base.ravel(), damping=damping)

@@ -39,6 +39,7 @@ import numpy as np
 import pytest
 
 import beammodes as bm
+from beammodes import checks
 
 # --- Valid arguments of every public name -----------------------------------------------------------------
 
@@ -743,6 +744,9 @@ def tell_all(names: list[str], pairs: int) -> None:
     limit = 6 * 2**30
     resource.setrlimit(resource.RLIMIT_AS, (limit, resource.getrlimit(resource.RLIMIT_AS)[1]))
     os.chdir(tempfile.mkdtemp())
+    if not pairs:
+        # An endless list is found out after fewer numbers; with draws, by the true bound.
+        checks.MAX_ITEMS = 10**5
     channel = os.fdopen(os.dup(1), "w")
     for name in names:
         CALLS[name]()
@@ -828,10 +832,10 @@ def test_there_are_twenty_thousand_combinations() -> None:
 PAIRS = 120
 
 
-@pytest.mark.parametrize("group", range(8))
+@pytest.mark.parametrize("group", range(2))
 def test_hostile_arguments_are_answered_or_refused_by_name(group: int) -> None:
-    calls, wrong = outcomes(sorted(CALLS)[group::8], 0)
-    assert calls > 500
+    calls, wrong = outcomes(sorted(CALLS)[group::2], 0)
+    assert calls > 2000
     assert not wrong, f"{len(wrong)} of {calls} calls:\n" + "\n".join(wrong[:40])
 
 

@@ -193,7 +193,7 @@ def test_refused_in_one_line_and_in_bounds(case: str, tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    "case", ["truncated", "billion laughs", "a million bodies", "a loop of joints", "junk"]
+    "case", ["truncated", "billion laughs", "a million nested bodies", "a loop of joints", "junk"]
 )
 def test_the_command_refuses_in_one_line(
     case: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]

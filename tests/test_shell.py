@@ -336,7 +336,7 @@ def test_every_command_on_a_full_disk(
 
 
 @FULL
-@pytest.mark.parametrize("name", ["error", "export"])
+@pytest.mark.parametrize("name", ["error", pytest.param("export", marks=pytest.mark.slow)])
 def test_processes_on_a_full_disk_and_a_closed_stdout(name: str, tmp_path: Path) -> None:
     (command,) = (each for each in COMMANDS if each.name == name)
     call = shlex.split(command.example)[1:]

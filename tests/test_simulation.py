@@ -434,8 +434,15 @@ def swing_time(motion: xarray.Dataset, stiffness: float) -> float:
     return float((passages[-1] - passages[0]) / (len(passages) - 1))
 
 
-@pytest.mark.parametrize("swing", [0.5, 2.0, 3.0])
-@pytest.mark.parametrize("integrator", MOTION_INTEGRATORS)
+@pytest.mark.parametrize(
+    ("integrator", "swing"),
+    [
+        # The widest swing is the hardest; others add little to it.
+        pytest.param(integrator, swing, marks=[pytest.mark.slow] if swing < 3 else [])
+        for integrator in MOTION_INTEGRATORS
+        for swing in (0.5, 2.0, 3.0)
+    ],
+)
 def test_period_of_a_large_pendulum(integrator: str, swing: float) -> None:
     # Textbook: T = 4 √(2l/3g) K(sin²(θ₀/2)) for a rod swinging to θ₀ from the vertical.
     chain, weight = Chain(Beam(0.8, 1.0, 1.0), "pinned-free", 1), 9.81
@@ -722,7 +729,7 @@ print(found.stopped)
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="no such signal")
-@pytest.mark.parametrize(("integrator", "times"), [("rk4", 1), ("midpoint", 5), ("dop853", 1), ("dop853", 5)])
+@pytest.mark.parametrize(("integrator", "times"), [("rk4", 1), ("midpoint", 5), ("dop853", 5)])
 def test_an_interrupt_from_the_keyboard_within_compiled_code(
     integrator: str, times: int, tmp_path: Path
 ) -> None:
@@ -803,6 +810,8 @@ def test_an_interrupt_at_any_moment_keeps_what_is_finished(
     # While equations are built, while steps are made, and while the result is put together.
     spans = ((1, stepped[0]), (stepped[0], stepped[-1]), (stepped[-1], calls[0] - 1))
     moments = np.concatenate([np.linspace(*span, 3).astype(int) for span in spans]).tolist()
+    if boundary == "clamped-free":
+        moments = moments[::2]
     outcomes = []
     for number, first in enumerate(moments):
         path = tmp_path / f"{number}.nc"

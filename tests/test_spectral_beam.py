@@ -482,7 +482,7 @@ def check_drawn_beam(seed: int, *, sloped: bool) -> None:
         assert nearer_than(2e-11, omega, sections, pair), f"seed {seed}"
 
 
-@pytest.mark.parametrize(("sloped", "seeds"), [(True, range(2)), (False, range(10)), (False, range(10, 20))])
+@pytest.mark.parametrize(("sloped", "seeds"), [(True, range(1)), (False, range(4)), (False, range(4, 8))])
 def test_close_steps_of_a_hundred_to_one(sloped: bool, seeds: range) -> None:
     for seed in seeds:
         check_drawn_beam(seed, sloped=sloped)

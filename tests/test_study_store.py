@@ -481,26 +481,26 @@ def lockstep(done, of):
     sys.stdin.readline()
 
 bm.Study.grid(
-    boundary=list(bm.BOUNDARIES), rule=RULES, segments=range(1, 1001), mode=range(1, 6),
+    boundary=list(bm.BOUNDARIES), rule=RULES, segments=range(1, 1 + 5 * int(sys.argv[2])), mode=range(1, 6),
     compute="relative_error", chunk=500,
-).run(store=sys.argv[1], progress=lockstep if sys.argv[2:] else False)
+).run(store=sys.argv[1], progress=lockstep if sys.argv[3:] else False)
 """
 
 
-def start(folder: Path, *more: str) -> subprocess.Popen[bytes]:
+def start(folder: Path, chunks: int, *more: str) -> subprocess.Popen[bytes]:
     pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE} if more else {}
-    return subprocess.Popen([sys.executable, "-c", PROGRAM, str(folder), *more], **pipes)
+    return subprocess.Popen([sys.executable, "-c", PROGRAM, str(folder), str(chunks), *more], **pipes)
 
 
-@pytest.mark.parametrize("times", [1, pytest.param(10, marks=pytest.mark.slow)])
+@pytest.mark.parametrize(("times", "chunks"), [(1, 20), pytest.param(10, 200, marks=pytest.mark.slow)])
 @pytest.mark.skipif(sys.platform == "win32", reason="no SIGKILL there")
-def test_killed_many_times_the_store_is_the_same(times: int, tmp_path: Path) -> None:
+def test_killed_many_times_the_store_is_the_same(times: int, chunks: int, tmp_path: Path) -> None:
     # Killed at random moments of a chunk's computing and writing, once it has written others.
-    assert start(tmp_path / "whole").wait() == 0
+    assert start(tmp_path / "whole", chunks).wait() == 0
     folder, moments = tmp_path / "killed", random.Random(8)
     counts = []
     for _ in range(times):
-        with start(folder, "in lockstep") as process:
+        with start(folder, chunks, "in lockstep") as process:
             assert process.stdin is not None and process.stdout is not None
             for _ in range(moments.randint(2, 12)):
                 assert process.stdout.readline()
@@ -510,9 +510,9 @@ def test_killed_many_times_the_store_is_the_same(times: int, tmp_path: Path) -> 
             process.send_signal(signal.SIGKILL)
         assert process.returncode == -signal.SIGKILL
         counts.append(len(names(folder)))
-    assert counts == sorted(set(counts)) and counts[-1] < 200  # each had done more, none all
-    assert start(folder).wait() == 0
-    assert names(folder) == names(tmp_path / "whole") and len(names(folder)) == 200
+    assert counts == sorted(set(counts)) and counts[-1] < chunks  # each had done more, none all
+    assert start(folder, chunks).wait() == 0
+    assert names(folder) == names(tmp_path / "whole") and len(names(folder)) == chunks
     files = [(path.name, path.read_bytes()) for path in sorted((tmp_path / "whole").iterdir())]
     assert files == [(path.name, path.read_bytes()) for path in sorted(folder.iterdir())]
     assert bm.open_study(folder).identical(bm.open_study(tmp_path / "whole"))

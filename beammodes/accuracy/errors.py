@@ -305,6 +305,7 @@ def _solved(boundary: Boundary, segments: int, modes: int, record: Layout, load:
 _solved_once = lru_cache(maxsize=4096)(_solved)
 
 
+@lru_cache(maxsize=4096)
 def _closed_form(boundary: Boundary, segments: int, modes: int, rule: Rule, load: Load) -> Floats:
     from beammodes.closed_form.supported_chain import supported_chain_frequencies
 

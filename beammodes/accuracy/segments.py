@@ -34,8 +34,8 @@ MAX_MODES_SOUGHT = 1000
 # Longest chains in which N is sought: of some roots to find each, and solved as a whole.
 _LONGEST, _LONGEST_SOLVED = 10**5, 1000
 
-# Errors that are held at a time.
-_BLOCK = 200_000
+# Errors that are held at a time; chains that are looked at together where each costs some milliseconds.
+_BLOCK, _SOLVED_AT_A_TIME = 200_000, 8
 
 Counts = NDArray[np.int64]
 Fails = Callable[[Counts], NDArray[np.bool_]]
@@ -110,14 +110,14 @@ def segments_needed(
         error = how.errors(ends, count[:, None], mode, record, pull)
         return np.asarray(~(np.abs(error) <= limit).all(axis=1))
 
-    cost = how.cost(ends, record, pull)
+    cost, at_a_time = how.cost(ends, record, pull), _SOLVED_AT_A_TIME
     if cost == "looked up":
-        grid = segment_grid(len(mode))
+        grid, at_a_time = segment_grid(len(mode)), max(1, _BLOCK // len(mode))
     elif cost == "roots":
         grid = _sparse_grid(len(mode), _LONGEST)
     else:
         grid = solved_grid(len(mode), record)
-    needed = first_lasting(fails, grid, len(mode), fits_of(record))
+    needed = first_lasting(fails, grid, at_a_time, fits_of(record))
     if needed is None:
         raise ToleranceOutOfReach(
             f"tolerance must be larger: with rule {record.name}, {ends.name} and {len(mode)} modes no chain "
@@ -127,11 +127,11 @@ def segments_needed(
 
 
 def first_lasting(
-    fails: Fails, grid: Counts, errors_of_each: int = 1, fits: Callable[[int], bool] | None = None
+    fails: Fails, grid: Counts, at_a_time: int = _BLOCK, fits: Callable[[int], bool] | None = None
 ) -> int | None:
     """Return the smallest N from which on nothing of a grid fails; None if its largest N does.
 
-    The grid is looked at from its largest N on, in blocks of bounded memory; between the last that fails and
+    The grid is looked at from its largest N on, so many at a time; between the last that fails and
     the next, N is found by bisection, among those that `fits` admits.
 
     Examples
@@ -139,9 +139,8 @@ def first_lasting(
     >>> first_lasting(lambda counts: counts < 700, np.array([1, 400, 1000, 2000]))
     700
     """
-    size = max(1, _BLOCK // errors_of_each)
-    for stop in range(len(grid), 0, -size):
-        start = max(0, stop - size)
+    for stop in range(len(grid), 0, -at_a_time):
+        start = max(0, stop - at_a_time)
         failing = np.flatnonzero(fails(grid[start:stop]))
         if not len(failing):
             continue

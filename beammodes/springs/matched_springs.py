@@ -248,16 +248,21 @@ class SpringTask:
         )
         return closest(conditions, wanted, [*first, *others])
 
-    def below(self, highest: float, conditions: Conditions, free: Solution) -> Solution:
-        """Return `free` if its chain's highest frequency is low enough, else the closest that is."""
-        own = highest / self.beam.frequency_unit
+    def highest(self, given: float) -> float:
+        """Return the highest frequency that is allowed, checked, in √(EI/(ρA L⁴))."""
+        rate = positive_real("highest_frequency", given)
+        own = rate / self.beam.frequency_unit
         least = float(wavenumber(self.pair, self.modes) ** 2)
         if own < least * (1 - 1e-12):
             raise ValueError(
                 f"highest_frequency must be at least that of mode {self.modes}, "
-                f"{least * self.beam.frequency_unit:.9g} rad/s, got {highest:.9g}"
+                f"{least * self.beam.frequency_unit:.9g} rad/s, got {rate:.9g}"
             )
-        ceiling = 2 * math.log(own / self.segments**2)
+        return own
+
+    def below(self, highest: float, conditions: Conditions, free: Solution) -> Solution:
+        """Return `free` if its chain's highest frequency is low enough, else the closest that is."""
+        ceiling = 2 * math.log(highest / self.segments**2)
         limited = replace(conditions, ceiling=ceiling)
         state, residual, _ = limited.at(free.z)
         top = len(state.log_square) - 1
@@ -390,9 +395,10 @@ def match_springs(
     """
     task = SpringTask.of(boundary, segments, modes, criterion, symmetric, beam)
     conditions = task.conditions(flag("hold_tip_stiffness", hold_tip_stiffness))
+    highest = None if highest_frequency is None else task.highest(highest_frequency)
     solution = task.search(conditions)
-    if highest_frequency is not None:
-        solution = task.below(positive_real("highest_frequency", highest_frequency), conditions, solution)
+    if highest is not None:
+        solution = task.below(highest, conditions, solution)
     springs = task.described(np.exp(conditions.basis @ solution.z))
     if not solution.met:
         raise NoPositiveSprings(task.refusal(), springs)
