@@ -21,9 +21,7 @@ from typing import Any
 
 import numpy as np
 import scipy.linalg
-import sympy
 from numpy.typing import NDArray
-from sympy.core.cache import clear_cache
 
 import beammodes as bm
 from beammodes.chains.rules import RULES
@@ -31,7 +29,7 @@ from beammodes.files import write_atomically
 from studies.accuracy import beam_frequency, chain_frequency
 from studies.batch_speed import batch_table
 from studies.motion_rivals import moving
-from studies.rivals import KANE_UNITS, MEMORY, METHODS, duration, kane_equations, nodal_matrices, timed
+from studies.rivals import MEMORY, METHODS, duration, kane_equations, kane_units, nodal_matrices, timed
 from studies.tables import markdown_table
 
 __all__ = [
@@ -67,12 +65,14 @@ def environment() -> str:
 
 def same_equations(segments: int = 3) -> float:
     """Return the largest difference of this project's and Kane's M and forcing at random states."""
+    import sympy
+
     kane, q, u = kane_equations(segments)
     ours = bm.equations_of_motion(bm.Chain(bm.Beam.unit(), "clamped-free", segments))
     static = -(ours.velocity_terms + ours.static_forces)
     plain = [sympy.Symbol(f"z{i}") for i in range(2 * segments)]
     rename = dict(zip((*q, *u), plain, strict=True))
-    rename_ours = dict(zip((*ours.coordinates, *ours.speeds), plain, strict=True)) | KANE_UNITS
+    rename_ours = dict(zip((*ours.coordinates, *ours.speeds), plain, strict=True)) | kane_units()
     pairs = ((ours.mass_matrix, kane.mass_matrix), (static, kane.forcing))
     worst = 0.0
     for state in np.random.default_rng(0).uniform(-2, 2, (5, 2 * segments)):
@@ -87,6 +87,8 @@ def same_equations(segments: int = 3) -> float:
 
 def deriving(ours: Sequence[int] = (12, 32), theirs: Sequence[int] = (12,)) -> str:
     """Return the times of deriving and linearizing, here and by sympy.physics.mechanics."""
+    from sympy.core.cache import clear_cache
+
     difference = same_equations()
     if not difference < 1e-10:
         raise ArithmeticError(f"this project's equations and Kane's differ by {difference:.1e}")

@@ -14,7 +14,6 @@ from pathlib import Path
 
 import numpy as np
 import scipy.linalg
-import sympy
 from numpy.typing import NDArray
 
 import beammodes as bm
@@ -74,6 +73,8 @@ def _mujoco(segments: int) -> Acceleration:
 
 
 def _kane(segments: int) -> Acceleration:
+    import sympy
+
     kane, q, u = kane_equations(segments)
     plain = [sympy.Symbol(f"z{i}") for i in range(2 * segments)]
     names = dict(zip((*q, *u), plain, strict=True))

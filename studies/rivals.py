@@ -22,12 +22,10 @@ from typing import Any
 import numpy as np
 import scipy.linalg
 import scipy.sparse
-import sympy
 from numpy.typing import NDArray
 from scipy.sparse.linalg import eigsh
 
 __all__ = [
-    "KANE_UNITS",
     "MEMORY",
     "METHODS",
     "Method",
@@ -45,7 +43,13 @@ Array = NDArray[np.float64]
 MEMORY = 8 * 10**9
 _FIRST = 3
 #: What this project's symbols are in units of a segment.
-KANE_UNITS = {sympy.Symbol(name, positive=True): sympy.Integer(1) for name in ("m", "ell", "EI")}
+
+
+def kane_units() -> dict[Any, Any]:
+    """Return what makes this project's symbols of a unit chain numbers."""
+    import sympy
+
+    return {sympy.Symbol(name, positive=True): sympy.Integer(1) for name in ("m", "ell", "EI")}
 
 
 @dataclass(frozen=True)
@@ -98,6 +102,7 @@ def nodal_matrices(segments: int) -> tuple[Any, Any]:
 
 def kane_equations(segments: int) -> tuple[Any, list[Any], list[Any]]:
     """Return the clamped-free chain of unit rods by sympy.physics.mechanics: the method, q and u."""
+    import sympy
     from sympy.physics import mechanics
 
     q = mechanics.dynamicsymbols(f"q1:{segments + 1}")

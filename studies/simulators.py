@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from beammodes.views.symbols import COLOURS, GREY
 from studies.study import Kind, Progress, Sheet, Study
-from studies.tool_layouts import TOOLS, Tool, springs_at_the_wall
+from studies.tool_layouts import Tool, springs_at_the_wall, tools
 
 SEGMENTS = np.unique(np.geomspace(3, 60, 24).astype(int).clip(3))
 MARKED, DRAWN = 10, 4
@@ -26,20 +26,20 @@ POWERS = {1: "", 2: "²", 3: "³", 4: "⁴"}
 def data(progress: Progress) -> xarray.Dataset:
     """Return errors of a cantilever's first frequency by tool, and the springs near the wall at N = 10."""
     segments = np.union1d(SEGMENTS, MARKED)
-    error = np.empty((len(TOOLS), len(VERSIONS), len(segments)))
-    spring = np.full((len(TOOLS), len(VERSIONS), DRAWN), "", dtype=object)
-    for i, tool in enumerate(TOOLS):
+    error = np.empty((len(tools()), len(VERSIONS), len(segments)))
+    spring = np.full((len(tools()), len(VERSIONS), DRAWN), "", dtype=object)
+    for i, tool in enumerate(tools()):
         error[i] = tool.as_is(segments), tool.mended(segments)
         for j, rule in enumerate(tool.springs or ()):
             spring[i, j] = [str(value) for value in springs_at_the_wall(rule, MARKED, DRAWN)]
-        progress(i + 1, len(TOOLS))
+        progress(i + 1, len(tools()))
     return xarray.Dataset(
         {
             "relative_error": (("tool", "version", "segments"), error),
             "spring": (("tool", "version", "hinge"), spring.astype(str)),
         },
         coords={
-            "tool": [tool.name for tool in TOOLS],
+            "tool": [tool.name for tool in tools()],
             "version": list(VERSIONS),
             "segments": segments,
             "hinge": range(1, DRAWN + 1),
@@ -49,8 +49,8 @@ def data(progress: Progress) -> xarray.Dataset:
 
 def draw(table: xarray.Dataset, figure: Figure) -> None:
     """Draw a picture of each layout near the wall, and its error against N before and after."""
-    panels = figure.subplots(len(TOOLS), 2, width_ratios=(1.45, 1), squeeze=False)
-    for tool, (left, right) in zip(TOOLS, panels, strict=True):
+    panels = figure.subplots(len(tools()), 2, width_ratios=(1.45, 1), squeeze=False)
+    for tool, (left, right) in zip(tools(), panels, strict=True):
         one = table.sel(tool=tool.name)
         _layout(tool, one, left)
         _errors(tool, one, right)

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from functools import partial
+from functools import cache, partial
 from typing import Any
 
 import numpy as np
@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 import beammodes as bm
 
-__all__ = ["BOUNDARY", "TOOLS", "Tool", "adams_link_errors", "flex_errors", "springs_at_the_wall"]
+__all__ = ["BOUNDARY", "Tool", "adams_link_errors", "flex_errors", "springs_at_the_wall", "tools"]
 
 BOUNDARY = "clamped-free"
 Errors = Callable[[Sequence[int]], NDArray[np.float64]]
@@ -109,31 +109,33 @@ def _by_springs(name: str, wall: str, rules: tuple[str, str]) -> Tool:
     return Tool(name, wall, ("", ""), float(was.stub), masses, *errors, orders=orders, springs=rules)
 
 
-#: Worst first.
-TOOLS = (
-    _by_springs("MuJoCo 3 cable", "first segment held rigid", ("rigid_stub", "rigid_stub_corrected")),
-    Tool(
-        "Adams flexible link",
-        "rigid rods, massless beams between",
-        ('attachment "rigid"', 'attachment "flexible"'),
-        1.0,
-        "beams",
-        partial(adams_link_errors, attachment="rigid"),
-        partial(adams_link_errors, attachment="flexible"),
-        orders=(1, 2),
-    ),
-    _by_springs("URDF or SDF by hand", "hinge at the wall", ("naive", "gregory")),
-    Tool(
-        "MuJoCo 4 flex",
-        "first edge held rigid, masses at points",
-        ('pin id="0 1"', "moved half an edge into the wall, mass × (N + 1)/N"),
-        1.0,
-        "points",
-        flex_errors,
-        partial(flex_errors, shifted=True),
-        orders=(1, 2),
-    ),
-    _by_springs("Hencky bar chain", "mended: rods instead of point masses", ("hencky", "gregory")),
-    _by_springs("Simscape, Modelica", "half a segment held rigid", ("half_stub", "half_stub_corrected")),
-    _by_springs("Working Model", "hinge at the wall", ("mitiguy", "gregory")),
-)
+@cache
+def tools() -> tuple[Tool, ...]:
+    """Return the simulators' layouts, the worst first."""
+    return (
+        _by_springs("MuJoCo 3 cable", "first segment held rigid", ("rigid_stub", "rigid_stub_corrected")),
+        Tool(
+            "Adams flexible link",
+            "rigid rods, massless beams between",
+            ('attachment "rigid"', 'attachment "flexible"'),
+            1.0,
+            "beams",
+            partial(adams_link_errors, attachment="rigid"),
+            partial(adams_link_errors, attachment="flexible"),
+            orders=(1, 2),
+        ),
+        _by_springs("URDF or SDF by hand", "hinge at the wall", ("naive", "gregory")),
+        Tool(
+            "MuJoCo 4 flex",
+            "first edge held rigid, masses at points",
+            ('pin id="0 1"', "moved half an edge into the wall, mass × (N + 1)/N"),
+            1.0,
+            "points",
+            flex_errors,
+            partial(flex_errors, shifted=True),
+            orders=(1, 2),
+        ),
+        _by_springs("Hencky bar chain", "mended: rods instead of point masses", ("hencky", "gregory")),
+        _by_springs("Simscape, Modelica", "half a segment held rigid", ("half_stub", "half_stub_corrected")),
+        _by_springs("Working Model", "hinge at the wall", ("mitiguy", "gregory")),
+    )
