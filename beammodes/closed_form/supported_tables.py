@@ -1,0 +1,304 @@
+"""Uniform chains with any ends as columns of numbers, and their determinants at a frequency.
+
+A long chain is two blocks of pieces, which hold all that the ends and the rule's corrections change, and a row
+of equal rods between them, cut in the middle of hinges. A short one is carried piece by piece. Units are a
+segment's length and mass and EI/ell. A table has a row for each number and a column for each chain; `sample`
+and `sizes` take the rows, arrays of any kind of floats or single ones.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from beammodes.chains.rules import Rule
+from beammodes.closed_form.end_planes import EndNumbers, Plane, over_hinge, over_rod, plane_at_end
+from beammodes.closed_form.rod_row import ARRAYS, Elementary, joined, row
+from beammodes.numerics.arrays import Floats
+from beammodes.problem.end_columns import BoundaryColumns, EndColumns
+
+__all__ = ["ChainColumns", "EndWeights", "sample", "sizes"]
+
+# Rows of a table: those of all chains, with both ends; then a long chain's own and its hinges, or a short one's
+# length, inertia and next hinge of each piece.
+_END = len(EndNumbers._fields)
+_SEGMENTS, _TENSION, _LEFT, _RIGHT, _COMMON = 0, 1, 2, 2 + _END, 2 + 2 * _END
+_RODS, _P, _INERTIA, _STUB, _STUB_INERTIA = range(_COMMON, _COMMON + 5)
+_HINGES = _COMMON + 5
+
+# Kinds of ends, as `End.statics` tells them; pinned and free ends alike have neither hinge nor weights.
+_KINDS = ("free", "carried", "guided", "clamped")
+
+
+class EndWeights:
+    """Flexibility weights of the first hinges from an end, by rule and kind of end.
+
+    An end that bends nothing, or bears its body on a segment, has a hinge without flexibility where others
+    have their own; `bare` tells. `depth` is up to where anything differs from a chain without an end, and one more.
+    """
+
+    def __init__(self, rules: Sequence[Rule]) -> None:
+        lists = [[rule.clamped * 0 if kind == "free" else getattr(rule, kind) for kind in _KINDS] for rule in rules]
+        self.stub = np.array([float(rule.stub) for rule in rules])
+        self.inertia = [rule.rotary_inertia for rule in rules]
+        self.bare = np.array([[rule.stub == 0 and kind < 2 for kind in range(4)] for rule in rules])
+        self.depth = np.array([[len(weights) for weights in each] for each in lists]) + self.bare + 1
+        self.depth = np.maximum(self.depth, 2)
+        self.most = int(self.depth.max())
+        constant = np.ones((*self.depth.shape, self.most), dtype=object)
+        slip = np.zeros_like(constant)
+        for r, each in enumerate(lists):
+            for k, weights in enumerate(each):
+                first = int(self.bare[r, k])
+                constant[r, k, :first] = 0
+                constant[r, k, first : first + len(weights)] = [weight.constant for weight in weights]
+                slip[r, k, first : first + len(weights)] = [weight.per_segment for weight in weights]
+        self._exact = constant, slip
+
+    @lru_cache(maxsize=4)  # noqa: B019
+    def converted(self, kind: type) -> tuple[NDArray[Any], NDArray[Any], NDArray[Any]]:
+        """Return constants and slips, shape (rules, kinds, hinges), and rods' inertias in a kind of floats."""
+        constant, slip = (_floats(values, kind) for values in self._exact)
+        return constant, slip, _floats(np.array(self.inertia, dtype=object), kind)
+
+
+def _floats(values: NDArray[Any], kind: type) -> NDArray[Any]:
+    exact = [kind(value.numerator) / kind(value.denominator) for value in values.ravel().tolist()]
+    return np.array(exact, dtype=kind).reshape(values.shape)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ChainColumns:
+    """Uniform chains: their ends, N, index of a rule, axial force T L²/EI and section's inertia ρI/(ρA L²)."""
+
+    ends: BoundaryColumns
+    segments: Floats
+    rule: NDArray[np.intp]
+    tension: Floats
+    section: Floats
+    weights: EndWeights
+
+    def take(self, index: Any) -> ChainColumns:
+        """Return the chains that an index or a mask picks."""
+        return ChainColumns(
+            self.ends.take(index),
+            self.segments[index],
+            self.rule[index],
+            self.tension[index],
+            self.section[index],
+            self.weights,
+        )
+
+    @property
+    def kinds(self) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+        """Indices into the kinds of ends, by the rules of `End.statics`."""
+        return _kinds(self.ends.left), _kinds(self.ends.right)
+
+    @property
+    def depth(self) -> NDArray[np.intp]:
+        """Hinges in a block of a long chain; more than fit a short one."""
+        left, right = self.kinds
+        return np.maximum(self.weights.depth[self.rule, left], self.weights.depth[self.rule, right])
+
+    @property
+    def hinges(self) -> Floats:
+        """How many there are, with those of no flexibility at bare ends."""
+        return self.segments + 1.0 - np.rint(2.0 * self.weights.stub[self.rule])
+
+    @property
+    def rigid_modes(self) -> NDArray[np.intp]:
+        """Modes of zero frequency; an axial force lets a rotation store energy."""
+        left, right = self.ends.left, self.ends.right
+        held = 1 * (left.translational_stiffness > 0) + (right.translational_stiffness > 0)
+        turned = (left.rotational_stiffness > 0) | (right.rotational_stiffness > 0)
+        return np.where(self.tension != 0.0, held == 0, 2 - np.minimum(2, held + turned))
+
+    @property
+    def modes(self) -> Floats:
+        """All modes of finite frequency, rigid ones too."""
+        stub, (first, second) = np.rint(2.0 * self.weights.stub[self.rule]), self.kinds
+        held = np.zeros_like(self.segments)
+        turning, free = np.zeros_like(held), self.segments + 1.0 + (stub == 1.0)
+        for end, kind in ((self.ends.left, first), (self.ends.right, second)):
+            held += np.isinf(end.translational_stiffness)
+            turning += np.isinf(end.rotational_stiffness)
+            # A body behind a hinge of its own turns by itself.
+            turns = (kind == 3) & ~np.isinf(end.rotational_stiffness)
+            free += (stub == 0.0) & turns & ((end.rotary_inertia > 0) | (end.offset != 0))
+        turning *= stub > 0.0
+        # One rod has one angle to hold.
+        turning = np.where((stub == 2.0) & (self.segments == 1.0), np.minimum(turning, 1.0), turning)
+        return np.maximum(free - held - turning, 0.0)
+
+    def long_table(self, depth: int, kind: type = np.float64) -> NDArray[Any]:
+        """Return the table of long chains with blocks of `depth` hinges."""
+        size, stub = self.segments.astype(kind), self.weights.stub[self.rule]
+        constant, slip, inertias = self.weights.converted(kind)
+        own, section = inertias[self.rule], self.section * size * size
+        inertia = own + section
+        rows = [*self._common(size), size + (2.0 - 2 * depth) - 2.0 * stub, 1.0 - 4.0 * inertia, inertia]
+        rows += [stub, (own * stub * stub + section) * stub]
+        for end in self.kinds:
+            rows += [constant[self.rule, end, j] + slip[self.rule, end, j] / size for j in range(depth)]
+            rows[-1] = rows[-1] - 0.5
+        return np.array(rows, dtype=kind)
+
+    def short_table(self, kind: type = np.float64) -> NDArray[Any]:
+        """Return the table of short chains, pieces of no length at the ends of shorter ones."""
+        size, stub = self.segments.astype(kind), self.weights.stub[self.rule]
+        constant, slip, inertias = self.weights.converted(kind)
+        own, section = inertias[self.rule], self.section * size * size
+        count = self.hinges.astype(int)
+        pieces, most = np.arange(int(count.max()) + 1)[:, None], min(self.weights.most, int(count.max()))
+        # Pieces and hinges in turn, the last hinge being no hinge.
+        length = np.where((pieces == 0) | (pieces == count), stub, 1.0) * (pieces <= count)
+        flexibility = 1.0 * np.broadcast_to(pieces < count, length.shape).astype(kind)
+        at, bare = np.arange(len(size)), [self.weights.bare[self.rule, end] for end in self.kinds]
+        for side, end in enumerate(self.kinds):
+            for j in range(most):
+                change = constant[self.rule, end, j] + slip[self.rule, end, j] / size - 1.0
+                place = count - 1 - j if side else np.full_like(count, j)
+                # An end's weights reach the other end's own hinge if it has one.
+                inside = np.where(side, place >= bare[0], place < count - bare[1])
+                flexibility[place[inside], at[inside]] += change[inside]
+        rows = self._common(size)
+        for each, flexible in zip(length, flexibility, strict=True):
+            rows += [each, (own * each * each + section) * each, flexible]
+        return np.array(rows, dtype=kind)
+
+    def _common(self, size: Any) -> list[Any]:
+        rows = [size, self.tension / (size * size)]
+        for end in (self.ends.left, self.ends.right):
+            for stiffness, unit in ((end.translational_stiffness, size**3), (end.rotational_stiffness, size)):
+                holds = np.isinf(stiffness)
+                rows += [np.where(holds, 1.0, stiffness / unit), np.where(holds, 0.0, 1.0)]
+            rows += [end.mass * size, end.rotary_inertia * size**3, end.offset * size]
+        return rows
+
+    def have_springs(self) -> NDArray[np.bool_]:
+        """Return which chains' springs are all positive."""
+        constant, slip, _ = self.weights.converted(np.float64)
+        found, short = np.ones(len(self.segments), dtype=bool), self.segments < 2 * self.weights.most + 2
+        for end in self.kinds:
+            for j in range(self.weights.most):
+                weight = constant[self.rule, end, j] + slip[self.rule, end, j] / self.segments
+                found &= (weight > 0.0) | ((j == 0) & self.weights.bare[self.rule, end])
+        if short.any():
+            chains = self.take(short)
+            bare = [self.weights.bare[chains.rule, end] for end in chains.kinds]
+            flexible, count = chains.short_table()[_COMMON + 2 :: 3], chains.hinges.astype(int)
+            pieces = np.arange(len(flexible))[:, None]
+            ends = ((pieces == 0) & bare[0]) | ((pieces == count - 1) & bare[1]) | (pieces >= count)
+            found[short] = ((flexible > 1e-15) | ends).all(axis=0)
+        return found
+
+
+def _kinds(end: EndColumns) -> NDArray[np.intp]:
+    held = np.isinf(end.rotational_stiffness)
+    turned = (end.rotational_stiffness > 0) | (end.rotary_inertia > 0) | (end.offset != 0)
+    shearless = held & (end.translational_stiffness == 0) & (end.mass == 0)
+    return np.where(turned, np.where(end.on_segment, 1, np.where(shearless, 2, 3)), 0)
+
+
+def sample(rows: Sequence[Any], place: Any, *, long: bool, of: Elementary = ARRAYS) -> tuple[Any, Any]:
+    """Return a chain's determinant, of a size of about one, and its modes below ω = `place`² (L = EI = ρA = 1).
+
+    Its sign changes at every mode and nowhere else.
+    """
+    scale = place / rows[_SEGMENTS]
+    square = (scale * scale) * (scale * scale)
+    value, below, size = (_long if long else _short)(rows, square, scale, of)
+    return value / size, below
+
+
+def sizes(rows: Sequence[Any], place: Any, *, long: bool, of: Elementary = ARRAYS) -> Any:
+    """Return the sum of the absolute values of all terms of `sample`'s determinant.
+
+    Springs add to what bodies take away: all terms have one sign at -w.
+    """
+    scale = place / rows[_SEGMENTS]
+    square = (scale * scale) * (scale * scale)
+    every = list(rows)
+    every[_TENSION] = abs(rows[_TENSION])
+    for offset in (_LEFT + _END - 1, _RIGHT + _END - 1):
+        every[offset] = abs(rows[offset])
+    if not long:
+        plane, _ = _carried(every, _LEFT, _pieces(every), -square)
+        value = _closed(plane, plane_at_end(EndNumbers(*every[_RIGHT:_COMMON]), -square))
+        return value / _short(rows, square, scale, of)[2]
+    left, right = (Plane(*map(abs, plane)) for plane, _ in _blocks(every, -square))
+    between = row(square, rows[_P], rows[_TENSION], rows[_RODS], of, sizes=True)
+    (first, _), (second, _) = _blocks(rows, square)
+    return joined(left, right, between, 1.0)[0] / (_size(first, scale) * _size(second, scale))
+
+
+def _size(plane: Plane, scale: Any) -> Any:
+    d, yy, yt, tt, det = plane
+    return abs(det) + scale * (abs(yy) + scale * (abs(yt) + scale * (abs(tt) + scale * abs(d))))
+
+
+def _long(rows: Sequence[Any], square: Any, scale: Any, of: Elementary) -> tuple[Any, Any, Any]:
+    (left, first), (right, second) = _blocks(rows, square)
+    between = row(square, rows[_P], rows[_TENSION], rows[_RODS], of)
+    value, held, turned, alone = joined(left, right, between)
+    # Minors over d d' σ σ' are those of the common stiffness at both cuts: their signs count its negatives.
+    sign = (between.symmetric[0] < 0.0) ^ (between.antisymmetric[0] < 0.0) ^ (left.d < 0.0)
+    both = sign ^ (right.d < 0.0)
+    one, two, three, four = (alone < 0.0) ^ sign, (held < 0.0) ^ sign, (turned < 0.0) ^ both, (value < 0.0) ^ both
+    below = first + second + between.clamped + (1.0 * one + (one ^ two) + (two ^ three) + (three ^ four))
+    return value, below, _size(left, scale) * _size(right, scale)
+
+
+def _blocks(rows: Sequence[Any], square: Any) -> list[tuple[Plane, Any]]:
+    hinges = rows[_HINGES:]
+    depth, one = len(hinges) // 2, 1.0
+    found = []
+    for end, first in ((_LEFT, 0), (_RIGHT, depth)):
+        pieces = [(rows[_STUB], rows[_STUB_INERTIA], hinges[first])]
+        pieces += [(one, rows[_INERTIA], flexibility) for flexibility in hinges[first + 1 : first + depth]]
+        found.append(_carried(rows, end, pieces, square))
+    return found
+
+
+def _short(rows: Sequence[Any], square: Any, scale: Any, of: Elementary) -> tuple[Any, Any, Any]:
+    plane, below = _carried(rows, _LEFT, _pieces(rows), square)
+    end = EndNumbers(*rows[_RIGHT:_COMMON])
+    last = plane_at_end(end, square)
+    value = _closed(plane, last)
+    # The sequence of d goes on with the right end's rotation let go, and then its deflection.
+    held, free = plane.d < 0.0, end.give * end.turn > 0.0
+    turned = (free & (plane.tt + plane.d * last.tt < 0.0)) | ((not free if isinstance(free, bool) else ~free) & held)
+    below = below + (1.0 * (held ^ turned) + (turned ^ (value < 0.0)))
+    return value, below, _size(plane, scale) * _size(last, scale)
+
+
+def _pieces(rows: Sequence[Any]) -> list[tuple[Any, Any, Any]]:
+    flat = rows[_COMMON:]
+    return list(zip(flat[::3], flat[1::3], flat[2::3], strict=True))
+
+
+def _closed(plane: Plane, last: Plane) -> Any:
+    """Return the determinant of what two ends admit at one section; they count θ in opposite directions."""
+    value = plane.det * last.d + plane.yy * last.tt + plane.tt * last.yy + plane.d * last.det
+    return value + 2.0 * plane.yt * last.yt
+
+
+def _carried(
+    rows: Sequence[Any], end: int, pieces: Sequence[tuple[Any, Any, Any]], square: Any
+) -> tuple[Plane, Any]:
+    """Return what an end admits behind pieces and hinges, and the modes of these, held there, below w."""
+    tension = rows[_TENSION]
+    plane = plane_at_end(EndNumbers(*rows[end : end + _END]), square)
+    negative, below = plane.d < 0.0, 0.0
+    for length, inertia, flexibility in pieces:
+        plane = over_rod(plane, length, square * length, square * inertia - tension * length)
+        plane = over_hinge(plane, flexibility)
+        now = plane.d < 0.0
+        below = below + (now ^ negative)
+        negative = now
+    return plane, below
