@@ -1,7 +1,7 @@
 """What an end of a chain admits, and how it is carried inward over rods and hinges: floats or arrays.
 
-Lengths are counted in segments, and the segment's mass and EI/ell are 1. Behind an end everything answers to a
-deflection y and a rotation θ (counted inward from either end) with a force and a moment, by a symmetric
+Lengths are counted in segments, and the segment's mass and EI/ell are 1. Behind an end everything answers to
+a deflection y and a rotation θ (counted inward from either end) with a force and a moment, by a symmetric
 stiffness Z. Where a support holds, Z is infinite; so it is kept as five numbers of which only ratios count,
 
     d : Z_yy : Z_yθ : Z_θθ : det Z,

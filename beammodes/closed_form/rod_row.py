@@ -9,18 +9,20 @@ oscillating and X = sinh²(χ/2) of the evanescent wave, w = ω²,
 in symmetric and in antisymmetric motion, 4/σ [α β; β γ], its determinant being 16 δ/σ. Here the five carry
 factors of their own that leave nothing to divide by and nothing to overflow: with a = nq/2 and h = nχ/2,
 
-              times cos a cosh h (symmetric)                  times sin a sinh h / (sin q sinh χ)
-    σ         sinh χ sinh h cos a + sin q sin a cosh h        cosh h sin a / sin q - sinh h cos a / sinh χ
-    γ         (x + X) cos a cosh h                            (x + X) sin a sinh h / (sin q sinh χ)
-    α         -(x + X) sin q sin a sinh χ sinh h              (x + X) cos a cosh h
-    β         x sinh χ sinh h cos a - X sin q sin a cosh h    x cosh h sin a / sin q + X sinh h cos a / sinh χ
-    δ         -x² sinh χ sinh h cos a - X² sin q sin a cosh h    -x² cosh h sin a / sin q + X² sinh h cos a / sinh χ
+         symmetric,                           antisymmetric,
+         times cos a cosh h                   times sin a sinh h / (sin q sinh χ)
+
+    σ    A + B                                C - D                  A = sinh χ sinh h cos a
+    γ    (x + X) cos a cosh h                 (x + X) (sin a / sin q) (sinh h / sinh χ)
+    α    -(x + X) sin q sin a sinh χ sinh h   (x + X) cos a cosh h   B = sin q sin a cosh h
+    β    x A - X B                            x C + X D              C = cosh h sin a / sin q
+    δ    -x² A - X² B                         -x² C + X² D           D = sinh h cos a / sinh χ
 
 all times e^-h. Slow motion (a and h small) cancels in three of them, σ and δ of antisymmetric and β of
 symmetric motion; there they are sums of what their factors have beyond one.
 
-Both planes of an end and the row together make the chain's determinant, bilinear in the two planes. Its minors
-with the right cut held, wholly or in part, come along; their signs tell how many modes lie below w.
+Both planes of an end and the row together make the chain's determinant, bilinear in the two planes. Its
+minors with the right cut held, wholly or in part, come along; their signs tell how many modes lie below w.
 """
 
 from __future__ import annotations
@@ -200,7 +202,7 @@ def _beyond(x: Any, rods: Any, of: Elementary) -> _Oscillation:
 def _slow(
     wave: _Oscillation, chi: Any, growth: Any, x: Any, decaying: Any, rods: Any, of: Elementary
 ) -> tuple[Any, Any]:
-    """Return σ of antisymmetric and β of symmetric motion where their terms cancel nearly, a and h below 1."""
+    """Return σ of antisymmetric and β of symmetric motion where their terms nearly cancel, for a, h < 1."""
     q, angle = wave.q, wave.angle
     cos, cosh = -2.0 * of.sin(0.5 * angle) ** 2, 2.0 * _sinh(0.5 * growth, of) ** 2
     sin, sinh = _excess(-angle * angle), _excess(growth * growth)
@@ -220,9 +222,9 @@ def _sinh(y: Any, of: Elementary) -> Any:
 
 
 def _excess(z: Any) -> Any:
-    """Return sinh √z / √z - 1, of -z sin √z / √z - 1, for |z| < 2.5."""
+    """Return sinh √z / √z - 1, of -z sin √z / √z - 1, for |z| ≤ 1."""
     total = 0.0 * z
-    for k in range(14, 0, -1):
+    for k in range(11, 0, -1):
         total = (total + 1.0) * (z / (2 * k * (2 * k + 1)))
     return total
 
@@ -246,7 +248,12 @@ def joined(left: Plane, right: Plane, between: Row, minus: float = -1.0) -> tupl
     turned, both, crossed = s2 * e + s * e2, g * a2 + g2 * a, 2.0 * b * b2
     held = s * s2
     y_held, t_held, x_held = 0.5 * (g * s2 + g2 * s), 0.5 * (a * s2 + a2 * s), minus * (b * s2 + b2 * s)
-    free, y_free, t_free, x_free = e * e2, 0.5 * (e2 * g + e * g2), 0.5 * (e2 * a + e * a2), minus * (e2 * b + e * b2)
+    free, y_free, t_free, x_free = (
+        e * e2,
+        0.5 * (e2 * g + e * g2),
+        0.5 * (e2 * a + e * a2),
+        minus * (e2 * b + e * b2),
+    )
     yx, tx, yt_of = minus * (g * b2 + g2 * b), minus * (a * b2 + a2 * b), 0.25 * (turned + both + crossed)
     free_held = 0.25 * (turned + both + minus * crossed)
     xx = crossed + 0.5 * (both + crossed + minus * turned)

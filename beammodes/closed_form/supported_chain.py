@@ -80,6 +80,7 @@ __all__ = [
     "row_of_rods",
     "shortened",
     "supported_chain_frequencies",
+    "supported_chain_frequency",
 ]
 
 _ZERO, _ONE, _HALF = Decimal(0), Decimal(1), Fraction(1, 2)
@@ -129,22 +130,53 @@ def supported_chain_frequencies(
     pair, record, size = Boundary.of(boundary), closed_rule(rule), whole_number("modes", modes)
     count = whole_number("segments", segments, most=_MOST_SEGMENTS)
     force, section = Fraction(checked_load(load).axial_force), _section(rotary_inertia)
-    found, short = np.full(size, np.nan), shortened(pair, count, record, section)
-    if short is None:
+    found, problem = np.full(size, np.nan), _problem(pair, count, record, force, section)
+    if problem is None:
         return found
-    spread = _decades(force, section, *astuple(pair.left), *astuple(pair.right))
-    model = linearize(short[0], load=Load(force / count**2))
-    problem = _Problem(model, short[1], record.rotary_inertia + section * count**2, count, spread)
     with localcontext(Context(prec=_DIGITS)):
         squares = problem.squares(size)
         found[: len(squares)] = [float(square.sqrt()) for square in squares]
     return found
 
 
+def supported_chain_frequency(
+    boundary: Boundary,
+    segments: int,
+    rule: Rule,
+    tension: float,
+    rotary_inertia: float,
+    mode: int,
+    near: float = math.nan,
+) -> float:
+    """Return one of `supported_chain_frequencies`, of a mode that exists, looked for from ω = `near` on.
+
+    Examples
+    --------
+    >>> from beammodes.chains.rules import RULES
+    >>> pair = Boundary.of("clamped-free(mass=1)")
+    >>> round(supported_chain_frequency(pair, 10**6, RULES["mitiguy"], 0.0, 0.0, mode=2), 4)
+    16.2501
+    """
+    problem = _problem(boundary, segments, rule, Fraction(tension), Fraction(rotary_inertia))
+    if problem is None:
+        return math.nan
+    with localcontext(Context(prec=_DIGITS)):
+        return float(problem.square(mode, as_decimal(near * near if 0.0 < near < math.inf else 1.0)).sqrt())
+
+
 def _section(value: float | Fraction) -> Fraction:
     if real("rotary_inertia", value) < 0:
         raise ValueError(f"rotary_inertia must not be negative, got {shown(value)}")
     return Fraction(value)
+
+
+def _problem(pair: Boundary, count: int, record: Rule, force: Fraction, section: Fraction) -> _Problem | None:
+    short = shortened(pair, count, record, section)
+    if short is None:
+        return None
+    spread = _decades(force, section, *astuple(pair.left), *astuple(pair.right))
+    model = linearize(short[0], load=Load(force / count**2))
+    return _Problem(model, short[1], record.rotary_inertia + section * count**2, count, spread)
 
 
 def _decades(*numbers: Fraction | float) -> int:
@@ -180,17 +212,33 @@ class _Problem:
         count = min(most, self.short.elastic_modes + self.rods)
         if not count:
             return []
-        rigid = self.short.rigid_body_modes
         low = high = self.sample(Decimal(1))
-        while low.below > rigid:
+        low, rigid = self.lowest(low), self.short.rigid_body_modes
+        while high.below < rigid + count:
+            high = self.sample(high.place * 10)
+        return ordered_roots(self.sample, low, high, count)
+
+    def square(self, mode: int, near: Decimal) -> Decimal:
+        """Return the squared frequency of an elastic mode that exists, looked for from a place on."""
+        number, apart = self.short.rigid_body_modes + mode, Decimal("0.001")
+        if self.short.load.axial_force < 0:
+            self.lowest(self.sample(near))
+        low = high = self.sample(near)
+        while low.below >= number:
+            low, apart = self.sample(near / (1 + apart)), 4 * apart
+        while high.below < number:
+            high, apart = self.sample(near * (1 + apart)), 4 * apart
+        return ordered_roots(self.sample, low, high, number - low.below)[-1]
+
+    def lowest(self, low: Sample) -> Sample:
+        """Return a sample that only rigid motions are below, starting from another."""
+        while low.below > self.short.rigid_body_modes:
             if low.place.adjusted() < -2 * (_DIGITS + self.spread):
                 raise ValueError(
                     "axial_force must not compress the chain beyond its buckling load (see buckling_load)"
                 )
             low = self.sample(low.place / 1000)
-        while high.below < rigid + count:
-            high = self.sample(high.place * 10)
-        return ordered_roots(self.sample, low, high, count)
+        return low
 
     def sample(self, place: Decimal) -> Sample:
         """Count the squared frequencies below `place`, or just above it where a part is singular there."""

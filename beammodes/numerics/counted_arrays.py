@@ -46,6 +46,8 @@ class CountedRoot(NamedTuple):
 def counted_roots(evaluate: Evaluate, number: Floats, start: Floats, reach: Floats) -> CountedRoots:
     """Return from each equation the root of that number, from 1, looked for from `start` in steps of `reach`.
 
+    For equations of which nothing but counts and values is known; `counted_secants` take a phase besides.
+
     Counts on either side prove a root to be alone and to have its number, whatever lies between the places
     sampled. Where counts and signs contradict each other, or roots lie too close together, it is not proved.
 
@@ -53,11 +55,12 @@ def counted_roots(evaluate: Evaluate, number: Floats, start: Floats, reach: Floa
     --------
     >>> def evaluate(which, x):
     ...     return np.sin(np.pi * x), np.floor(x)
-    >>> counted_roots(evaluate, np.array([1.0, 7.0]), np.array([5.0, 5.2]), np.ones(2)).root.round(9)
+    >>> counted_roots(evaluate, np.array([1.0, 7.0]), np.array([5.0, 5.2]), np.ones(2)).root.round(6)
     array([1., 7.])
     """
     size = len(number)
-    found = CountedRoots(*(np.full(size, np.nan) for _ in range(5)), np.zeros(size, dtype=bool))
+    none = np.full((5, size), np.nan)
+    found = CountedRoots(none[0], none[1], none[2], none[3], none[4], np.zeros(size, dtype=bool))
     which, x, zero = np.arange(size), start.copy(), np.zeros(size)
     # Bracket, the function and the count at its ends; the end given up last; whether it has been refined.
     low, high, f_low, f_high = zero, np.full(size, np.inf), zero, zero
@@ -72,13 +75,14 @@ def counted_roots(evaluate: Evaluate, number: Floats, start: Floats, reach: Floa
         alone = (n_low == number - 1.0) & (n_high == number) & (low > 0.0)
         other, f_other = np.where(under, high, low), np.where(under, f_high, f_low)
         if alone.all():
-            new = _refined(x, f, other, f_other, old, f_old, refined)
+            new = _refined(x, f, other, f_other, old, f_old, refined=refined)
         else:
             new = _isolating(number, low, n_low, high, n_high, reach)
             reach = 4.0 * reach
             at = np.flatnonzero(alone)
             if len(at):
-                new[at] = _refined(*(each[at] for each in (x, f, other, f_other, old, f_old, refined)))
+                points = (each[at] for each in (x, f, other, f_other, old, f_old))
+                new[at] = _refined(*points, refined=refined[at])
         done = alone & (np.abs(new - x) <= _LAST * x)
         if done.any():
             at = which[done]
@@ -119,6 +123,7 @@ def _refined(
     f_b: Floats,
     c: Floats,
     f_c: Floats,
+    *,
     refined: NDArray[np.bool_],
 ) -> Floats:
     """Return the next place between x and b: by inverse interpolation through c, too, else halfway.
@@ -146,7 +151,7 @@ def counted_root(
     Examples
     --------
     >>> root = counted_root(lambda x: (math.sin(math.pi * x), math.floor(x)), 7, 5.2, 1.0)
-    >>> round(root.root, 9), root.proved
+    >>> round(root.root, 6), root.proved
     (7.0, True)
     """
     low, f_low, n_low, high, f_high, n_high = 0.0, 0.0, 0.0, math.inf, 0.0, math.inf
@@ -165,12 +170,10 @@ def counted_root(
             near, f_near = (c, f_c) if abs(c - x) < abs(b - x) else (b, f_b)
             return CountedRoot(new, x, f, near, f_near, (f_low < 0.0) != (f_high < 0.0))
         x, refined = new, True
-    return CountedRoot(*[math.nan] * 5, False)
+    return CountedRoot(math.nan, math.nan, math.nan, math.nan, math.nan, False)
 
 
-def _isolating_one(
-    number: int, low: float, n_low: float, high: float, n_high: float, reach: float
-) -> float:
+def _isolating_one(number: int, low: float, n_low: float, high: float, n_high: float, reach: float) -> float:
     if high == math.inf:
         far = max(1.0, number - 0.5 - n_low)
         return low + min(reach * far, low * (0.25 + far))
@@ -181,9 +184,7 @@ def _isolating_one(
     return low + (high - low) * (number - 0.5 - n_low) / (n_high - n_low)
 
 
-def _refined_one(
-    x: float, f: float, b: float, f_b: float, c: float, f_c: float, refined: bool
-) -> float:
+def _refined_one(x: float, f: float, b: float, f_b: float, c: float, f_c: float, refined: bool) -> float:
     fraction = 0.5 if refined or f == f_b else f / (f - f_b)
     if math.isfinite(c) and f not in (f_b, f_c) and f_b != f_c:
         along, rise = (x - b) / (c - b), (f - f_b) / (f_c - f_b)

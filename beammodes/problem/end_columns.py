@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable
 from dataclasses import dataclass
 from operator import attrgetter
@@ -64,6 +65,13 @@ class EndColumns:
         offset = np.where(held | (mass == 0), 0.0, offset)
         return cls(translational_stiffness, rotational_stiffness, mass, inertia, offset, on_segment)
 
+    def end(self, index: Any) -> End:
+        """Return one of the ends."""
+        numbers = {name: float(getattr(self, name)[index]) for name in NUMBERS_OF_END}
+        # Rigid is one object, which `End` looks for.
+        held = {name: math.inf if number == math.inf else number for name, number in numbers.items()}
+        return End(**held, on_segment=bool(self.on_segment[index]))
+
     def take(self, index: Any) -> EndColumns:
         """Return the ends that an index, a mask or a slice picks."""
         return EndColumns(
@@ -97,6 +105,16 @@ class BoundaryColumns:
 
     def __len__(self) -> int:
         return len(self.left.mass)
+
+    def boundary(self, index: Any) -> Boundary:
+        """Return one of the pairs.
+
+        Examples
+        --------
+        >>> BoundaryColumns.of(Boundary.of("clamped-free(mass=0.5)")).boundary(0)
+        Boundary('clamped-free(mass=0.5)')
+        """
+        return Boundary(self.left.end(index), self.right.end(index))
 
     def take(self, index: Any) -> BoundaryColumns:
         """Return the pairs that an index, a mask or a slice picks.
