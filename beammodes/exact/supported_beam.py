@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from decimal import localcontext
-from functools import lru_cache
+from functools import cached_property
 
 import numpy as np
 
@@ -27,6 +27,28 @@ __all__ = ["SupportedBeamModes", "critical_compression", "supported_modes"]
 
 # The pinned beam has twelve modes below q = 40, where waves are never separate, others at most two less.
 _SURELY_LOW = 10
+
+
+@dataclass(frozen=True)
+class UnitShapes:
+    """The shapes of the first elastic modes of a beam, worked out when they are first asked for."""
+
+    unit: UnitBeam
+    rigid: int
+    count: int
+
+    @cached_property
+    def waves(self) -> BeamWaves:
+        """Shapes of unit modal mass, low modes first."""
+        unit, rigid, count = self.unit, self.rigid, self.count
+        low, parts = _low_modes(unit, rigid, count), []
+        with localcontext(LONG):
+            if low:
+                roots = [supported_root(unit, number, ROOT_OF_SHAPE) for number in _numbers(rigid, 0, low)]
+                parts.append(BeamWaves.of(unit.modes([root * root for root in roots if root is not None])))
+            if low < count:
+                parts.append(high_waves(unit, _high_frequencies(unit, low, count)))
+        return BeamWaves.joined(parts)
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
@@ -54,8 +76,8 @@ class SupportedBeamModes(EulerBernoulliModes):
         rigid rotation that nothing holds into a mode of positive frequency, or makes it buckle.
     relative_frequency : ndarray, shape (modes,) [-]
         ω √(ρA L⁴/EI) of elastic modes 1, 2, ..., read-only.
-    unit : UnitBeam
-        The beam in its own units, which knows the shapes.
+    unit_shapes : UnitShapes
+        Their shapes on a beam of unit length and mass.
     theory : Theory, optional
         The theory's own error; `euler_bernoulli` gives it.
 
@@ -74,7 +96,7 @@ class SupportedBeamModes(EulerBernoulliModes):
     rotary_inertia_per_length: float
     rigid_body_modes: int
     relative_frequency: Floats
-    unit: UnitBeam
+    unit_shapes: UnitShapes
     theory: Theory | None = None
 
     @property
@@ -84,8 +106,8 @@ class SupportedBeamModes(EulerBernoulliModes):
 
     @property
     def waves(self) -> BeamWaves:
-        """Mode shapes on a beam of unit length and mass, worked out when they are first asked for."""
-        return _waves(self.unit, self.rigid_body_modes, len(self.relative_frequency))
+        """Mode shapes on a beam of unit length and mass."""
+        return self.unit_shapes.waves
 
     _smoothest = 3
 
@@ -136,7 +158,7 @@ def supported_modes(
             f"got {shown(pull.axial_force)} with {pair} ends"
         )
     omega.flags.writeable = False
-    return SupportedBeamModes(beam, pair, pull, inertia, rigid, omega, unit)
+    return SupportedBeamModes(beam, pair, pull, inertia, rigid, omega, UnitShapes(unit, rigid, count))
 
 
 def _rotary_inertia(beam: Beam, given: float | None) -> float:
@@ -173,19 +195,6 @@ def _repeated(side: UnitEnd, shape: tuple[int, ...]) -> EndColumns:
     springs = (math.inf if held else float(spring) for held, spring in zip(holds, numbers[:2], strict=True))
     columns = (np.broadcast_to(number, shape) for number in (*springs, *map(float, numbers[2:]), False))
     return EndColumns(*columns)
-
-
-@lru_cache(maxsize=32)
-def _waves(unit: UnitBeam, rigid: int, count: int) -> BeamWaves:
-    """Return the shapes of the first elastic modes, low modes first."""
-    low, parts = _low_modes(unit, rigid, count), []
-    with localcontext(LONG):
-        if low:
-            roots = [supported_root(unit, number, ROOT_OF_SHAPE) for number in _numbers(rigid, 0, low)]
-            parts.append(BeamWaves.of(unit.modes([root * root for root in roots if root is not None])))
-        if low < count:
-            parts.append(high_waves(unit, _high_frequencies(unit, low, count)))
-    return BeamWaves.joined(parts)
 
 
 def _low_modes(unit: UnitBeam, rigid: int, count: int) -> int:
