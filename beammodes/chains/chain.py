@@ -39,7 +39,6 @@ from beammodes.chains.pieces import (
     check_pieces,
     check_turning,
     each_once,
-    floats,
     piece_numbers,
 )
 from beammodes.chains.rods import (
@@ -88,7 +87,7 @@ class ChainNumbers:
     @cached_property
     def joint_stiffness(self) -> Floats:
         """Rotational stiffness of every hinge, left to right, shape (hinges,) [N m/rad]."""
-        return _in_si(self.scaled.joint_stiffness, self.units.stiffness)
+        return _in_si(self.scaled.in_floats.joint_stiffness, self.units.stiffness)
 
     @cached_property
     def support_stiffness(self) -> Floats:
@@ -105,22 +104,22 @@ class ChainNumbers:
     @cached_property
     def length(self) -> Floats:
         """Length of every piece, shape (pieces,) [m]."""
-        return _in_si(self.scaled.length, self.units.length)
+        return _in_si(self.scaled.in_floats.length, self.units.length)
 
     @cached_property
     def mass(self) -> Floats:
         """Mass of every piece, shape (pieces,) [kg]."""
-        return _in_si(self.scaled.mass, self.units.mass)
+        return _in_si(self.scaled.in_floats.mass, self.units.mass)
 
     @cached_property
     def centre(self) -> Floats:
         """Centre of mass of every piece, from its left tip, shape (pieces,) [m]."""
-        return _in_si(self.scaled.centre, self.units.length)
+        return _in_si(self.scaled.in_floats.centre, self.units.length)
 
     @cached_property
     def rotary_inertia(self) -> Floats:
         """Rotary inertia of every piece about its centre of mass, shape (pieces,) [kg m²]."""
-        return _in_si(self.scaled.rotary_inertia, self.units.mass * self.units.length**2)
+        return _in_si(self.scaled.in_floats.rotary_inertia, self.units.mass * self.units.length**2)
 
     @cached_property
     def hinge_position(self) -> Floats:
@@ -130,8 +129,8 @@ class ChainNumbers:
         return position
 
 
-def _in_si(values: Sequence[Number], unit: float) -> Floats:
-    array = floats(values) * unit
+def _in_si(values: Floats, unit: float) -> Floats:
+    array = values * unit
     array.flags.writeable = False
     return array
 
@@ -248,7 +247,7 @@ class Chain(ChainNumbers):
         given = {"length": length, "mass": mass, "rotary_inertia": rotary_inertia}
         given |= {} if centre is None else {"centre": centre}
         columns = {name: piece_numbers(name, values) for name, values in given.items()}
-        columns.setdefault("centre", tuple(value / 2 for value in columns["length"]))
+        columns.setdefault("centre", tuple(each_once(lambda value: value / 2, columns["length"])))
         columns["joint_stiffness"] = piece_numbers("joint_stiffness", joint_stiffness)
         check_pieces(columns)
         chain = cls.__new__(cls)

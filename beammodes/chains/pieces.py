@@ -7,9 +7,10 @@ import operator
 from collections.abc import Callable, Iterable, Mapping, Sequence, Set
 from dataclasses import dataclass, replace
 from fractions import Fraction
+from functools import cached_property
 from itertools import chain, repeat
 from operator import is_
-from typing import Any, TypeVar
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -55,6 +56,8 @@ def each_once(function: Callable[..., Result], *columns: Sequence[Any]) -> list[
     if len(columns[0]) < _SHORT:
         return _each_of_few(function, columns)
     starts, lengths = _runs(columns)
+    if len(starts) > len(columns[0]) // 4:
+        return list(map(function, *columns))
     results = (function(*(column[i] for column in columns)) for i in starts.tolist())
     return list(chain.from_iterable(map(repeat, results, lengths.tolist())))
 
@@ -79,7 +82,7 @@ def floats(values: Sequence[Any]) -> Floats:
     [0.25, 2.0]
     """
     if len(values) < _SHORT:
-        return np.array(values, dtype=np.float64)
+        return np.array(_each_of_few(float, [values]), dtype=np.float64)
     starts, lengths = _runs([values])
     if len(starts) > len(values) // 4:
         return np.array(values, dtype=np.float64)
@@ -110,6 +113,16 @@ Body = tuple[Number, Number, Number]
 MAX_PIECES = 10_000_000
 
 
+class PieceFloats(NamedTuple):
+    """Columns of `Pieces` as arrays of floats."""
+
+    length: Floats
+    mass: Floats
+    centre: Floats
+    rotary_inertia: Floats
+    joint_stiffness: Floats
+
+
 @dataclass(frozen=True)
 class Pieces:
     """Pieces from left to right, the springs between them, and the stiffness of the two ends' supports.
@@ -131,6 +144,15 @@ class Pieces:
     joint_stiffness: tuple[Number, ...]
     supports: tuple[tuple[Number, Number], tuple[Number, Number]]
 
+    @cached_property
+    def in_floats(self) -> PieceFloats:
+        """The columns as arrays of floats, which are not to be changed."""
+        names = ("length", "mass", "centre", "rotary_inertia", "joint_stiffness")
+        columns = PieceFloats(*(floats(getattr(self, name)) for name in names))
+        for column in columns:
+            column.flags.writeable = False
+        return columns
+
     def turned(self) -> Pieces:
         """Return the same chain seen from the other side."""
         centre = each_once(operator.sub, self.length, self.centre)
@@ -145,7 +167,8 @@ class Pieces:
 
     def with_bodies(self, left: Body, right: Body) -> Pieces:
         """Return these pieces with bodies fixed to the outer two, as parts of them."""
-        return self._with_left_body(*left).turned()._with_left_body(*right).turned()
+        pieces = self._with_left_body(*left)
+        return pieces.turned()._with_left_body(*right).turned() if right[0] or right[1] else pieces
 
     def condensed(self) -> Pieces:
         """Return these pieces without outer ones that have nothing to move.
@@ -154,7 +177,13 @@ class Pieces:
         series with the end's rotational spring: one spring k K_r/(k + K_r), none where K_r = 0. A point mass
         on it stays, at the tip of the next piece.
         """
-        return self._left_condensed().turned()._left_condensed().turned()
+        pieces = self._left_condensed()
+        return pieces.turned()._left_condensed().turned() if pieces._is_inert(-1) else pieces
+
+    def _is_inert(self, outer: int) -> bool:
+        """Say whether the first (0) or last (-1) piece has nothing to move, and may be left out."""
+        moved = self.length[outer] or self.rotary_inertia[outer] or self.mass[outer] * self.centre[outer]
+        return not moved and self.supports[outer][1] != math.inf and len(self.length) > 1
 
     def _with_left_body(self, mass: Number, inertia: Number, offset: Number) -> Pieces:
         if not mass and not inertia:
@@ -175,10 +204,9 @@ class Pieces:
         )
 
     def _left_condensed(self) -> Pieces:
-        (translation, rotation), right = self.supports
-        inert = not self.length[0] and not self.rotary_inertia[0] and not self.mass[0] * self.centre[0]
-        if not inert or rotation == math.inf or len(self.length) == 1:
+        if not self._is_inert(0):
             return self
+        (translation, rotation), right = self.supports
         hinge = self.joint_stiffness[0]
         series = hinge / (1 + hinge / rotation) if rotation else rotation
         rest = Pieces(
@@ -226,7 +254,7 @@ def check_pieces(columns: dict[str, tuple[Number, ...]]) -> None:
     if springs and min(springs) == 0:
         raise ValueError("joint_stiffness must be greater than 0, got 0")
     for name in ("length", "mass"):
-        if any(value == 0 for value in columns[name][1:-1]):
+        if 0 in columns[name][1:-1]:
             raise ValueError(f"{name} must be greater than 0 for every piece but the outer two")
     if not any(length):
         raise ValueError("length must hold at least one piece that has a length, got only zeros")
@@ -240,6 +268,11 @@ def check_turning(pieces: Pieces) -> None:
     held = [False] * len(pieces.length)
     held[0] |= pieces.supports[0][1] == math.inf
     held[-1] |= pieces.supports[1][1] == math.inf
-    for i, (inertia, fast) in enumerate(zip(pieces.rotary_inertia, held, strict=True)):
-        if not inertia and not fast and (pieces.length[i] or not pieces.mass[i] * pieces.centre[i]):
+    outer = sorted({0, len(held) - 1})
+    for i in outer if all(pieces.rotary_inertia[1:-1]) else range(len(held)):
+        if (
+            not pieces.rotary_inertia[i]
+            and not held[i]
+            and (pieces.length[i] or not pieces.mass[i] * pieces.centre[i])
+        ):
             raise ValueError(f"rotary_inertia[{i}] must be greater than 0 for a piece that turns, got 0")

@@ -92,6 +92,8 @@ def axial_pull(chain: Chain, load: Load) -> list[Number]:
     >>> axial_pull(Chain(Beam.unit(), "pinned-pinned", 2), Load(axial_force=Fraction(1)))   # T l in EI/ell
     [Fraction(1, 4), Fraction(1, 4)]
     """
+    if not (load.axial_force or load.spin_rate or load.weight[0] or load.tip[0]):
+        return [0] * chain.pieces
     units = chain.exact_units
     beyond: Number = units.force(Fraction(load.axial_force) + Fraction(load.tip[0]))
     weight, square = units.acceleration(load.weight[0]), units.square_rate(load.spin_rate)

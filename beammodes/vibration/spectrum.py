@@ -83,7 +83,7 @@ def _end_coordinates(pieces: Pieces, resistance: float = 0.0) -> _EndCoordinates
 
     `resistance` is what loads along the chain put up against a rigid rotation.
     """
-    length = floats(pieces.length)
+    length = pieces.in_floats.length
     whole, reach = float(length.sum()), np.cumsum(length[:0:-1])[::-1]
     nothing = np.zeros_like(reach)
     # Rows: left deflection, left rotation, right deflection, right rotation.
@@ -257,15 +257,15 @@ def flexibility_form(chain: Chain, load: Load | None = None) -> FlexibilityForm:
     pieces = chain.scaled
     if is_turned(chain):
         pieces = pieces.turned()
-    columns = (pieces.length, pieces.mass, pieces.centre, pieces.rotary_inertia)
-    length, mass, centre, inertia = (floats(values) for values in columns)
+    length, mass, centre, inertia, stiffness = pieces.in_floats
+    inertia = inertia.copy()
     for end, piece in ((0, 0), (1, -1)):
         # A held piece does not turn; without this a mode's rounding would reach a massless piece's inertia.
         inertia[piece] *= pieces.supports[end][1] != math.inf
     pull = floats(axial_pull(chain, checked_load(load)))
     pull = pull[::-1] if is_turned(chain) else pull
     ends = _end_coordinates(pieces, float(pull.sum()))
-    root = np.concatenate([ends.root, 1 / np.sqrt(floats(pieces.joint_stiffness))])
+    root = np.concatenate([ends.root, 1 / np.sqrt(stiffness)])
     rows = ends.dependent_rows * root
     held = rows[np.isinf(ends.dependent_stiffness)]
     # What every motion meets anyway excludes nothing.
