@@ -23,6 +23,8 @@ from beammodes.problem.axial_ends import AxialBoundary, AxialEnd, distinct_axial
 from beammodes.problem.beam import Beam
 from beammodes.problem.loading import Load
 from beammodes.problem.sections import Circle
+from beammodes.springs.matched_springs import match_springs, matched
+from beammodes.springs.tuning import mode_tuned
 from beammodes.vibration.axial_spectrum import solve_axial_modes
 from beammodes.vibration.modes import solve_modes
 from beammodes.vibration.stability import stable_time_step
@@ -400,3 +402,68 @@ def test_questions_of_users() -> None:
     middles = (np.arange(12) + 0.5) / 10
     along = np.interp(middles, [0.0, 0.4, 0.7, 1.2], [-0.0028666666666666667, -0.0042, -0.003, 0.0])
     assert turns[:12] == pytest.approx(along, abs=1e-15)
+
+
+# --- springs tuned to one mode, and matched to all ---------------------------------------------------------
+
+
+def test_a_tuned_wall_makes_its_mode_exact() -> None:
+    random = np.random.default_rng(11)
+    exact = 0
+    for _ in range(40):
+        pair, mode, segments = (
+            random_ends(random, 1.0),
+            int(random.integers(1, 4)),
+            int(random.integers(8, 60)),
+        )
+        found = frequency_error(
+            pair, segments=segments, mode=mode, rule=mode_tuned(mode, motion="twist"), motion="twist"
+        )
+        if pair.left.is_free and pair.right.is_free:
+            assert found == pytest.approx(
+                frequency_error("free-free", segments=segments, mode=mode, rule="naive", motion="twist")
+            )
+        elif not math.isnan(found):
+            assert abs(found) < 1e-13
+            exact += 1
+    assert exact > 30
+    # w = ½ [1 + tan(β - N q)/tan(q/2)].
+    beta, q = math.pi / 2, 2 * math.asin(math.pi / 40)
+    wall = AxialChain(UNIT, "fixed-free", 10, mode_tuned(1, motion="twist")).joint_stiffness[0] / 10
+    assert 1 / wall == pytest.approx((1 + math.tan(beta - 10 * q) / math.tan(q / 2)) / 2, rel=1e-9)
+    with pytest.raises(ValueError, match=r"got mode_tuned\(1\), whose springs are for bending"):
+        frequency_error("fixed-free", segments=3, mode=1, rule=mode_tuned(1), motion="twist")
+
+
+def test_all_frequencies_are_met_by_positive_springs() -> None:
+    for ends, lengths in (
+        ("fixed-free", (2, 3, 4, 6, 8)), ("fixed-fixed", (2, 3, 4, 6, 8)), ("free-free", (2, 3, 4)),
+        ("fixed-free(inertia=0.5)", (3,)), ("free(stiffness=2)-free", (3,)),
+    ):  # fmt: skip
+        for segments in lengths:
+            modes = segments - (ends == "free-free")
+            springs = match_springs(ends, segments, modes, motion="twist")
+            assert (springs.stiffness_ratio > 0).all()
+            # Against numpy's dense eigenvalues of the chain's springs and pieces.
+            _, inertia, between = springs.chain.moving
+            stiffness = (
+                np.diag(between[:-1] + between[1:]) - np.diag(between[1:-1], 1) - np.diag(between[1:-1], -1)
+            )
+            root = np.sqrt(inertia)
+            squares = np.linalg.eigvalsh(stiffness / root / root[:, None])[
+                -len(inertia) + (ends == "free-free") :
+            ]
+            exact = axial_modes(UNIT, ends, modes).angular_frequency
+            assert np.sqrt(squares[:modes]) == pytest.approx(exact, rel=1e-11)
+    # One of the solutions of three pieces, published to three decimals: 1.059, 2.555, 1.713.
+    k = np.array([1.059, 2.555, 1.713]) * 3
+    matrix = 3 * np.array([[k[0] + k[1], -k[1], 0], [-k[1], k[1] + k[2], -k[2]], [0, -k[2], k[2]]])
+    exact = (np.arange(3) + 0.5) * math.pi
+    assert np.sqrt(np.linalg.eigvalsh(matrix)) == pytest.approx(exact, rel=2e-4)
+    rule = matched(2, motion="stretch")
+    errors = frequency_error("fixed-free", segments=[4, 9], mode=2, rule=rule, motion="stretch")
+    assert np.abs(errors).max() < 1e-13
+    with pytest.raises(ValueError, match="first 2 frequencies are the beam's at every N"):
+        segments_needed("fixed-free", 0.01, 1, rule, motion="stretch")
+    with pytest.raises(ValueError, match="hold_tip_stiffness must be left out for motion twist"):
+        match_springs("fixed-free", 3, 2, hold_tip_stiffness=True, motion="twist")  # type: ignore[call-overload]

@@ -405,8 +405,9 @@ CALLS: dict[str, Arguments] = {
         "highest_frequency": None,
         "symmetric": None,
         "beam": beam(),
+        "motion": "bending",
     },
-    "matched": of(modes=2),
+    "matched": of(modes=2, motion="twist"),
     "modal_assurance": lambda: {"a": np.eye(3), "b": np.eye(3), "mass": np.ones(3)},
     # Slow to swing, so that hundreds of seconds, which an array of small integers asks for, are few periods.
     "modal_response": lambda: {
@@ -420,7 +421,7 @@ CALLS: dict[str, Arguments] = {
         "tolerance": 1e-8,
     },
     "mode_start": lambda: {"chain": chain(), "mode": 1, "amplitude": 0.1, "load": bm.Load(axial_force=0.1)},
-    "mode_tuned": of(mode=1),
+    "mode_tuned": of(mode=1, motion="stretch"),
     "open_study": lambda: {"path": study()},
     "published_time_step": lambda: {"beam": beam(), "modes": 3},
     "read_chain_csv": lambda: {"path": csv()},

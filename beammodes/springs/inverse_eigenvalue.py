@@ -6,7 +6,7 @@ conditions; steps along them, Newton's again, lead to those that are closest to 
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
 from itertools import islice
 from typing import Any
@@ -104,8 +104,8 @@ class Conditions:
 
     Attributes
     ----------
-    unit : FlexibilityForm
-        Of the chain with all springs 1, in its own units.
+    state : callable
+        The chain's state with springs e^x, in its own units: of bending `spring_state` of a unit form.
     basis : ndarray, shape (hinges, unknowns)
         Orthonormal, so that distances between springs are those between their z.
     modes : tuple of int
@@ -118,7 +118,7 @@ class Conditions:
         What ln ω² of the highest mode shall not exceed.
     """
 
-    unit: FlexibilityForm
+    state: Callable[[Floats], State]
     basis: Floats
     modes: tuple[int, ...]
     log_square: Floats
@@ -127,7 +127,7 @@ class Conditions:
 
     def at(self, z: Floats) -> tuple[State, Floats, Floats]:
         """Return the state, the residuals, all logarithms, and their derivatives by z."""
-        state = spring_state(self.unit, self.basis @ z)
+        state = self.state(self.basis @ z)
         rows = list(self.modes)
         residual, slope = state.log_square[rows] - self.log_square, state.energy[rows] ** 2
         if self.log_compliance is not None:
@@ -201,8 +201,9 @@ def closest(conditions: Conditions, wanted: Floats, starts: list[Floats]) -> Sol
     >>> from beammodes.problem.beam import Beam
     >>> from beammodes.chains.chain import Chain
     >>> from beammodes.vibration.spectrum import flexibility_form
+    >>> from functools import partial
     >>> unit = flexibility_form(Chain(Beam.unit(), "clamped-free", 1, "naive"))
-    >>> one = Conditions(unit, np.eye(1), (0,), np.log([6.0]))               # ω² = 6 = 3 k
+    >>> one = Conditions(partial(spring_state, unit), np.eye(1), (0,), np.log([6.0]))          # ω² = 6 = 3 k
     >>> np.exp(closest(one, np.zeros(1), [np.zeros(1)]).z).round(12)
     array([2.])
     """

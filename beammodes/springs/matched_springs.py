@@ -11,8 +11,8 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from functools import lru_cache
-from typing import ClassVar
+from functools import lru_cache, partial
+from typing import Any, ClassVar, overload
 
 import numpy as np
 
@@ -21,8 +21,11 @@ from beammodes.chains.rules import RULES, hinges_at_nodes
 from beammodes.checks import choice, flag, positive_real, row_shown, shown, whole_number
 from beammodes.exact.exact_beam import plain_modes, wavenumber
 from beammodes.numerics.arrays import Floats
+from beammodes.problem.axial_ends import AxialBoundaryLike
 from beammodes.problem.beam import Beam
 from beammodes.problem.ends import Boundary, BoundaryLike
+from beammodes.problem.motions import motion_named
+from beammodes.springs.axial_matching import AxialMatched, AxialMatchedSprings, match_axial_springs
 from beammodes.springs.inverse_eigenvalue import (
     Conditions,
     Solution,
@@ -234,7 +237,7 @@ class SpringTask:
         target = 4 * np.log(np.asarray(wavenumber(self.pair, numbers)) / self.segments)
         held = math.log(self._tip_compliance) if hold_tip_stiffness else None
         basis = symmetric_basis(len(self.wanted), self.symmetric)
-        return Conditions(self.unit, basis, tuple(range(self.modes)), target, held)
+        return Conditions(partial(spring_state, self.unit), basis, tuple(range(self.modes)), target, held)
 
     @property
     def _tip_compliance(self) -> float:
@@ -336,8 +339,34 @@ def _mirrored(pair: Boundary, modes: int, hinges: int, symmetric: bool | None) -
     return symmetric is not False
 
 
+@overload
 def match_springs(
     boundary: BoundaryLike,
+    segments: int,
+    modes: int,
+    *,
+    criterion: str = ...,
+    hold_tip_stiffness: bool = ...,
+    highest_frequency: float | None = ...,
+    symmetric: bool | None = ...,
+    beam: Beam | None = ...,
+) -> MatchedSprings: ...
+
+
+@overload
+def match_springs(
+    boundary: AxialBoundaryLike,
+    segments: int,
+    modes: int,
+    *,
+    symmetric: bool | None = ...,
+    beam: Beam | None = ...,
+    motion: str,
+) -> AxialMatchedSprings: ...
+
+
+def match_springs(
+    boundary: Any,
     segments: int,
     modes: int,
     *,
@@ -346,7 +375,8 @@ def match_springs(
     highest_frequency: float | None = None,
     symmetric: bool | None = None,
     beam: Beam | None = None,
-) -> MatchedSprings:
+    motion: str = "bending",
+) -> MatchedSprings | AxialMatchedSprings:
     """Return positive springs that make a chain's first frequencies the beam's.
 
         minimize Σ ln²(k_j/k_j⁰)   subject to   ω_n(k) = β_n² √(EI/(ρA L⁴)),  n = 1 ... modes
@@ -373,6 +403,9 @@ def match_springs(
         Whether springs mirror each other; by default they do where both ends are alike.
     beam : Beam, optional
         Sets the units of the chain and of `highest_frequency`; `Beam.unit()` by default.
+    motion : str
+        "bending"; or "twist" or "stretch", in which all frequencies can be met at once: the answer is then
+        that of `match_axial_springs`, which has no criterion, held tip or highest frequency.
 
     Raises
     ------
@@ -393,6 +426,13 @@ def match_springs(
     >>> bool(abs(springs.frequency_errors).max() < 1e-12)
     True
     """
+    if motion_named(motion).along:
+        others = {"criterion": "gregory", "hold_tip_stiffness": False, "highest_frequency": None}
+        given = {"criterion": criterion, "hold_tip_stiffness": hold_tip_stiffness}
+        for name, value in (given | {"highest_frequency": highest_frequency}).items():
+            if value != others[name]:
+                raise ValueError(f"{name} must be left out for motion {motion}, got {shown(value)}")
+        return match_axial_springs(boundary, segments, modes, symmetric=symmetric, beam=beam, motion=motion)
     task = SpringTask.of(boundary, segments, modes, criterion, symmetric, beam)
     conditions = task.conditions(flag("hold_tip_stiffness", hold_tip_stiffness))
     highest = None if highest_frequency is None else task.highest(highest_frequency)
@@ -455,7 +495,15 @@ class Matched:
         return hinges_at_nodes(Boundary.of(boundary), segments)
 
 
-def matched(modes: int) -> Matched:
+@overload
+def matched(modes: int) -> Matched: ...
+
+
+@overload
+def matched(modes: int, *, motion: str) -> Matched | AxialMatched: ...
+
+
+def matched(modes: int, *, motion: str = "bending") -> Matched | AxialMatched:
     """Return the rule that makes the first frequencies of a chain those of the beam.
 
         ω_n(chain) = β_n² √(EI/(ρA L⁴)),  n = 1 ... modes
@@ -466,11 +514,13 @@ def matched(modes: int) -> Matched:
     ----------
     modes : int
         How many, 1 to 200.
+    motion : str
+        "bending", "twist" or "stretch": what the springs are for.
 
     Raises
     ------
     TypeError, ValueError
-        If `modes` is not a whole number in 1..200.
+        If `modes` is not a whole number in 1..200, or `motion` unknown.
 
     Source
     ------
@@ -481,7 +531,7 @@ def matched(modes: int) -> Matched:
     >>> round(matched(3).springs("clamped-free", 12).static_tip_deflection_error, 6)
     -9e-05
     """
-    return Matched(modes)
+    return AxialMatched(modes) if motion_named(motion).along else Matched(modes)
 
 
 @lru_cache(maxsize=1024)

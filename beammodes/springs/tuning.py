@@ -9,13 +9,15 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import lru_cache
-from typing import ClassVar
+from typing import ClassVar, overload
 
 from beammodes.chains.rules import RULES, Rule, Weight, hinges_at_nodes
 from beammodes.checks import whole_number
 from beammodes.exact.exact_beam import plain_modes
 from beammodes.problem.beam import Beam
 from beammodes.problem.ends import Boundary, BoundaryLike
+from beammodes.problem.motions import motion_named
+from beammodes.springs.axial_tuning import AxialTuned
 
 __all__ = ["ModeTuned", "mode_tuned"]
 
@@ -66,7 +68,15 @@ class ModeTuned:
         return hinges_at_nodes(Boundary.of(boundary), segments)
 
 
-def mode_tuned(mode: int) -> ModeTuned:
+@overload
+def mode_tuned(mode: int) -> ModeTuned: ...
+
+
+@overload
+def mode_tuned(mode: int, *, motion: str) -> ModeTuned | AxialTuned: ...
+
+
+def mode_tuned(mode: int, *, motion: str = "bending") -> ModeTuned | AxialTuned:
     """Return the rule that removes the 1/N² error of mode n, whatever the ends.
 
         w = 1/2 - σ_n β_n / (6 N),   σ_n β_n = L |φ'''|/|φ''| at the wall,
@@ -80,11 +90,13 @@ def mode_tuned(mode: int) -> ModeTuned:
     ----------
     mode : int
         n, from 1.
+    motion : str
+        "bending"; with "twist" or "stretch" the record is for these, and mode n exact (`AxialTuned`).
 
     Raises
     ------
     TypeError, ValueError
-        If `mode` is not a whole number in 1..10000.
+        If `mode` is not a whole number in 1..10000, or `motion` unknown.
 
     Source
     ------
@@ -99,6 +111,8 @@ def mode_tuned(mode: int) -> ModeTuned:
     >>> (100 * (solve_modes(linearize(chain), 3).angular_frequency / exact - 1)).round(3)        # %
     array([ 1.154, -0.003, -1.095])
     """
+    if motion_named(motion).along:
+        return AxialTuned(mode)
     return ModeTuned(mode)
 
 

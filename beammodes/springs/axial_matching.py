@@ -1,0 +1,257 @@
+"""Springs that make a chain's first frequencies, or all of them, those of the beam in twist or stretch.
+
+The same inverse eigenvalue problem as in bending (`inverse_eigenvalue`), with pieces of equal inertia. Here
+positive springs were found for all frequencies at once, of every chain tried between fixed and free ends.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from beammodes.chains.axial_chain import AxialChain
+from beammodes.checks import flag, row_shown, shown, whole_number
+from beammodes.exact.axial_beam import axial_wavenumber, uniform_numbers
+from beammodes.numerics.arrays import Floats
+from beammodes.problem.axial_ends import AxialBoundary, AxialBoundaryLike
+from beammodes.problem.beam import Beam
+from beammodes.problem.motions import MOTIONS, Motion
+from beammodes.springs.inverse_eigenvalue import Conditions, State, closest, symmetric_basis
+from beammodes.vibration.axial_spectrum import solve_axial_modes
+from beammodes.vibration.stability import stable_time_step
+
+__all__ = ["AxialMatched", "AxialMatchedSprings", "NoPositiveAxialSprings", "match_axial_springs"]
+
+# Longer chains are not matched: every step of the search decomposes a dense matrix.
+_MOST = 200
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class AxialMatchedSprings:
+    """Springs of one chain in twist or stretch whose first frequencies are the beam's.
+
+    Attributes
+    ----------
+    boundary : AxialBoundary
+    segments, modes : int
+    chain : AxialChain
+    stiffness_ratio : ndarray, shape (hinges,) [-]
+        Joint stiffness over GJ/ell (EA/ell), left to right.
+    frequency_errors : ndarray, shape (modes,) [-]
+        ω_chain/ω_beam - 1, what rounding leaves.
+    stable_time_step : float [s]
+        Of fixed-step RK4.
+    symmetric : bool
+        Whether the springs are their own mirror image.
+    """
+
+    boundary: AxialBoundary
+    segments: int
+    modes: int
+    chain: AxialChain
+    stiffness_ratio: Floats
+    frequency_errors: Floats
+    stable_time_step: float
+    symmetric: bool
+
+    def __repr__(self) -> str:
+        symbol = MOTIONS[self.boundary.motion].stiffness_symbol
+        springs = row_shown(self.stiffness_ratio, "{:.6g}", f"{symbol}/ell")
+        met = f"{self.segments} segments, {self.modes} modes of the beam met"
+        return f"AxialMatchedSprings({self.boundary}, {met}: {springs})"
+
+
+class NoPositiveAxialSprings(ValueError):
+    """No positive springs were found that make the frequencies those of the beam."""
+
+
+@dataclass(frozen=True, eq=False)
+class _Springs:
+    """A chain's inertias and the springs between them, those that are sought marked."""
+
+    inertia: Floats
+    springs: Floats
+    sought: NDArray[np.bool_]
+    rigid: int
+
+    @classmethod
+    def of(cls, pair: AxialBoundary, segments: int) -> _Springs:
+        """Return those of unit numbers, with 1/2 at the walls."""
+        unit = Beam(1.0, 1.0, 1.0, torsional_stiffness=1.0, polar_inertia_per_length=1.0, axial_stiffness=1.0)
+        chain = AxialChain(unit, pair, segments, "double_wall", motion=pair.motion)
+        _, inertia, springs = chain.moving
+        sought = np.ones(len(springs), dtype=bool)
+        for end, at in ((pair.left, 0), (pair.right, -1)):
+            # A free end has no spring, and that of a disc is its own; a spring alone is in series with a
+            # hinge.
+            sought[at] = end.is_fixed or (end.stiffness > 0.0 and not end.inertia)
+        return cls(inertia, springs, sought, pair.rigid_body_modes)
+
+    def state(self, log_springs: Floats) -> State:
+        """Return the elastic modes of the chain with these springs where they are sought."""
+        springs = self.springs.copy()
+        springs[self.sought] = np.exp(log_springs)
+        size, root = len(self.inertia), np.sqrt(self.inertia)
+        two, at = np.zeros((size + 1, size)), np.arange(size)
+        two[at, at], two[at + 1, at] = np.sqrt(springs[:-1]) / root, -np.sqrt(springs[1:]) / root
+        energy, omega, _ = np.linalg.svd(two, full_matrices=False)
+        order = np.argsort(omega)[self.rigid :]
+        return State(
+            2 * np.log(omega[order]), energy.T[order][:, self.sought], np.zeros(int(self.sought.sum()))
+        )
+
+
+def match_axial_springs(
+    boundary: AxialBoundaryLike,
+    segments: int,
+    modes: int,
+    *,
+    symmetric: bool | None = None,
+    beam: Beam | None = None,
+    motion: str | Motion = "twist",
+) -> AxialMatchedSprings:
+    """Return positive springs that make a chain's first frequencies the beam's in twist or stretch.
+
+        minimize Σ ln²(k_j/k_j⁰)   subject to   ω_n(k) = ω_n of the beam,  n = 1 ... modes
+
+    k⁰ is GJ/ell inside, and 2 GJ/ell at the ends. `match_springs(motion="twist")` is the door to it.
+
+    Parameters
+    ----------
+    boundary : str, pair of words or AxialEnd, or AxialBoundary
+    segments : int
+        N, 1 to 200.
+    modes : int
+        How many, from the first; at most all elastic ones.
+    symmetric : bool, optional
+        Whether springs mirror each other; by default they do where both ends are alike and there are enough.
+    beam : Beam, optional
+        Uniform; sets the units of chain and ends. Without one numbers are multiples.
+    motion : str
+
+    Raises
+    ------
+    TypeError, ValueError
+        If an argument is not of its kind or out of range; `NoPositiveAxialSprings`, a ValueError, if none are
+        found.
+
+    Examples
+    --------
+    >>> springs = match_axial_springs("fixed-free", segments=3, modes=3)
+    >>> springs.stiffness_ratio.round(3), bool(abs(springs.frequency_errors).max() < 1e-12)
+    (array([6.021, 0.725, 1.062]), True)
+    """
+    pair = AxialBoundary.of(boundary, motion)
+    count, wanted = whole_number("segments", segments, most=_MOST), whole_number("modes", modes)
+    if beam is None:
+        beam = Beam(1.0, 1.0, 1.0, torsional_stiffness=1.0, polar_inertia_per_length=1.0, axial_stiffness=1.0)
+    stiffness, inertia = uniform_numbers(beam, MOTIONS[pair.motion])
+    weights = _weights(pair.scaled(stiffness / beam.length, inertia * beam.length), count, wanted, symmetric)
+    chain = AxialChain(beam, pair, count, _Given(weights), motion=pair.motion)
+    scaled = pair.scaled(stiffness / beam.length, inertia * beam.length)
+    exact = axial_wavenumber([scaled], np.zeros(wanted, dtype=np.intp), np.arange(1, wanted + 1))
+    omega = solve_axial_modes(chain, wanted).angular_frequency
+    ratio = 1.0 / np.array(weights)
+    return AxialMatchedSprings(
+        pair,
+        count,
+        wanted,
+        chain,
+        ratio,
+        omega / (exact * MOTIONS[pair.motion].frequency_unit(beam)) - 1.0,
+        stable_time_step(chain),
+        bool(np.allclose(ratio, ratio[::-1], rtol=1e-9, atol=0)),
+    )
+
+
+@dataclass(frozen=True)
+class _Given:
+    """Weights that were found, as a layout."""
+
+    weights: tuple[float, ...]
+    name: str = "matched"
+
+    def axial_weights(self, _boundary: AxialBoundary, _segments: int) -> tuple[float, ...]:
+        return self.weights
+
+
+@lru_cache(maxsize=1024)
+def _weights(
+    pair: AxialBoundary, segments: int, modes: int, symmetric: bool | None = None
+) -> tuple[float, ...]:
+    """Return the flexibility weights of matched springs, left to right, of ends in multiples."""
+    chain = _Springs.of(pair, segments)
+    elastic = len(chain.inertia) - chain.rigid
+    if modes > elastic:
+        raise ValueError(
+            f"modes must be at most {elastic}, all the elastic modes of a {pair.name} chain of {segments} "
+            f"segments, got {modes}"
+        )
+    hinges, alike = int(chain.sought.sum()), pair.left == pair.right
+    mirrored = alike and (hinges + 1) // 2 >= modes
+    if symmetric is not None:
+        flag("symmetric", symmetric, or_none=True)
+        if symmetric and not mirrored:
+            raise ValueError(
+                f"symmetric must not be True where the ends differ or modes exceed {(hinges + 1) // 2}, half "
+                f"the springs, got {pair.name} with {modes} modes"
+            )
+        mirrored = bool(symmetric)
+    basis = symmetric_basis(hinges, mirrored)
+    exact = axial_wavenumber([pair], np.zeros(modes, dtype=np.intp), np.arange(1, modes + 1))
+    conditions = Conditions(chain.state, basis, tuple(range(modes)), 2 * np.log(exact))
+    wanted = basis.T @ np.log(chain.springs[chain.sought])
+    solution = closest(conditions, wanted, [wanted])
+    # Springs of pieces over N, the unit in which a weight is 1.
+    found = np.exp(basis @ solution.z) / segments
+    for end, at in ((pair.left, 0), (pair.right, -1)):
+        if not end.is_fixed and end.stiffness and not end.inertia:
+            found[at] = 1.0 / (1.0 / found[at] - segments / end.stiffness)
+    if not solution.met or not (found > 0.0).all():
+        raise NoPositiveAxialSprings(
+            f"no positive springs were found that meet {modes} modes of a {pair.name} chain of {segments} "
+            f"segments in {pair.motion}, got as near as {shown(found.round(3).tolist())} times those of rods"
+        )
+    return tuple((1.0 / found).tolist())
+
+
+@dataclass(frozen=True)
+class AxialMatched:
+    """Chains in twist or stretch with exact first frequencies; `matched(modes, motion="twist")` makes it.
+
+    Parameters
+    ----------
+    modes : int
+        How many frequencies, from the first.
+
+    Examples
+    --------
+    >>> [round(weight, 4) for weight in AxialMatched(1).axial_weights(AxialBoundary.of("free-free"), 3)]
+    [0.9119, 0.9119]
+    """
+
+    modes: int
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "modes", whole_number("modes", self.modes, most=_MOST))
+
+    @property
+    def name(self) -> str:
+        """Name in tables, such as "matched(3)"."""
+        return f"matched({self.modes})"
+
+    @property
+    def exact_modes(self) -> int:
+        """Number of frequencies, from the first, that are the beam's at every N that has them."""
+        return self.modes
+
+    def axial_weights(self, boundary: AxialBoundary, segments: int) -> tuple[float, ...]:
+        """Return the flexibility weights of the hinges, left to right; NaN where no springs are found."""
+        try:
+            return _weights(boundary, segments, self.modes)
+        except ValueError:
+            return (math.nan,) * (segments + 1)
