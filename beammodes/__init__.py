@@ -80,6 +80,7 @@ _NAMES = {
     "accuracy.segments": "segments_needed",
     "accuracy.shapes": "modal_assurance shape_dataset",
     "accuracy.statics": "beam_statics chain_statics static_dataset",
+    "accuracy.structure_statics": "StructureStatics structure_chain_statics structure_statics",
     "accuracy.uncertainty": "Tolerance frequency_spread segments_within_spread",
     "auditing.audit": "Audit audit_chain",
     "auditing.audit_model": "audit_file",
@@ -111,6 +112,7 @@ _NAMES = {
     "exporters.export": "export_chain",
     "numerics.distributions": "Normal Uniform",
     "problem.axial_ends": "AxialBoundary AxialEnd",
+    "problem.applied_loads": "LineLoad PointLoad",
     "problem.beam": "Beam",
     "problem.ends": "BOUNDARIES Boundary ENDS End",
     "problem.loading": "Load",
@@ -160,6 +162,9 @@ if TYPE_CHECKING:
     from beammodes.accuracy.statics import beam_statics as beam_statics
     from beammodes.accuracy.statics import chain_statics as chain_statics
     from beammodes.accuracy.statics import static_dataset as static_dataset
+    from beammodes.accuracy.structure_statics import StructureStatics as StructureStatics
+    from beammodes.accuracy.structure_statics import structure_chain_statics as structure_chain_statics
+    from beammodes.accuracy.structure_statics import structure_statics as structure_statics
     from beammodes.accuracy.uncertainty import Tolerance as Tolerance
     from beammodes.accuracy.uncertainty import frequency_spread as frequency_spread
     from beammodes.accuracy.uncertainty import segments_within_spread as segments_within_spread
@@ -215,6 +220,8 @@ if TYPE_CHECKING:
     from beammodes.exporters.export import export_chain as export_chain
     from beammodes.numerics.distributions import Normal as Normal
     from beammodes.numerics.distributions import Uniform as Uniform
+    from beammodes.problem.applied_loads import LineLoad as LineLoad
+    from beammodes.problem.applied_loads import PointLoad as PointLoad
     from beammodes.problem.axial_ends import AxialBoundary as AxialBoundary
     from beammodes.problem.axial_ends import AxialEnd as AxialEnd
     from beammodes.problem.beam import Beam as Beam

@@ -184,6 +184,7 @@ CALLS: dict[str, Arguments] = {
     "GivenSection": of(area=1.0, second_moment=2.0, weak_second_moment=1.0, torsion_constant=0.5),
     "ISection": of(width=0.1, height=0.2, flange=0.0085, web=0.0056),
     "Joint": of(x=0.0, y=1.0, support="pinned", mass=1.0, rotary_inertia=0.1, offset=(0.1, 0.0)),
+    "LineLoad": of(per_length=(1.0, 2.0), start=0.1, stop=0.9, member=None),
     "Load": of(
         axial_force=1.0,
         spin_rate=0.0,
@@ -202,6 +203,7 @@ CALLS: dict[str, Arguments] = {
         "stations": [bm.Station(0.5, mass=1.0)],
     },
     "Normal": of(mean=1.0, standard_deviation=0.1, within=4.0),
+    "PointLoad": of(x=0.5, force=(1.0, 2.0), moment=0.1, member=None),
     "Rectangle": of(width=0.1, height=0.2),
     "Rod": of(
         length=1.0,
@@ -494,6 +496,11 @@ CALLS: dict[str, Arguments] = {
         mode=1,
         rotary_inertia_per_length=1e-4,
     ),
+    "structure_chain_statics": lambda: {
+        "chain": bm.StructureChain(structure(), 4),
+        "load": bm.PointLoad(0.6, force=1.0),
+    },
+    "structure_statics": lambda: {"structure": structure(), "load": [bm.LineLoad(2.0)]},
     "structure_chain_modes": lambda: {"chain": bm.StructureChain(structure(), 4), "modes": 2},
     "structure_modes": lambda: {"structure": structure(), "modes": 2},
     "symbolic_energies": lambda: {"chain": small(), "load": bm.Load(), "symbols": None},
@@ -535,6 +542,7 @@ ANSWERS = {
     "SpectralBeamModes",
     "StructureChainModes",
     "StructureModes",
+    "StructureStatics",
     "Study",
     "SupportedBeamModes",
     "TimoshenkoModes",

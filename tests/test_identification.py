@@ -130,7 +130,7 @@ def test_the_published_deflection_gives_the_published_modulus() -> None:
 @pytest.mark.parametrize(
     ("call", "message"),
     [
-        ({}, "one of tip_force, tip_moment, uniform_load must be given, got none"),
+        ({}, "one of tip_force, tip_moment, uniform_load, mid_force must be given, got none"),
         ({"tip_force": 1.0, "tip_moment": 2.0}, "one of .* must be given, got tip_force, tip_moment"),
         ({"tip_force": -1.0}, r"deflection must be one that tip_force = -1\.0 causes at the tip, downwards"),
         ({"tip_force": 1.0, "deflection": 0.0}, r"deflection must be .* upwards, got 0\.0"),

@@ -5,9 +5,10 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 
-from beammodes.accuracy.statics import LOADS, beam_statics
+from beammodes.accuracy.statics import beam_statics
 from beammodes.checks import choice, positive_real, real, shown, whole_number
 from beammodes.exact.beam_theory import euler_bernoulli
+from beammodes.problem.applied_loads import PointLoad
 from beammodes.problem.beam import Beam
 from beammodes.problem.ends import Boundary, BoundaryLike
 
@@ -123,6 +124,7 @@ def stiffness_from_deflection(
     tip_force: float | None = None,
     tip_moment: float | None = None,
     uniform_load: float | None = None,
+    mid_force: float | None = None,
     at: str | None = None,
 ) -> float:
     """Return the bending stiffness EI with which a uniform beam has a measured static deflection.
@@ -146,8 +148,11 @@ def stiffness_from_deflection(
         M.
     uniform_load : float [N/m], optional
         q.
+    mid_force : float [N], optional
+        F in the middle of the beam, as of a three-point bending test.
     at : str, optional
-        Where y is measured, "tip" or "midspan"; by default the tip, or midspan where the tip is held.
+        Where y is measured, "tip" or "midspan"; by default the tip, or midspan where the tip is held or the
+        force is there.
 
     Returns
     -------
@@ -164,17 +169,34 @@ def stiffness_from_deflection(
     >>> import beammodes as bm
     >>> round(bm.stiffness_from_deflection(-0.02, "clamped-free", length=1.2, tip_force=-3.0), 9)
     86.4
+    >>> round(bm.stiffness_from_deflection(-2e-4, "pinned-pinned", length=1.2, mid_force=-48.0), 6)
+    8640.0
     """
     measured, whole = real("deflection", deflection), positive_real("length", length)
-    loads = {"tip_force": tip_force, "tip_moment": tip_moment, "uniform_load": uniform_load}
+    loads = {
+        "tip_force": tip_force,
+        "tip_moment": tip_moment,
+        "uniform_load": uniform_load,
+        "mid_force": mid_force,
+    }
     given = {name: real(name, value) for name, value in loads.items() if value is not None}
     if len(given) != 1:
-        raise ValueError(f"one of {', '.join(LOADS)} must be given, got {', '.join(given) or 'none'}")
+        raise ValueError(f"one of {', '.join(loads)} must be given, got {', '.join(given) or 'none'}")
     ((name, load),) = given.items()
-    response = beam_statics(Beam(whole, 1.0, 1.0), boundary, name)
-    held = math.isnan(response.deflection)
-    place = choice("at", ("midspan" if held else "tip") if at is None else at, ("tip", "midspan"))
-    unit = response.deflection if place == "tip" else response.midspan_deflection
+    beam = Beam(whole, 1.0, 1.0)
+    held = Boundary.of(boundary).canonical.right.holds_deflection
+    usual = "midspan" if held or name == "mid_force" else "tip"
+    place = choice("at", usual if at is None else at, ("tip", "midspan"))
+    if name == "mid_force":
+        pushed = beam_statics(beam, Boundary.of(boundary).canonical, PointLoad(0.5 * whole, force=1.0))
+        unit = (
+            math.nan
+            if place == "tip" and held
+            else pushed.deflection(whole if place == "tip" else 0.5 * whole)
+        )
+    else:
+        response = beam_statics(beam, boundary, name)
+        unit = response.deflection if place == "tip" else response.midspan_deflection
     if math.isnan(unit) or unit * load == 0.0:
         raise ValueError(f"{name} must move the {place} of {Boundary.of(boundary)}, got {shown(load)}")
     stiffness = unit * load / measured if measured else math.inf

@@ -21,7 +21,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from itertools import accumulate
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple, overload
 
 import numpy as np
 
@@ -32,12 +32,16 @@ from beammodes.chains.rules import AnyRule
 from beammodes.chains.units import Units
 from beammodes.checks import choice, shown
 from beammodes.numerics.arrays import Floats
+from beammodes.problem.applied_loads import LineLoad, PointLoad
 from beammodes.problem.beam import Beam
 from beammodes.problem.ends import BOUNDARIES, Boundary, BoundaryLike
+from beammodes.problem.loading import Load
 from beammodes.problem.profiles import profile_parts, value_at
 
 if TYPE_CHECKING:
     import xarray
+
+    from beammodes.accuracy.structure_statics import Loads, StructureStatics
 
 __all__ = [
     "LOADS",
@@ -130,8 +134,16 @@ class Statics:
         return float(value) * scale / self.units.stiffness
 
 
-def beam_statics(beam: Beam, boundary: BoundaryLike, load: str) -> Statics:
-    """Return the response of an Euler-Bernoulli beam to a load of unit size.
+@overload
+def beam_statics(beam: Beam, boundary: BoundaryLike, load: str) -> Statics: ...
+
+
+@overload
+def beam_statics(beam: Beam, boundary: BoundaryLike, load: Loads) -> StructureStatics: ...
+
+
+def beam_statics(beam: Beam, boundary: BoundaryLike, load: str | Loads) -> Statics | StructureStatics:
+    """Return the response of an Euler-Bernoulli beam to loads, or to a load of unit size.
 
     (EI y'')'' = q,  two conditions at each end: y or -(EI y'')', and y' or EI y''
 
@@ -142,9 +154,16 @@ def beam_statics(beam: Beam, boundary: BoundaryLike, load: str) -> Statics:
     ----------
     beam : Beam
     boundary : str, pair or Boundary
-        Without rigid-body motion; in either order, the tip is the less firm end.
-    load : str
-        "tip_force", "tip_moment" or "uniform_load". One that a held tip takes up moves nothing.
+        Without rigid-body motion.
+    load : PointLoad, LineLoad, a sequence of these, Load or str
+        Loads with their sizes, at places from the end named first: the answer has deflection, rotation,
+        bending moment and shear force at any x, and the reactions. Of a `Load` gravity, and the force and the
+        moment on the right tip. Or one of the words "tip_force", "tip_moment" and "uniform_load" for a load
+        of size one, whose tip is the less firm end; one that a held tip takes up moves nothing.
+
+    Returns
+    -------
+    StructureStatics, or Statics for a word
 
     Raises
     ------
@@ -162,12 +181,20 @@ def beam_statics(beam: Beam, boundary: BoundaryLike, load: str) -> Statics:
     >>> import beammodes as bm
     >>> bm.beam_statics(bm.Beam.unit(), "pinned-pinned", "uniform_load").own.midspan_deflection
     Fraction(5, 384)
+    >>> pushed = bm.beam_statics(bm.Beam.unit(), "clamped-pinned", bm.PointLoad(0.5, force=-16.0))
+    >>> pushed.deflection(Fraction(1, 2)), pushed.reactions["right"]
+    (Fraction(-7, 48), Reaction(force_x=0.0, force_y=5.0, moment=0.0))
     >>> taper = bm.Beam(4.0, [1.5, 1.0], 1.0)
     >>> round(bm.beam_statics(taper, "clamped-free", "tip_force").deflection, 6)        # of 1 N
     15.111111
     """
     if not isinstance(beam, Beam):
         raise TypeError(f"beam must be a Beam, got {shown(beam)}")
+    _check_load(load)
+    if not isinstance(load, str):
+        from beammodes.accuracy.structure_statics import beam_under
+
+        return beam_under(beam, boundary, load)
     pair, name = _without_rigid_motion(Boundary.of(boundary)), choice("load", load, LOADS)
     mass, stiffness = beam.mean_mass_per_length, beam.mean_bending_stiffness
     units = Units(beam.length, mass * beam.length, stiffness / beam.length)
@@ -176,8 +203,16 @@ def beam_statics(beam: Beam, boundary: BoundaryLike, load: str) -> Statics:
     return Statics(name, units, _integrated_response(beam, pair, name))
 
 
-def chain_statics(chain: Chain, load: str) -> Statics:
-    """Return the response of a chain to a small load of unit size.
+@overload
+def chain_statics(chain: Chain, load: str) -> Statics: ...
+
+
+@overload
+def chain_statics(chain: Chain, load: Loads) -> StructureStatics: ...
+
+
+def chain_statics(chain: Chain, load: str | Loads) -> Statics | StructureStatics:
+    """Return the response of a chain to small loads, or to one of unit size.
 
     y(x) = θ₀ x + Σ M_j (x - x_j) / k_j  over the hinges left of x
 
@@ -186,8 +221,13 @@ def chain_statics(chain: Chain, load: str) -> Statics:
     chain : Chain
         Of ends without rigid-body motion. `own` is exact if its lengths and springs are fractions, as a
         rule makes them. The cost is proportional to the number of hinges.
-    load : str
-        "tip_force", "tip_moment" or "uniform_load", the last spread over the pieces by their length.
+    load : PointLoad, LineLoad, a sequence of these, Load or str
+        As of `beam_statics`. Words are for any chain, and "uniform_load" is spread over the pieces by their
+        length; other loads are for a chain that a rule made.
+
+    Returns
+    -------
+    StructureStatics, or Statics for a word
 
     Raises
     ------
@@ -208,6 +248,11 @@ def chain_statics(chain: Chain, load: str) -> Statics:
     """
     if not isinstance(chain, Chain):
         raise TypeError(f"chain must be a Chain, got {shown(chain)}")
+    _check_load(load)
+    if not isinstance(load, str):
+        from beammodes.accuracy.structure_statics import chain_under
+
+        return chain_under(chain, load)
     _without_rigid_motion(chain.boundary)
     name = choice("load", load, LOADS)
     return Statics(name, chain.units, _chain_response(chain, name))
@@ -283,6 +328,14 @@ def chain_static_errors(chain: Chain, load: str) -> list[float]:
         float(ours / (theirs * factor) - 1) if theirs else math.nan
         for ours, theirs, factor in zip(chain_statics(chain, load).own, exact, factors, strict=True)
     ]
+
+
+def _check_load(load: object) -> None:
+    if not isinstance(load, str | Load | PointLoad | LineLoad | Iterable):
+        raise TypeError(
+            f"load must be one of {', '.join(LOADS)}, or loads with their sizes (PointLoad, LineLoad, Load), "
+            f"got {shown(load)}"
+        )
 
 
 def _without_rigid_motion(boundary: Boundary) -> Boundary:

@@ -1,0 +1,309 @@
+"""Statics of beams, planar structures and chains of them under any loads: deflections, moments, reactions.
+
+On a stretch of length l the bending moment is known but for its values m₀ and m₁ at the two ends,
+
+    M(x) = m₀ (1 - x/l) + m₁ x/l + M_load(x),      M' = V,   V' = q,
+
+positive where it bends the stretch to the left of one who goes along it (up, on a beam along x). By virtual
+work the two ends turn against the line between them by -∫ (1 - x/l) κ dx and ∫ x/l κ dx with the curvature
+κ = M/EI of the beam. A chain has Σ f_j M(x_j) over its hinges in place of ∫ M/EI dx: the quadrature that its
+springs are. Rigid pieces in equilibrium have the beam's own M at the hinges, so nothing else differs.
+
+Rotations of nodes, the lengths of stretches and equilibrium at nodes make one linear system, solved in
+fractions where all numbers are such: of uniform beams along the axes, and of their chains.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from functools import cached_property
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from beammodes.accuracy.bent_stretches import (
+    BentStretch,
+    Flexibility,
+    HingedBending,
+    UniformBending,
+    VaryingBending,
+)
+from beammodes.accuracy.shared_loads import SharedLoads
+from beammodes.accuracy.static_system import StaticSystem
+from beammodes.chains.chain import Chain
+from beammodes.chains.structure_chain import StructureChain
+from beammodes.checks import bounded, real_numbers, shown
+from beammodes.problem.applied_loads import AppliedLoad, LineLoad, PointLoad
+from beammodes.problem.beam import Beam
+from beammodes.problem.ends import Boundary, BoundaryLike
+from beammodes.problem.loading import Load
+from beammodes.problem.profiles import SAME_PLACE
+from beammodes.problem.structure import Parts, Stretch, Structure, checked_structure
+
+__all__ = [
+    "Loads",
+    "Reaction",
+    "StructureStatics",
+    "beam_under",
+    "chain_under",
+    "structure_chain_statics",
+    "structure_statics",
+]
+
+#: What a user may give as loads.
+Loads = Load | AppliedLoad | Iterable[AppliedLoad]
+_MOST_LOADS = 10_000
+
+
+class Reaction(NamedTuple):
+    """What a support does to a structure: forces along x and y [N], and a moment, counter-clockwise [N m]."""
+
+    force_x: float
+    force_y: float
+    moment: float
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class StructureStatics:
+    """Small static deflection under loads; `structure_statics` and `structure_chain_statics` make it.
+
+    Where x is a `Fraction`, so are the answers, if all numbers of the problem are exact: those of uniform
+    beams along the axes of the plane.
+
+    Attributes
+    ----------
+    structure : Structure
+    exact : bool
+        Whether all numbers are fractions.
+    """
+
+    structure: Structure
+    exact: bool
+    _stretches: tuple[BentStretch, ...]
+    _ends: tuple[tuple[Any, ...], ...]
+    _reactions: Mapping[str, tuple[Any, Any, Any]]
+    _joints: Mapping[str, tuple[Any, Any, Any]]
+
+    def deflection(self, x: ArrayLike | Fraction, member: str | None = None) -> Any:
+        """Return the deflection across a member, to the left of one who goes along it [m].
+
+        Up, on a beam along x.
+
+        Parameters
+        ----------
+        x : float, Fraction or array [m]
+            Distance from the member's start.
+        member : str, optional
+            Its name, where there are several.
+        """
+        return self._along(x, member, BentStretch.deflection)
+
+    def rotation(self, x: ArrayLike | Fraction, member: str | None = None, side: int = -1) -> Any:
+        """Return the rotation, counter-clockwise [rad]; at a hinge that before it (side -1) or behind (1)."""
+        return self._along(x, member, BentStretch.rotation, side)
+
+    def moment(self, x: ArrayLike | Fraction, member: str | None = None, side: int = -1) -> Any:
+        """Return the bending moment M = EI v'' [N m], before (side -1) or behind (1) a jump of it."""
+        return self._along(x, member, BentStretch.moment, side)
+
+    def shear(self, x: ArrayLike | Fraction, member: str | None = None, side: int = -1) -> Any:
+        """Return the shear force V = dM/dx [N], before (side -1) or behind (1) a jump of it.
+
+        A part of the beam from x on is pushed up, to the left, by V from the part before.
+        """
+        return self._along(x, member, BentStretch.shear, side)
+
+    @cached_property
+    def reactions(self) -> Mapping[str, Reaction]:
+        """Of each support, by the name of its joint or station ("left-right at 0.5").
+
+        Where several supports hold one straight line of members along itself, members that do not stretch do
+        not tell how these share a force along it.
+        """
+        return {name: Reaction(*map(float, given)) for name, given in self._reactions.items()}
+
+    @property
+    def exact_reactions(self) -> Mapping[str, tuple[Any, Any, Any]]:
+        """`reactions` in the numbers in which they were found, fractions if `exact`."""
+        return dict(self._reactions)
+
+    @property
+    def displacements(self) -> Mapping[str, tuple[float, float, float]]:
+        """Of each joint and station along x and y [m], and its rotation [rad]."""
+        return {name: (float(x), float(y), float(turn)) for name, (x, y, turn) in self._joints.items()}
+
+    def _along(self, x: Any, member: str | None, function: Any, side: int = -1) -> Any:
+        if side not in (-1, 1):
+            raise ValueError(f"side must be -1 or 1, got {shown(side)}")
+        beam = self.structure.member(member)
+        if isinstance(x, Fraction):
+            return self._at(x, beam.name, beam.beam.length, function, side)
+        places = real_numbers("x", x)
+        number = Fraction if self.exact else float
+        found = [
+            float(self._at(number(at), beam.name, beam.beam.length, function, side))
+            for at in places.ravel().tolist()
+        ]
+        return np.array(found).reshape(places.shape) if places.ndim else found[0]
+
+    def _at(self, x: Any, member: str, length: float, function: Any, side: int) -> Any:
+        if not 0 <= x <= length:
+            raise ValueError(f"x must be inside [0, {length}], got {float(x)}")
+        own = [i for i, one in enumerate(self._stretches) if one.stretch.member == member]
+        starts = [self._stretches[i].start for i in own]
+        small = SAME_PLACE * length
+        later = [
+            k for k, start in enumerate(starts) if (start < x - small or (side > 0 and start <= x + small))
+        ]
+        k = max(later, default=0)
+        one, ends = self._stretches[own[k]], self._ends[own[k]]
+        place = min(max(x - starts[k], 0 * x), one.length)
+        return function(one, place if self.exact else float(place), ends, side)
+
+    def __repr__(self) -> str:
+        told = ", ".join(
+            f"{name}: ({', '.join(f'{value:.6g}' for value in given)})"
+            for name, given in self.reactions.items()
+        )
+        return f"StructureStatics({self.structure!r}; reactions (F_x N, F_y N, M N m) {told})"
+
+
+def structure_statics(structure: Structure, load: Loads) -> StructureStatics:
+    """Return the small static deflection of a structure of Euler-Bernoulli beams, with its reactions.
+
+    (EI v'')'' = q on every stretch
+
+    Parameters
+    ----------
+    structure : Structure
+        One that its supports hold still.
+    load : PointLoad, LineLoad, a sequence of these, or Load
+        Of a `Load` the gravity only.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If an argument is not of its kind, a load is where no beam is, or something moves freely.
+
+    References
+    ----------
+    S. P. Timoshenko, Strength of Materials, part I (1930).
+
+    Examples
+    --------
+    A force in the middle of a bar between two walls, F L³/(192 EI):
+
+    >>> import beammodes as bm
+    >>> bar = bm.Structure.of_beam(bm.Beam.unit(), "clamped-clamped")
+    >>> pushed = bm.structure_statics(bar, bm.PointLoad(0.5, force=1.0))
+    >>> pushed.deflection(Fraction(1, 2)), pushed.reactions["left"]
+    (Fraction(1, 192), Reaction(force_x=0.0, force_y=-0.5, moment=-0.125))
+    """
+    return _solved(checked_structure(structure), structure.parts, None, load)
+
+
+def structure_chain_statics(chain: StructureChain, load: Loads) -> StructureStatics:
+    """Return the small static deflection of a chain of a structure, with its reactions.
+
+    As `structure_statics`, with the chain's hinges in place of bending. Between hinges the deflection is
+    straight.
+
+    Parameters
+    ----------
+    chain : StructureChain
+    load : PointLoad, LineLoad, a sequence of these, or Load
+        Anywhere, at hinges or not.
+
+    Examples
+    --------
+    >>> import beammodes as bm
+    >>> bar = bm.Structure.of_beam(bm.Beam.unit(), "clamped-clamped", [bm.Station(0.5)])
+    >>> chain = bm.StructureChain(bar, segments=6, rule="gregory")
+    >>> bm.structure_chain_statics(chain, bm.PointLoad(0.5, force=1.0)).deflection(Fraction(1, 2))
+    Fraction(1, 192)
+    """
+    if not isinstance(chain, StructureChain):
+        raise TypeError(f"chain must be a StructureChain, got {shown(chain)}")
+    return _solved(chain.structure, chain.parts, chain.chains, load)
+
+
+def beam_under(beam: Beam, boundary: BoundaryLike, load: Loads) -> StructureStatics:
+    """Return the statics of one beam; the tip of a `Load` is its right end.
+
+    Examples
+    --------
+    >>> beam_under(Beam.unit(), "clamped-free", Load(tip_force=3.0)).deflection(Fraction(1))
+    Fraction(1, 1)
+    """
+    pair = Boundary.of(boundary)
+    plain = Boundary(*(replace(end, on_segment=False) for end in (pair.left, pair.right)))
+    structure = Structure.of_beam(beam, plain)
+    return _solved(structure, structure.parts, None, load, tip="right")
+
+
+def chain_under(chain: Chain, load: Loads) -> StructureStatics:
+    """Return the statics of a chain that a rule made; the tip of a `Load` is its right end.
+
+    Examples
+    --------
+    >>> chain = Chain(Beam.unit(), "clamped-free", 4, "mitiguy")
+    >>> chain_under(chain, Load(tip_force=3.0)).deflection(Fraction(1))
+    Fraction(1, 1)
+    """
+    if chain.beam is None or chain.segments is None or chain.rule is None:
+        raise ValueError("chain must be one that a rule made for a beam under such a load, got one of pieces")
+    beam, (left, right) = chain.beam, (chain.boundary.left, chain.boundary.right)
+    plain = Boundary(replace(left, on_segment=False), replace(right, on_segment=False))
+    structure = Structure.of_beam(beam, plain)
+    # The whole chain is one stretch. A wall's hinge may be in series with the support, and part of it then.
+    nodes = [
+        node._replace(
+            rotational_stiffness=k if k == math.inf else Fraction(k) * chain.exact_units.stiffness  # type: ignore[arg-type]
+        )
+        for node, (_, k) in zip(structure.parts.nodes, chain.scaled.supports, strict=False)
+    ]
+    whole = Stretch("left-right", 0.0, beam, (0, 1), (1.0, 0.0), (math.inf, math.inf))
+    return _solved(structure, Parts(tuple(nodes), (whole,)), (chain,), load, tip="right")
+
+
+def _solved(
+    structure: Structure,
+    parts: Parts,
+    chains: tuple[Chain, ...] | None,
+    load: Loads,
+    tip: str | None = None,
+) -> StructureStatics:
+    exact = _is_exact(parts)
+    number = Fraction if exact else float
+    shares = SharedLoads(structure, parts, number)
+    if isinstance(load, Load):
+        shares.add_load(load, tip)
+    else:
+        listed = [load] if isinstance(load, PointLoad | LineLoad) else bounded("load", load, most=_MOST_LOADS)
+        for one in listed:
+            shares.add(one)
+    stretches = []
+    for i, stretch in enumerate(parts.stretches):
+        length = number(stretch.beam.length)
+        if chains is not None:
+            bends: Flexibility = HingedBending.of(chains[i], number)
+        elif isinstance(stretch.beam.bending_stiffness, float):
+            bends = UniformBending(number(stretch.beam.bending_stiffness))
+        else:
+            bends = VaryingBending(stretch.beam)
+        stretches.append(BentStretch(stretch, number(stretch.start), length, bends, *shares.on(i, length)))
+    system = StaticSystem(parts, tuple(stretches), shares.nodes, number)
+    values = system.exact_solution() if exact else system.solution()
+    return StructureStatics(structure, exact, tuple(stretches), *system.read(values))
+
+
+def _is_exact(parts: Parts) -> bool:
+    """Return whether all beams are uniform and along the axes."""
+    return all(
+        isinstance(one.beam.bending_stiffness, float) and {abs(part) for part in one.axis} == {0.0, 1.0}
+        for one in parts.stretches
+    )

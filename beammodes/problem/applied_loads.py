@@ -1,0 +1,144 @@
+"""Loads at places of a beam or a structure: forces and moments at points, and loads spread along members."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+
+from beammodes.checks import bounded, real, shown
+from beammodes.problem.profiles import Table
+
+__all__ = ["AppliedLoad", "LineLoad", "PointLoad"]
+
+Number = float | Fraction
+
+_MOST_COEFFICIENTS = 20
+
+
+@dataclass(frozen=True)
+class PointLoad:
+    """A force and a moment at a place; numbers given as `Fraction` stay exact.
+
+    Parameters
+    ----------
+    x : float, optional [m]
+        Distance from the member's start, 0 to its length; None for a load at a joint.
+    force : float or (float, float) [N]
+        Across the member, to the left of one who goes along it: up on a beam that lies along x. Or components
+        (F_x, F_y) along the axes of the plane, which a load at a joint needs.
+    moment : float [N m]
+        Counter-clockwise.
+    member : str, optional
+        Name of the member, such as "foot-corner", where there are several.
+    joint : str, optional
+        Name of the joint, in place of x and member.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If a number is not real or not finite, x is negative, or both or neither of x and a joint are given.
+
+    Examples
+    --------
+    >>> PointLoad(0.6, force=-20.0).force
+    -20.0
+    """
+
+    x: Number | None = None
+    force: Number | tuple[Number, Number] = 0.0
+    moment: Number = 0.0
+    member: str | None = None
+    joint: str | None = None
+
+    def __post_init__(self) -> None:
+        if (self.x is None) == (self.joint is None):
+            raise ValueError(
+                f"x or a joint must be given, and not both, got {shown(self.x)} and {shown(self.joint)}"
+            )
+        _check_words(self.member, self.joint)
+        if self.joint is not None and self.member is not None:
+            raise ValueError(f"member must be left out of a load at a joint, got {shown(self.member)}")
+        if self.x is not None:
+            object.__setattr__(self, "x", _place("x", self.x))
+        pair = self.force
+        if isinstance(pair, Sequence) and not isinstance(pair, str):
+            if len(pair) != 2:
+                raise ValueError(f"force must be a number or two components, got {shown(pair)}")
+            pair = (_kept("force", pair[0]), _kept("force", pair[1]))
+        elif self.joint is not None and _kept("force", pair):
+            raise ValueError(f"force must be two components (F_x, F_y) at a joint, got {shown(pair)}")
+        else:
+            pair = _kept("force", pair)
+        object.__setattr__(self, "force", pair)
+        object.__setattr__(self, "moment", _kept("moment", self.moment))
+
+
+@dataclass(frozen=True)
+class LineLoad:
+    """A load spread along a member, across it; numbers given as `Fraction` stay exact.
+
+    Parameters
+    ----------
+    per_length : float, sequence of float, or Table [N/m]
+        A number; the coefficients of a polynomial in x, the distance from the member's start, in ascending
+        powers; or a table from 0 to the member's length, linear between its positions, with steps where one
+        is given twice. It points to the left of one who goes along the member: up on a beam along x.
+    start, stop : float, optional [m]
+        Where on the member it begins and ends; the whole of it by default.
+    member : str, optional
+        Name of the member, where there are several.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If an argument is not of its kind, or `stop` is not beyond `start`.
+
+    Examples
+    --------
+    >>> LineLoad((0, -3), stop=2.0)          # from nothing at x = 0 to 6 N/m down at x = 2
+    LineLoad(per_length=(0.0, -3.0), start=0.0, stop=2.0, member=None)
+    """
+
+    per_length: Number | tuple[Number, ...] | Table
+    start: Number = 0.0
+    stop: Number | None = None
+    member: str | None = None
+
+    def __post_init__(self) -> None:
+        given = self.per_length
+        if isinstance(given, Sequence) and not isinstance(given, str):
+            listed = bounded("per_length", given, most=_MOST_COEFFICIENTS)
+            if not listed:
+                raise ValueError(f"per_length must have one coefficient at least, got {shown(given)}")
+            given = tuple(_kept("per_length", c) for c in listed)
+        elif not isinstance(given, Table):
+            given = (_kept("per_length", given),)
+        object.__setattr__(self, "per_length", given)
+        object.__setattr__(self, "start", _place("start", self.start))
+        if self.stop is not None:
+            object.__setattr__(self, "stop", _place("stop", self.stop))
+            if self.stop <= self.start:
+                raise ValueError(f"stop must be beyond start, {self.start}, got {shown(self.stop)}")
+        _check_words(self.member)
+
+
+AppliedLoad = PointLoad | LineLoad
+
+
+def _check_words(*names: str | None) -> None:
+    for name in names:
+        if name is not None and not isinstance(name, str):
+            raise TypeError(f"member and joint must be names, got {shown(name)}")
+
+
+def _kept(name: str, value: object) -> Number:
+    number = real(name, value)
+    return value if isinstance(value, Fraction) else number + 0.0
+
+
+def _place(name: str, value: object) -> Number:
+    kept = _kept(name, value)
+    if kept < 0:
+        raise ValueError(f"{name} must not be negative, got {shown(value)}")
+    return kept
