@@ -76,11 +76,11 @@ _NAMES = {
     "accuracy.errors": "frequency_error",
     "accuracy.identification": "stiffness_from_deflection stiffness_from_frequency",
     "accuracy.law": "error_law law_holds_from",
+    "accuracy.loaded_structures": "StructureStatics structure_chain_statics structure_statics",
     "accuracy.remarks": "error_remarks",
     "accuracy.segments": "segments_needed",
     "accuracy.shapes": "modal_assurance shape_dataset",
     "accuracy.statics": "beam_statics chain_statics static_dataset",
-    "accuracy.structure_statics": "StructureStatics structure_chain_statics structure_statics",
     "accuracy.uncertainty": "Tolerance frequency_spread segments_within_spread",
     "auditing.audit": "Audit audit_chain",
     "auditing.audit_model": "audit_file",
@@ -155,6 +155,9 @@ if TYPE_CHECKING:
     from beammodes.accuracy.identification import stiffness_from_frequency as stiffness_from_frequency
     from beammodes.accuracy.law import error_law as error_law
     from beammodes.accuracy.law import law_holds_from as law_holds_from
+    from beammodes.accuracy.loaded_structures import StructureStatics as StructureStatics
+    from beammodes.accuracy.loaded_structures import structure_chain_statics as structure_chain_statics
+    from beammodes.accuracy.loaded_structures import structure_statics as structure_statics
     from beammodes.accuracy.remarks import error_remarks as error_remarks
     from beammodes.accuracy.segments import segments_needed as segments_needed
     from beammodes.accuracy.shapes import modal_assurance as modal_assurance
@@ -162,9 +165,6 @@ if TYPE_CHECKING:
     from beammodes.accuracy.statics import beam_statics as beam_statics
     from beammodes.accuracy.statics import chain_statics as chain_statics
     from beammodes.accuracy.statics import static_dataset as static_dataset
-    from beammodes.accuracy.structure_statics import StructureStatics as StructureStatics
-    from beammodes.accuracy.structure_statics import structure_chain_statics as structure_chain_statics
-    from beammodes.accuracy.structure_statics import structure_statics as structure_statics
     from beammodes.accuracy.uncertainty import Tolerance as Tolerance
     from beammodes.accuracy.uncertainty import frequency_spread as frequency_spread
     from beammodes.accuracy.uncertainty import segments_within_spread as segments_within_spread

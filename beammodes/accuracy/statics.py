@@ -41,7 +41,7 @@ from beammodes.problem.profiles import profile_parts, value_at
 if TYPE_CHECKING:
     import xarray
 
-    from beammodes.accuracy.structure_statics import Loads, StructureStatics
+    from beammodes.accuracy.loaded_structures import Loads, StructureStatics
 
 __all__ = [
     "LOADS",
@@ -192,7 +192,7 @@ def beam_statics(beam: Beam, boundary: BoundaryLike, load: str | Loads) -> Stati
         raise TypeError(f"beam must be a Beam, got {shown(beam)}")
     _check_load(load)
     if not isinstance(load, str):
-        from beammodes.accuracy.structure_statics import beam_under
+        from beammodes.accuracy.loaded_structures import beam_under
 
         return beam_under(beam, boundary, load)
     pair, name = _without_rigid_motion(Boundary.of(boundary)), choice("load", load, LOADS)
@@ -250,7 +250,7 @@ def chain_statics(chain: Chain, load: str | Loads) -> Statics | StructureStatics
         raise TypeError(f"chain must be a Chain, got {shown(chain)}")
     _check_load(load)
     if not isinstance(load, str):
-        from beammodes.accuracy.structure_statics import chain_under
+        from beammodes.accuracy.loaded_structures import chain_under
 
         return chain_under(chain, load)
     _without_rigid_motion(chain.boundary)
