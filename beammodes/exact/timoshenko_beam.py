@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from decimal import Decimal, localcontext
+from functools import cached_property
 from typing import Any, Protocol
 
 import numpy as np
@@ -110,9 +111,17 @@ class TimoshenkoModes(ExactModes):
         return f"TimoshenkoModes({self.boundary}: {row_shown(self.frequency, '{:.4g}', 'Hz')})"
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class _UniformShapes:
-    modes: list[BeamMode]
+    """Shapes of a uniform beam, worked out when they are first asked for."""
+
+    unit: UnitBeam
+    squares: list[Decimal]
+
+    @cached_property
+    def modes(self) -> list[BeamMode]:
+        with localcontext(LONG):
+            return self.unit.modes(self.squares)
 
     def values(self, x: Floats, quantity: int) -> Floats:
         found = np.empty((len(self.modes), len(x)))
@@ -206,7 +215,7 @@ def _uniform(beam: Beam, pair: Boundary, count: int) -> tuple[Floats, int, _Shap
         unit = UnitBeam.of(beam, pair, 0.0, beam.rotary_inertia_per_length, beam.shear_stiffness)
         squares = _squares(unit, pair.rigid_body_modes, count)
         omega = np.array([float(square.sqrt()) for square in squares])
-        return omega, pair.rigid_body_modes, _UniformShapes(unit.modes(squares))
+        return omega, pair.rigid_body_modes, _UniformShapes(unit, squares)
 
 
 def _squares(unit: UnitBeam, rigid: int, count: int) -> list[Decimal]:
