@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from beammodes.exact import supported_roots
 from beammodes.exact.end_waves import ARRAYS, EndNumbers, read
 from beammodes.exact.supported_root import ROOT_OF_SHAPE, cutoff, supported_root
 from beammodes.exact.supported_roots import supported_frequencies
@@ -143,6 +144,24 @@ def test_few_cases_need_long_decimals(monkeypatch: pytest.MonkeyPatch) -> None:
     twins = BoundaryColumns.of([Boundary(NEAR_TWINS, NEAR_TWINS)] * 8)
     supported_frequencies(twins, np.zeros(8), np.arange(1, 9))
     assert len(asked) == 2
+
+
+def test_a_root_costs_a_dozen_readings_in_doubles_and_one_in_pairs(monkeypatch: pytest.MonkeyPatch) -> None:
+    costs = {"read": 0, "residual": 0}
+
+    def tallied(name: str, function: Any) -> Any:
+        def same(*numbers: Any) -> Any:
+            costs[name] += len(numbers[1].spring)
+            return function(*numbers)
+
+        return same
+
+    for name in costs:
+        monkeypatch.setattr(supported_roots, name, tallied(name, getattr(supported_roots, name)))
+    ends, tension, mode = random_cases(11, 4000)
+    supported_frequencies(ends, np.abs(tension), mode)
+    assert 4000 < costs["read"] < 12 * 4000
+    assert 4000 <= costs["residual"] < 1.05 * 4000
 
 
 def test_counts_in_doubles() -> None:
