@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import csv
 import math
 from fractions import Fraction
+from pathlib import Path
 from typing import Any
 
 import mpmath
@@ -467,3 +469,17 @@ def test_all_frequencies_are_met_by_positive_springs() -> None:
         segments_needed("fixed-free", 0.01, 1, rule, motion="stretch")
     with pytest.raises(ValueError, match="hold_tip_stiffness must be left out for motion twist"):
         match_springs("fixed-free", 3, 2, hold_tip_stiffness=True, motion="twist")  # type: ignore[call-overload]
+
+
+@pytest.mark.parametrize(
+    ("name", "ends"), [("figure_6_twist", "fixed-free"), ("figure_7_twist", "fixed-fixed")]
+)
+def test_committed_figures_in_twist(name: str, ends: str) -> None:
+    with open(Path(__file__).parents[1] / "figures" / f"{name}.csv", encoding="utf-8") as file:
+        rows = [row for row in csv.DictReader(file) if row["rule"] == "two_at_the_wall"]
+    assert len(rows) == 57 and {row["boundary"] for row in rows} == {ends}
+    for row in rows:
+        # An exact mirror at the wall: sin x/x - 1, x = β/2N.
+        beta = (int(row["mode"]) - (ends == "fixed-free") / 2) * math.pi
+        x = beta / 2 / int(row["segments"])
+        assert float(row["relative_error"]) == pytest.approx(math.sin(x) / x - 1, rel=1e-10)
