@@ -69,9 +69,12 @@ class BeamWaves(NamedTuple):
         """
         result = np.empty((len(self.p), len(from_left)))
         on_left = from_left <= from_right
-        result[:, on_left] = self._near(self.left, self.right, self.left_state, from_left[on_left], order)
-        mirrored = self._near(self.right, self.left, self.right_state, from_right[~on_left], order)
-        result[:, ~on_left] = -mirrored if order % 2 else mirrored
+        if on_left.any():
+            result[:, on_left] = self._near(self.left, self.right, self.left_state, from_left[on_left], order)
+        if not on_left.all():
+            z = from_right[~on_left]
+            mirrored = self._near(self.right, self.left, self.right_state, z, order)
+            result[:, ~on_left] = -mirrored if order % 2 else mirrored
         return result
 
     def _near(self, near: Floats, far: Floats, state: Floats, z: Floats, order: int) -> Floats:
@@ -79,8 +82,10 @@ class BeamWaves(NamedTuple):
         p, q = self.p[:, None], self.q[:, None]
         long = (self.p < _LONG[0]) & (self.q < _LONG[1])
         result = np.empty((len(p), len(z)))
-        result[long] = _series(p[long], q[long], state[long], z, order)
-        result[~long] = _waves(p[~long], q[~long], near[~long], far[~long, 2:], z, order)
+        if long.any():
+            result[long] = _series(p[long], q[long], state[long], z, order)
+        if not long.all():
+            result[~long] = _waves(p[~long], q[~long], near[~long], far[~long, 2:], z, order)
         return result
 
 
@@ -168,8 +173,15 @@ def high_waves(beam: UnitBeam, omega: Floats) -> BeamWaves:
         _, _, body, inertia, offset = map(float, end[1:])
         mass += body * (turned.deflection - offset * turned.rotation) ** 2 + inertia * turned.rotation**2
     unset = np.zeros((len(q), 4))  # Long waves only.
-    unit = np.sqrt(mass)
+    unit = np.copysign(np.sqrt(mass), _first_motion(beam.left, left))
     return BeamWaves(p, q, (near / unit).T, (far / unit).T, unset, unset)
+
+
+def _first_motion(end: UnitEnd, turned: Reflection) -> Floats:
+    """Return the first that an end leaves free of deflection, rotation and curvature, but for a factor."""
+    if not end.holds[0]:
+        return turned.deflection
+    return -turned.waves[0] if end.holds[1] else turned.rotation
 
 
 def _reflection(end: UnitEnd, p: Floats, q: Floats) -> Reflection:

@@ -11,7 +11,7 @@ import numpy as np
 
 from beammodes.checks import real, shown, whole_number
 from beammodes.exact.beam_waves import BeamWaves, first_separate_wave, high_waves
-from beammodes.exact.exact_beam import EulerBernoulliModes, Theory, first_free
+from beammodes.exact.exact_beam import EulerBernoulliModes, Theory
 from beammodes.exact.supported_root import ROOT_OF_SHAPE, supported_root
 from beammodes.exact.supported_roots import supported_frequencies
 from beammodes.exact.uniform_beam import UnitBeam, UnitEnd
@@ -39,7 +39,7 @@ class UnitShapes:
 
     @cached_property
     def waves(self) -> BeamWaves:
-        """Shapes of unit modal mass, low modes first."""
+        """Shapes of unit modal mass, low modes first; the left end's first free motion is positive."""
         unit, rigid, count = self.unit, self.rigid, self.count
         low, parts = _low_modes(unit, rigid, count), []
         with localcontext(LONG):
@@ -116,8 +116,7 @@ class SupportedBeamModes(EulerBernoulliModes):
 
         p² - q² = (T - ρI ω²) L²/EI and p q = ω √(ρA L⁴/EI).
         """
-        start = self.waves.shapes(np.zeros(1), np.ones(1), first_free(self.boundary.left))
-        return np.where(start < 0.0, -1.0, 1.0) * self.waves.shapes(from_left, from_right, order)
+        return self.waves.shapes(from_left, from_right, order)
 
 
 def supported_modes(

@@ -242,21 +242,19 @@ class UnitBeam:
         turned = (c2 * high * s1 - c1 * low * s2) / odd
         return symmetric, [-other * c1 * c2, turned, ratio * low * other * s1 * s2], even * odd
 
-    def lowest(self, rigid: int, count: int, wave: Decimal = Decimal("Infinity")) -> list[Decimal] | None:
+    def lowest(self, rigid: int, count: int) -> list[Decimal] | None:
         """Return the first `count` positive w, a double one twice; None if the beam buckles.
-
-        Fewer if the wavenumber √-low reaches `wave` first.
 
         Examples
         --------
         >>> beam = UnitBeam.of(Beam.unit(), Boundary.of("pinned-pinned"))
-        >>> [round(float(square), 4) for square in beam.lowest(0, 2, Decimal(10))]
+        >>> [round(float(square), 4) for square in beam.lowest(0, 2)]
         [97.4091, 1558.5455]
         """
         if self.tension < -ABOVE_CRITICAL:
             return None
         # The clamped beam has at most two roots less below a place than the pinned one, whose roots are n π.
-        high = self.sample(self.square_at(min(wave, Decimal("3.15") * (rigid + count + 3))))
+        high = self.sample(self.square_at(Decimal("3.15") * (rigid + count + 3)))
         low, decades = high, 1
         while low.below > rigid:
             if decades > 64 + 4 * self.spread:
