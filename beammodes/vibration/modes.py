@@ -28,8 +28,14 @@ __all__ = ["MAX_DENSE", "Modes", "solve_modes"]
 
 
 #: Chains of at most this many hinges are solved by a dense singular value decomposition, which gives all
-#: modes at once; longer ones by Lanczos iteration, which gives the lowest.
+#: modes at once; longer ones, and of more than a few hinges for a tenth of the modes, by Lanczos iteration.
 MAX_DENSE = 500
+
+# From here on iteration is faster for a tenth of the modes.
+_FEW_HINGES = 48
+
+# An error of 1e-10 in a mode's vector is one of 1e-20 in ω.
+_CONVERGED = 1e-10
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -158,7 +164,17 @@ def _solved(form: FlexibilityForm, count: int) -> tuple[Floats, Floats]:
     check_stable(form, MAX_DENSE)
     if count == 0:
         return np.zeros(0), np.zeros((len(form.flexibility_root), 0))
-    return _dense(form, count) if form.hinges <= MAX_DENSE else _lanczos(form, count)
+    few = 10 * count <= len(form.flexibility_root)
+    if form.hinges <= (_FEW_HINGES if few and not form.pull.any() else MAX_DENSE):
+        return _dense(form, count)
+    if not few:
+        raise ValueError(
+            f"modes must be at most {len(form.flexibility_root) // 10}, a tenth of the chain's, for a chain "
+            f"of more than {MAX_DENSE} hinges, got {count}"
+        )
+    # A fixed start vector makes the result reproducible; a random one has a part in every mode.
+    start = form.allowed(np.random.default_rng(0).standard_normal((len(form.flexibility_root), 1)))[:, 0]
+    return _rayleigh_ritz(form, (_under_load if form.pull.any() else _lanczos)(form, count, start))
 
 
 def _buckled(load: Load) -> str:
@@ -194,28 +210,62 @@ def _dense(form: FlexibilityForm, count: int) -> tuple[Floats, Floats]:
     return inverse[:count], x @ turn[:count].T
 
 
-def _lanczos(form: FlexibilityForm, count: int) -> tuple[Floats, Floats]:
-    """Return 1/ω and x of unit stored energy of the lowest modes, by Lanczos iteration."""
+def _lanczos(form: FlexibilityForm, count: int, start: Floats) -> Floats:
+    """Return the lowest modes' w, shape (coordinates, count), by Lanczos iteration from `start`.
+
+    1/ω² falls as 1/n⁴, so that few steps suffice and all vectors are kept orthogonal.
+    """
+    from scipy.linalg import eigh_tridiagonal
+
+    size = len(start)
+    basis = np.empty((min(2 * count + 10, size), size))
+    basis[0] = start / np.linalg.norm(start)
+    diagonal: list[float] = []
+    beside: list[float] = []
+    for k in range(size):
+        image = _compliance(form, basis[k][:, None])[:, 0]
+        diagonal.append(float(image @ basis[k]))
+        before = basis[: k + 1]
+        for _ in range(2):
+            image -= (before @ image) @ before
+        beside.append(float(np.linalg.norm(image)))
+        if k + 1 == size or (k > count and not (k - count) % 2):
+            value, turn = eigh_tridiagonal(diagonal, beside[:-1])
+            left = beside[-1] * np.abs(turn[-1, -count:])
+            if k + 1 == size or (left <= _CONVERGED * value[-count:]).all():
+                break
+        if k + 1 == len(basis):
+            basis = np.concatenate([basis, np.empty((min(len(basis), size - len(basis)), size))])
+        basis[k + 1] = image / beside[-1]
+    return np.asarray(basis[: len(diagonal)].T @ turn[:, : -count - 1 : -1])
+
+
+def _compliance(form: FlexibilityForm, w: Floats) -> Floats:
+    """Return what w of unit stored energy become under the inertia forces of their own motion."""
+    return form.allowed(form.adjoint(form.kinetic(form.allowed(w))))
+
+
+def _under_load(form: FlexibilityForm, count: int, start: Floats) -> Floats:
+    """Return the lowest modes' w where loads store energy, too: the metric of the iteration is theirs."""
     from scipy.sparse.linalg import LinearOperator, eigsh
 
-    size = len(form.flexibility_root)
-    if 10 * count > size:
-        raise ValueError(
-            f"modes must be at most {size // 10}, a tenth of the chain's, for a chain of more than "
-            f"{MAX_DENSE} hinges, got {count}"
-        )
+    size = len(start)
 
-    def compliance(x: Floats) -> Floats:
-        inside = form.allowed(x.reshape(size, -1))
-        return form.allowed(form.adjoint(form.kinetic(inside)))
+    def compliance(w: Floats) -> Floats:
+        return _compliance(form, w.reshape(size, -1))
 
     operator = LinearOperator((size, size), matvec=compliance, matmat=compliance, dtype=np.float64)
-    # A fixed start vector makes the result reproducible; a random one has a part in every mode.
-    start = form.allowed(np.random.default_rng(0).standard_normal((size, 1)))[:, 0]
-    # 1/ω² falls as 1/n⁴, so few vectors suffice; an error of 1e-10 in them is one of 1e-20 in ω.
     few = min(2 * count + 6, size)
-    w = eigsh(operator, k=count, which="LA", v0=start, tol=1e-10, ncv=few, **energy_metric(form))[1][:, ::-1]
-    # One Rayleigh-Ritz step on |F x| itself: a singular value loses only ω_n/ω_1, its square (ω_n/ω_1)².
+    metric = energy_metric(form)
+    found = eigsh(operator, k=count, which="LA", v0=start, tol=_CONVERGED, ncv=few, **metric)[1]
+    return np.asarray(found[:, ::-1])
+
+
+def _rayleigh_ritz(form: FlexibilityForm, w: Floats) -> tuple[Floats, Floats]:
+    """Return 1/ω and x of unit stored energy by one Rayleigh-Ritz step on |F x| itself.
+
+    A singular value loses only ω_n/ω_1, its square (ω_n/ω_1)².
+    """
     w = np.linalg.qr(w - form.forbidden @ (form.forbidden.T @ w))[0]
     x = form.allowed(w)
     if form.pull.any():

@@ -269,7 +269,8 @@ def flexibility_form(chain: Chain, load: Load | None = None) -> FlexibilityForm:
     rows = ends.dependent_rows * root
     held = rows[np.isinf(ends.dependent_stiffness)]
     # What every motion meets anyway excludes nothing.
-    forbidden = np.linalg.qr(held[held.any(axis=1)].T)[0]
+    held = held[held.any(axis=1)].T
+    forbidden = np.linalg.qr(held)[0] if held.size else held
     form = FlexibilityForm(
         length,
         centre,
@@ -295,6 +296,8 @@ def is_turned(chain: Chain) -> bool:
 def _stiffening(ends: _EndCoordinates, rows: Floats, forbidden: Floats) -> tuple[Floats, Floats]:
     """Return the orthonormal directions that springs of dependent end quantities stiffen, and how much."""
     finite = ~np.isinf(ends.dependent_stiffness) & (ends.dependent_stiffness > 0)
+    if not finite.any():
+        return np.zeros((rows.shape[1], 0)), np.zeros(0)
     pulls = (np.sqrt(ends.dependent_stiffness[finite])[:, None] * rows[finite]).T
     pulls -= forbidden @ (forbidden.T @ pulls)
     direction, size, _ = np.linalg.svd(pulls, full_matrices=False)
@@ -303,14 +306,17 @@ def _stiffening(ends: _EndCoordinates, rows: Floats, forbidden: Floats) -> tuple
 
 def _rigid_motions(ends: _EndCoordinates, length: Floats) -> tuple[Floats, Floats]:
     """Return the nodes' deflections and the pieces' angles of the rigid-body modes, not yet scaled."""
+    if not ends.rigid:
+        return np.zeros((len(length) + 1, 0)), np.zeros((len(length), 0))
     node = np.concatenate([[0.0], np.cumsum(length)])
     tip = np.array(ends.rigid).reshape(-1, 2)
     return tip[:, 0] + np.outer(node, tip[:, 1]), np.outer(np.ones_like(length), tip[:, 1])
 
 
 def _with_unit_rigid_modes(form: FlexibilityForm) -> FlexibilityForm:
-    images = form._rigid_images()
-    scale = np.linalg.inv(np.linalg.qr(images)[1]) if images.size else np.zeros((0, 0))
+    if not form.rigid_deflection.size:
+        return form
+    scale = np.linalg.inv(np.linalg.qr(form._rigid_images())[1])
     rigid = (form.rigid_deflection @ scale, form.rigid_angle @ scale)
     return replace(form, rigid_deflection=rigid[0], rigid_angle=rigid[1])
 
