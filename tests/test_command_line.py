@@ -904,3 +904,36 @@ def test_answers_name_the_next_command_and_it_runs(capsys: pytest.CaptureFixture
                 if not (advised and words.startswith("recommend")):
                     assert Ran(shlex.split(words), capsys).code == 0
                 advised |= words.startswith("recommend")
+
+
+TWIST = ["--motion", "twist", "--length", "0.5", "--gj", "80", "--rho-ip", "8e-6", "--units", "SI"]
+
+
+def test_commands_in_twist_and_stretch(capsys: pytest.CaptureFixture[str]) -> None:
+    # sin x/x - 1 with x = π/40; GJ/ell = 640, twice that at the wall; (2n - 1)/(4L) √(GJ/ρIp) = 1581.1 Hz.
+    error = Ran(
+        ["error", "fixed-free", "--segments", "10", "--rule", "half_stub", *TWIST, "--json"], capsys
+    ).json
+    x = math.pi / 40
+    assert error["relative_error"] == pytest.approx(math.sin(x) / x - 1, rel=1e-12)
+    springs = Ran(["springs", "clamped-free", "--segments", "4", *TWIST], capsys).lines
+    assert springs[0] == "hinge  position [m]  stiffness [N m/rad]" and springs[1].split()[-1] == "1280"
+    ring = Ran(
+        ["frequencies", "fixed-free", "--segments", "6", "--modes", "1", *TWIST, "--json"], capsys
+    ).json
+    assert ring["modes"][0]["exact_frequency"] == pytest.approx(math.sqrt(80 / 8e-6) / 2, rel=1e-12)
+    assert ring["units"]["angular_frequency"] == "rad/s"
+    step = ["time-step", "fixed-fixed", "--segments", "10", "--motion", "stretch"]
+    line, own = Ran([*step, "--integrator", "leapfrog"], capsys).lines
+    assert line.startswith("0.1 √(ρA L²/EA)") and "--ea and --rho-a are not given" in own
+    assert (
+        Ran(["segments", "fixed-free", "--tolerance", "1%", "--modes", "3", *TWIST], capsys).lines[0] == "17"
+    )
+    for call, words in (
+        (["error", "fixed-free", "--segments", "3", "--gj", "3"], ("--gj must come with --motion",)),
+        (["error", "pinned-free", "--segments", "3", "--motion", "twist"], ("fixed-free", "not twist")),
+        (["error", "fixed-free", "--segments", "3", "--motion", "torsion"], ("bending, twist, stretch",)),
+        (["error", "fixed-free", "--segments", "3", *TWIST, "--ei", "1"], ("--ei must be left out",)),
+        (["springs", "fixed-free", "--segments", "3", *TWIST[:4]], ("--gj and --rho-ip must be given with",)),
+    ):
+        Ran(call, capsys).refused(*words)

@@ -22,6 +22,7 @@ from beammodes.command_line.options import (
     INTEGRATOR,
     LOAD,
     MODE,
+    MOTION,
     RULE,
     SEGMENTS,
     TOLERANCE,
@@ -158,8 +159,11 @@ def _way(way: Recommendation) -> list[str]:
     *_BEAM,
     AXIAL_FORCE,
     RULE,
+    *MOTION,
 )
 def _segments(options: argparse.Namespace) -> Answer:
+    if options.motion != "bending":
+        return _along("segments", options)
     from beammodes.accuracy.segments import segments_needed
 
     count = segments_needed(
@@ -183,8 +187,11 @@ def _segments(options: argparse.Namespace) -> Answer:
     *_CHAIN,
     MODE,
     AXIAL_FORCE,
+    *MOTION,
 )
 def _error(options: argparse.Namespace) -> Answer:
+    if options.motion != "bending":
+        return _along("error", options)
     from beammodes.accuracy.errors import frequency_error
     from beammodes.accuracy.remarks import error_remarks
 
@@ -213,8 +220,11 @@ def _error(options: argparse.Namespace) -> Answer:
     "which joint stiffnesses do I type into my multibody tool?",
     f"clamped-free --segments 4 {_EXAMPLE_SI}",
     *_CHAIN,
+    *MOTION,
 )
 def _springs(options: argparse.Namespace) -> Answer:
+    if options.motion != "bending":
+        return _along("springs", options)
     chain, units = _chain(options), _units(options)
     pairs = [*zip(chain.hinge_position.tolist(), chain.joint_stiffness.tolist(), strict=True)]
     answer: dict[str, Any] = {
@@ -251,8 +261,11 @@ def _springs(options: argparse.Namespace) -> Answer:
     *_CHAIN,
     modes(3),
     AXIAL_FORCE,
+    *MOTION,
 )
 def _frequencies(options: argparse.Namespace) -> Answer:
+    if options.motion != "bending":
+        return _along("frequencies", options)
     import numpy as np
 
     from beammodes.accuracy.errors import frequency_error
@@ -304,8 +317,11 @@ def _frequencies(options: argparse.Namespace) -> Answer:
     *LOAD,
     *DAMPING,
     INTEGRATOR,
+    *MOTION,
 )
 def _time_step(options: argparse.Namespace) -> Answer:
+    if options.motion != "bending":
+        return _along("time-step", options)
     from beammodes.problem.loading import Load
     from beammodes.vibration.integrators import fixed_step_integrator
     from beammodes.vibration.stability import (
@@ -624,10 +640,20 @@ def _hinge_table(pairs: list[tuple[float, float]], units: Mapping[str, Any]) -> 
 # What the options of several commands describe.
 
 
+def _along(command: str, options: argparse.Namespace) -> Answer:
+    """Return a command's answer in twist or stretch."""
+    from beammodes.command_line.axial_answers import ANSWERS, AxialCase
+
+    return ANSWERS[command](AxialCase.of(options, _system(options), _units(options)))
+
+
 def _beam(options: argparse.Namespace) -> Any:
     """Return the beam; without any of its numbers, `Beam.unit()`."""
     from beammodes.problem.beam import Beam
 
+    for flag in ("gj", "rho_ip", "ea"):
+        if getattr(options, flag, None) is not None:
+            raise ValueError(f"--{flag.replace('_', '-')} must come with --motion twist or stretch")
     numbers = {"--length": options.length, "--ei": options.ei, "--rho-a": options.rho_a}
     missing = [flag for flag, value in numbers.items() if value is None]
     _system(options)

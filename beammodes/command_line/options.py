@@ -22,6 +22,7 @@ __all__ = [
     "INTEGRATOR",
     "LOAD",
     "MODE",
+    "MOTION",
     "RULE",
     "SEGMENTS",
     "TOLERANCE",
@@ -217,6 +218,18 @@ BEAM = (
     option("--length", "L, length of the beam, such as 1.2 m", type=as_number, metavar="X"),
     option("--ei", "EI, bending stiffness, such as 85 N m²", type=as_number, metavar="X"),
     option("--rho-a", "ρA, mass per length, such as 0.62 kg/m", type=as_number, metavar="X"),
+)
+MOTION = (
+    option(
+        "--motion",
+        "bending, twist or stretch; the last two with ends such as fixed-free(inertia=0.5), "
+        "fixed-free(mass=0.5) and free(stiffness=2) (default: bending)",
+        default="bending",
+        metavar="NAME",
+    ),
+    option("--gj", "GJ, torsional stiffness, such as 80 N m²: for twist", type=as_number, metavar="X"),
+    option("--rho-ip", "ρIp, polar inertia per length [kg m]: for twist", type=as_number, metavar="X"),
+    option("--ea", "EA, axial stiffness [N]: for stretch, with --rho-a", type=as_number, metavar="X"),
 )
 SEGMENTS = option("--segments", "number of rigid segments", type=_integer, required=True, metavar="N")
 INTEGRATOR = option(
