@@ -12,7 +12,15 @@ import beammodes as bm
 from beammodes.accuracy.advice import MOST_SEGMENTS
 
 
-@pytest.mark.parametrize("boundary", ["clamped-free", "clamped-clamped", "pinned-free", "free-guided"])
+@pytest.mark.parametrize(
+    "boundary",
+    [
+        "clamped-free",
+        pytest.param("clamped-clamped", marks=pytest.mark.slow),
+        "pinned-free",
+        pytest.param("free-guided", marks=pytest.mark.slow),
+    ],
+)
 def test_every_way_meets_the_tolerance_and_shows_its_cost(boundary: str) -> None:
     beam = bm.Beam(length=1.2, bending_stiffness=85.0, mass_per_length=0.62)
     ways = bm.recommend(boundary, tolerance=0.01, modes=3, beam=beam)

@@ -19,6 +19,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 from test_read_mjcf import mujoco_frequencies, world
+from turns import in_turns
 
 from beammodes.auditing.audit import Audit, audit_chain
 from beammodes.auditing.audit_model import audit_file
@@ -133,9 +134,7 @@ def test_a_chain_of_another_length_is_said_to_be_so(
     assert ("length is" in found.text) == (share != 1.0)
 
 
-@pytest.mark.parametrize("ends", ENDS)
-@pytest.mark.parametrize("rule", LAYOUTS)
-@pytest.mark.parametrize("share", [0.8, 1.0, 1.2])
+@pytest.mark.parametrize(("ends", "rule", "share"), in_turns(ENDS, LAYOUTS, [0.8, 1.0, 1.2], every=3))
 def test_nothing_depends_on_where_a_chain_stands(ends: str, rule: str, share: float, tmp_path: Path) -> None:
     chain, beam = rods(ends, rule, 5), Beam(share * LENGTH, STIFFNESS, DENSITY)
     audits = [audit_file(written(tmp_path, mjcf(chain, place)), beam) for place in PLACES]
@@ -207,10 +206,9 @@ BASES = {
 }
 
 
-@pytest.mark.parametrize("rod", ROD)
-@pytest.mark.parametrize("tip", TIPS)
-@pytest.mark.parametrize("base", BASES)
-@pytest.mark.parametrize("start", ["spring", "stub", "pivot"])
+@pytest.mark.parametrize(
+    ("rod", "tip", "base", "start"), in_turns(ROD, TIPS, BASES, ["spring", "stub", "pivot"], every=2)
+)
 def test_solids_at_either_end_are_told_from_the_beam(
     rod: str, tip: str, base: str, start: str, tmp_path: Path
 ) -> None:

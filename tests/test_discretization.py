@@ -238,7 +238,7 @@ def sweep(count: int, seed: int) -> None:
 
 
 def test_errors_to_twelve_digits_at_any_length() -> None:
-    sweep(200, seed=20)
+    sweep(120, seed=20)
 
 
 @pytest.mark.slow
@@ -265,7 +265,7 @@ def check_up_to_the_last_mode(count: int, seed: int) -> None:
 
 
 def test_frequencies_up_to_the_last_mode() -> None:
-    check_up_to_the_last_mode(150, seed=22)
+    check_up_to_the_last_mode(100, seed=22)
 
 
 @pytest.mark.slow

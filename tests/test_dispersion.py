@@ -11,6 +11,7 @@ import pytest
 import scipy.linalg
 from drawn_ends import EVERY_N, RULES_DRAWN
 from numpy.typing import NDArray
+from turns import in_turns
 
 from beammodes.accuracy.law import error_law
 from beammodes.chains.chain import Chain
@@ -171,8 +172,11 @@ def assert_right_to_13_digits(rule: Rule, pair: Boundary, segments: int, exact: 
     np.testing.assert_allclose(found, expected, rtol=1e-13, err_msg=f"{rule}, {pair}, {segments}")
 
 
-@pytest.mark.parametrize("rule", WILD, ids=lambda rule: rule.name)
-@pytest.mark.parametrize("segments", [4, 7, 8, 9, 10, 13])
+@pytest.mark.parametrize(
+    ("rule", "segments"),
+    in_turns(WILD, [4, 7, 8, 9, 10, 13], every=2),
+    ids=lambda value: getattr(value, "name", None),
+)
 def test_wild_rules_to_13_digits(rule: Rule, segments: int, frequencies_in_50_digits: Any) -> None:
     for pair in BOUNDARIES:
         if min(rule.hinge_weights(pair, segments), default=1) > 0:

@@ -246,7 +246,7 @@ def test_a_beam_that_lookups_cannot_take_is_refused_with_a_way_on() -> None:
             with pytest.raises(ValueError, match=f"^beam must be {why}.*chain_errors"):
                 call()
         # What solves chains one by one takes any beam.
-        assert bm.recommend("clamped-free", 0.01, beam=beam)
+        assert bm.recommend("clamped-free", 0.01, beam=beam, rules=["gregory", "mitiguy"])
     with pytest.raises(TypeError, match=r"^beam must be a Beam"):
         frequency_error("clamped-free", segments=4, mode=1, beam="steel")  # type: ignore[call-overload]
     with pytest.raises(ValueError, match=r"^mass must suit the beam"):

@@ -13,6 +13,7 @@ import xarray
 from drawn_ends import EVERY_N, RULES_DRAWN
 from hypothesis import given
 from hypothesis import strategies as st
+from turns import in_turns
 
 import beammodes as bm
 from beammodes.chains.rules import RULES
@@ -112,8 +113,7 @@ def stays_within(boundary: str, rule: str, modes: int, tolerance: float, around:
     return int(every[bad[-1] + 1]) if len(bad) else 1
 
 
-@pytest.mark.parametrize("boundary", PAIRS)
-@pytest.mark.parametrize("rule", EVERY_N)
+@pytest.mark.parametrize(("boundary", "rule"), in_turns(PAIRS, EVERY_N, every=2))
 def test_segments_needed_by_scanning(boundary: str, rule: str) -> None:
     for tolerance in (1e-2, 1e-3, 1e-4):
         answer = bm.segments_needed(boundary, tolerance, modes=3, rule=rule)
@@ -121,8 +121,7 @@ def test_segments_needed_by_scanning(boundary: str, rule: str) -> None:
             assert answer == stays_within(boundary, rule, 3, tolerance, answer)
 
 
-@pytest.mark.parametrize("boundary", PAIRS)
-@pytest.mark.parametrize("rule", EVERY_N)
+@pytest.mark.parametrize(("boundary", "rule"), in_turns(PAIRS, EVERY_N, every=2))
 def test_segments_needed_around_the_answer(boundary: str, rule: str) -> None:
     for exponent in (2, 5, 8):
         tolerance = 10.0**-exponent

@@ -370,13 +370,13 @@ def instructions(boundary: str, segments: int) -> int:
 
 def test_cost_grows_linearly_with_length() -> None:
     # 20 times as long: 20 times the work by the recursion, 400 times by a full mass matrix.
-    short, long = (instructions("clamped-free", n) for n in (50, 1000))
+    short, long = (instructions("clamped-free", n) for n in (25, 500))
     assert 18 * short < long < 25 * short
 
 
 @pytest.mark.parametrize("boundary", ["clamped-clamped", "free-free", "guided-pinned"])
 def test_every_further_segment_costs_the_same(boundary: str) -> None:
-    counts = [instructions(boundary, n) for n in (20, 60, 100)]
+    counts = [instructions(boundary, n) for n in (10, 20, 30)]
     assert counts[2] - counts[1] == counts[1] - counts[0] > 0
 
 

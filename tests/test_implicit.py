@@ -10,6 +10,7 @@ import casadi
 import numpy as np
 import pytest
 import scipy.linalg
+from turns import in_turns
 
 import beammodes as bm
 from beammodes.dynamics import step_choice
@@ -105,9 +106,9 @@ def start_of(chain: bm.Chain, base: BaseMotion) -> tuple[np.ndarray, np.ndarray]
     return q, u
 
 
-@pytest.mark.parametrize("rule", ["mitiguy", "rigid_stub"])
-@pytest.mark.parametrize("setting", SETTINGS)
-@pytest.mark.parametrize("boundary", BOUNDARIES)
+@pytest.mark.parametrize(
+    ("boundary", "setting", "rule"), in_turns(BOUNDARIES, SETTINGS, ["mitiguy", "rigid_stub"], every=2)
+)
 def test_the_midpoint_rule_holds_for_the_whole_chain(boundary: str, setting: str, rule: str) -> None:
     chain, given, base = system(boundary, setting, rule)
     whole, (q, u) = whole_chain(chain, **given), start_of(chain, base)

@@ -501,7 +501,13 @@ def test_both_layouts_of_a_body_have_the_same_limit(rule: str) -> None:
         assert abs(errors[2]) < 1e-13 or abs(math.log10(abs(errors[1] / errors[2])) - order) < 0.1
 
 
-@pytest.mark.parametrize("rule", EVERY_N)
+@pytest.mark.parametrize(
+    "rule",
+    [
+        rule if i % 2 == EVERY_N.index("gregory") % 2 else pytest.param(rule, marks=pytest.mark.slow)
+        for i, rule in enumerate(EVERY_N)
+    ],
+)
 def test_a_hinge_of_its_own_suits_every_inertia_and_the_last_segment_light_bodies(rule: str) -> None:
     """Why a hinge of its own is the default: with it no inertia makes a rule much worse than a point mass."""
 
