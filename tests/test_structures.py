@@ -289,6 +289,17 @@ def test_very_many_random_structures() -> None:
     sweep(range(500))
 
 
+def test_segments_that_are_enough() -> None:
+    exact = bm.structure_modes(ell(), 3).angular_frequency
+    for rule, tolerance in (("gregory", 1e-3), ("mitiguy", 1e-2)):
+        needed = bm.segments_needed(ell(), tolerance, 3, rule)
+        worst = []
+        for count in range(needed - 1, 2 * needed):
+            found = bm.structure_chain_modes(bm.StructureChain(ell(), count, rule), 3)
+            worst.append(np.abs(found.angular_frequency / exact - 1).max())
+        assert worst[0] > tolerance > max(worst[1:])
+
+
 def test_what_a_structure_refuses() -> None:
     joints = {"a": bm.Joint(0, 0), "b": bm.Joint(2, 0)}
     cases: list[tuple[Callable[[], object], str]] = [

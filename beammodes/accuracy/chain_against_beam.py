@@ -9,13 +9,14 @@ import numpy as np
 
 from beammodes.accuracy.errors import MAX_MODES
 from beammodes.chains.chain import Chain
+from beammodes.chains.structure_chain import StructureChain
 from beammodes.checks import shown, whole_number
 from beammodes.exact.beam_theory import euler_bernoulli
 from beammodes.exact.timoshenko_beam import MOST_MODES, theory_error_of
 from beammodes.numerics.arrays import Floats
 from beammodes.problem.beam import Beam
 from beammodes.problem.ends import Boundary, BoundaryLike
-from beammodes.problem.loading import Load, checked_load
+from beammodes.problem.loading import Load, check_unloaded, checked_load
 from beammodes.vibration.linear import linearize
 from beammodes.vibration.modes import solve_modes
 
@@ -29,8 +30,8 @@ class SlendernessWarning(UserWarning):
     """Warning of a stout beam: Euler-Bernoulli theory errs more on it than the chain on the theory."""
 
 
-def chain_errors(chain: Chain, modes: int = 3, *, load: Load | None = None) -> Floats:
-    """Return the relative frequency errors of a chain against its own exact beam.
+def chain_errors(chain: Chain | StructureChain, modes: int = 3, *, load: Load | None = None) -> Floats:
+    """Return the relative frequency errors of a chain against its own exact beam or structure.
 
         e = ω_chain / ω_beam - 1
 
@@ -39,12 +40,12 @@ def chain_errors(chain: Chain, modes: int = 3, *, load: Load | None = None) -> F
 
     Parameters
     ----------
-    chain : Chain
+    chain : Chain or StructureChain
         One with a beam, not from pieces.
     modes : int
-        How many, from the first.
+        How many, from the first; 1 to 100 of a structure.
     load : Load, optional
-        An axial force.
+        An axial force; none on a structure.
 
     Returns
     -------
@@ -69,8 +70,13 @@ def chain_errors(chain: Chain, modes: int = 3, *, load: Load | None = None) -> F
     >>> bm.chain_errors(bm.Chain(taper, "clamped-free", segments=20, rule="gregory"), modes=2).round(6)
     array([0.0e+00, 2.5e-05])
     """
+    if isinstance(chain, StructureChain):
+        from beammodes.accuracy.structure_errors import errors_of_structure
+
+        check_unloaded(load)
+        return errors_of_structure(chain, modes)
     if not isinstance(chain, Chain):
-        raise TypeError(f"chain must be a Chain, got {shown(chain)}")
+        raise TypeError(f"chain must be a Chain or a StructureChain, got {shown(chain)}")
     if chain.beam is None:
         raise ValueError("chain must have a beam to be compared with; one from pieces has none")
     count = whole_number("modes", modes, most=MAX_MODES)

@@ -15,8 +15,9 @@ from beammodes.checks import shown, small_fraction, whole_number
 from beammodes.closed_form.uniform_chains import MAX_SEGMENTS
 from beammodes.problem.axial_ends import AxialBoundaryLike
 from beammodes.problem.beam import Beam
-from beammodes.problem.loading import Load
+from beammodes.problem.loading import Load, check_unloaded
 from beammodes.problem.motions import Motion
+from beammodes.problem.structure import Structure
 
 __all__ = [
     "MAX_MODES_SOUGHT",
@@ -46,7 +47,7 @@ class ToleranceOutOfReach(ValueError):
 
 
 def segments_needed(
-    boundary: AxialBoundaryLike,
+    boundary: AxialBoundaryLike | Structure,
     tolerance: float,
     modes: int = 1,
     rule: AnyAxialRule = "mitiguy",
@@ -66,9 +67,10 @@ def segments_needed(
 
     Parameters
     ----------
-    boundary : str, pair or Boundary
+    boundary : str, pair, Boundary or Structure
         Numbers of its ends are in the units of `beam`; without one they are multiples of ρA L, ρA L³, L,
-        EI/L³ and EI/L.
+        EI/L³ and EI/L. Of a `Structure` N is the number in all, shared out as `StructureChain` says; it is
+        sought up to 1000, and longer chains are looked at up to three times N.
     tolerance : float
         Largest |e| allowed, as a fraction less than 0.5: 0.01 is one percent.
     modes : int
@@ -94,6 +96,13 @@ def segments_needed(
     >>> bm.segments_needed("clamped-clamped", tolerance=0.01, modes=3, rule="mitiguy")
     26
     """
+    if isinstance(boundary, Structure):
+        from beammodes.accuracy.structure_errors import segments_of_structure
+
+        if beam is not None or motion != "bending":
+            raise ValueError("beam and motion must be left out with a structure, which bends its own beams")
+        check_unloaded(load)
+        return segments_of_structure(boundary, tolerance, modes, rule)  # type: ignore[arg-type]
     limit = small_fraction("tolerance", tolerance)
     how = lookup_of(motion)
     ends, pull = how.in_multiples(how.boundary(boundary), load, beam)

@@ -34,13 +34,13 @@ from beammodes.numerics.arrays import Floats
 from beammodes.problem.beam import Beam
 from beammodes.problem.structure import Parts, Stretch, Structure, checked_structure, part_of_beam
 
-__all__ = ["StructureModes", "modes_below", "structure_modes"]
+__all__ = ["MOST_MODES", "StructureModes", "modes_below", "structure_modes"]
 
 #: Points of a stretch's curvature beyond those that its beam needs.
 _POINTS = 22
 #: A part of a stretch that is longer, over its wavenumber, is divided.
 _LONGEST = 2.5
-_MOST_PARTS, _MOST_MODES = 2000, 100
+_MOST_PARTS, MOST_MODES = 2000, 100
 #: Singular values of the stiffness' root below this part of the largest are rigid motions.
 _RIGID = 1e-12
 #: Between these two there is one root: far above rounding, far below what roots differ by.
@@ -107,7 +107,7 @@ def structure_modes(structure: Structure, modes: int) -> StructureModes:
     >>> bm.structure_modes(overhang, 3).angular_frequency.round(6)
     array([0.248917, 0.868112, 1.49807 ])
     """
-    count = whole_number("modes", modes, most=_MOST_MODES)
+    count = whole_number("modes", modes, most=MOST_MODES)
     parts = checked_structure(structure).parts
     model, squares = _solved(parts, count, _POINTS)
     if not all(stretch.beam.is_uniform for stretch in parts.stretches):

@@ -7,7 +7,7 @@ from fractions import Fraction
 
 from beammodes.checks import choice, real, shown
 
-__all__ = ["NO_LOAD", "PLANES", "Load", "Vector", "checked_load", "load_of"]
+__all__ = ["NO_LOAD", "PLANES", "Load", "Vector", "check_unloaded", "checked_load", "load_of"]
 
 Number = float | Fraction
 
@@ -111,6 +111,17 @@ def checked_load(load: Load | None) -> Load:
     if load is not None and not isinstance(load, Load):
         raise TypeError(f"load must be a Load or None, got {shown(load)}")
     return NO_LOAD if load is None else load
+
+
+def check_unloaded(load: Load | None) -> None:
+    """Raise ValueError if there is a load, for what knows none.
+
+    Examples
+    --------
+    >>> check_unloaded(Load())
+    """
+    if checked_load(load) != Load():
+        raise ValueError(f"load must be left out with a structure, got {shown(str(load))}")
 
 
 def load_of(load: Load | None, beam: object | None) -> Load:
