@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from beammodes.accuracy.lookups import lookup_of
 from beammodes.chains.axial_chain import AnyAxialRule
-from beammodes.chains.rules import Layout, fits_of
+from beammodes.chains.rules import Layout, fits_of, layout_of
 from beammodes.checks import shown, small_fraction, whole_number
 from beammodes.closed_form.uniform_chains import MAX_SEGMENTS
 from beammodes.problem.axial_ends import AxialBoundaryLike
@@ -37,6 +37,9 @@ _LONGEST, _LONGEST_SOLVED = 10**5, 1000
 
 # Errors that are held at a time; chains that are looked at together where each costs some milliseconds.
 _BLOCK, _SOLVED_AT_A_TIME = 200_000, 8
+
+# Of a structure N is enough if no longer chain up to so many times N fails.
+_AHEAD = 3
 
 Counts = NDArray[np.int64]
 Fails = Callable[[Counts], NDArray[np.bool_]]
@@ -97,12 +100,10 @@ def segments_needed(
     26
     """
     if isinstance(boundary, Structure):
-        from beammodes.accuracy.structure_errors import segments_of_structure
-
         if beam is not None or motion != "bending":
             raise ValueError("beam and motion must be left out with a structure, which bends its own beams")
         check_unloaded(load)
-        return segments_of_structure(boundary, tolerance, modes, rule)  # type: ignore[arg-type]
+        return _segments_of_structure(boundary, tolerance, modes, layout_of(rule))  # type: ignore[arg-type]
     limit = small_fraction("tolerance", tolerance)
     how = lookup_of(motion)
     ends, pull = how.in_multiples(how.boundary(boundary), load, beam)
@@ -131,6 +132,22 @@ def segments_needed(
         raise ToleranceOutOfReach(
             f"tolerance must be larger: with rule {record.name}, {ends.name} and {len(mode)} modes no chain "
             f"of up to {grid[-1]} segments stays within {shown(tolerance)}"
+        )
+    return needed
+
+
+def _segments_of_structure(structure: Structure, tolerance: float, modes: int, rule: Layout) -> int:
+    from beammodes.accuracy.structure_errors import failing_segments
+
+    limit, fits = small_fraction("tolerance", tolerance), fits_of(rule) or (lambda _: True)
+    fails = failing_segments(structure, limit, modes, rule)
+    least = next(n for n in itertools.count(1) if fits(n)) * len(structure.parts.stretches)
+    grid = solved_grid(modes, rule)
+    needed = first_lasting_upwards(fails, grid[grid >= least], _AHEAD)
+    if needed is None:
+        raise ToleranceOutOfReach(
+            f"tolerance must be larger: with rule {rule.name} and {modes} modes no chain of {structure!r} of up "
+            f"to {grid[-1]} segments stays within {shown(tolerance)}"
         )
     return needed
 
