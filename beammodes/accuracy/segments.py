@@ -146,8 +146,8 @@ def _segments_of_structure(structure: Structure, tolerance: float, modes: int, r
     needed = first_lasting_upwards(fails, grid[grid >= least], _AHEAD)
     if needed is None:
         raise ToleranceOutOfReach(
-            f"tolerance must be larger: with rule {rule.name} and {modes} modes no chain of {structure!r} of up "
-            f"to {grid[-1]} segments stays within {shown(tolerance)}"
+            f"tolerance must be larger: with rule {rule.name} and {modes} modes no chain of {structure!r} "
+            f"of up to {grid[-1]} segments stays within {shown(tolerance)}"
         )
     return needed
 
