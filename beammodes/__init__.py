@@ -98,6 +98,10 @@ _NAMES = {
     "dynamics.superposition": "modal_response",
     "equations.derivation": "DerivedChain derive_chain wall_spring_weight",
     "equations.equilibria": "Equilibrium EquilibriumNotFound find_equilibrium",
+    "equations.equilibria_in_space": (
+        "NoEquilibriumInSpace SpatialEquilibrium critical_factor spatial_equilibrium"
+    ),
+    "equations.joint_laws": "JOINT_LAWS JointLaw",
     "equations.numeric": "compile_equations",
     "equations.symbolic": "equations_of_motion symbolic_energies",
     "exact.axial_beam": "AxialModes axial_modes",
@@ -115,6 +119,7 @@ _NAMES = {
     "problem.applied_loads": "LineLoad PointLoad",
     "problem.beam": "Beam",
     "problem.ends": "BOUNDARIES Boundary ENDS End",
+    "problem.load_in_space": "SpatialLoad",
     "problem.loading": "Load",
     "problem.materials": "MODULI elastic_modulus",
     "problem.profiles": "Table",
@@ -200,6 +205,12 @@ if TYPE_CHECKING:
     from beammodes.equations.equilibria import Equilibrium as Equilibrium
     from beammodes.equations.equilibria import EquilibriumNotFound as EquilibriumNotFound
     from beammodes.equations.equilibria import find_equilibrium as find_equilibrium
+    from beammodes.equations.equilibria_in_space import NoEquilibriumInSpace as NoEquilibriumInSpace
+    from beammodes.equations.equilibria_in_space import SpatialEquilibrium as SpatialEquilibrium
+    from beammodes.equations.equilibria_in_space import critical_factor as critical_factor
+    from beammodes.equations.equilibria_in_space import spatial_equilibrium as spatial_equilibrium
+    from beammodes.equations.joint_laws import JOINT_LAWS as JOINT_LAWS
+    from beammodes.equations.joint_laws import JointLaw as JointLaw
     from beammodes.equations.numeric import compile_equations as compile_equations
     from beammodes.equations.symbolic import equations_of_motion as equations_of_motion
     from beammodes.equations.symbolic import symbolic_energies as symbolic_energies
@@ -229,6 +240,7 @@ if TYPE_CHECKING:
     from beammodes.problem.ends import ENDS as ENDS
     from beammodes.problem.ends import Boundary as Boundary
     from beammodes.problem.ends import End as End
+    from beammodes.problem.load_in_space import SpatialLoad as SpatialLoad
     from beammodes.problem.loading import Load as Load
     from beammodes.problem.materials import MODULI as MODULI
     from beammodes.problem.materials import elastic_modulus as elastic_modulus

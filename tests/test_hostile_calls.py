@@ -261,6 +261,23 @@ CALLS: dict[str, Arguments] = {
         "stations": [bm.Station(0.5, mass=1.0)],
     },
     "StructureChain": lambda: {"structure": structure(), "segments": 4, "rule": "gregory"},
+    "JointLaw": of(name="mine", orders=("xyz", "zyx")),
+    "SpatialLoad": of(force=(0.0, 0.0, 1.0), moment=(0.0, 0.0, 0.0), torque=0.1, gravity=(0.0, 0.0, -9.81)),
+    "critical_factor": lambda: {
+        "chain": bm.SpatialChain(rod(), "clamped-free", 4),
+        "load": bm.SpatialLoad(force=(-1.0, 0.0, 0.0)),
+        "joints": "ball",
+        "most": 100.0,
+        "start": 2.0,
+    },
+    "spatial_equilibrium": lambda: {
+        "chain": bm.SpatialChain(rod(), "clamped-free", 4),
+        "load": bm.SpatialLoad(force=(0.0, 0.0, 1.0)),
+        "joints": "yzx",
+        "guess": None,
+        "end_place": None,
+        "end_frame": None,
+    },
     "SpatialChain": lambda: {
         "rod": rod(),
         "boundary": "clamped-free",
@@ -538,6 +555,7 @@ ANSWERS = {
     "LinearModel",
     "Modes",
     "RodModes",
+    "SpatialEquilibrium",
     "SpatialModes",
     "SpectralBeamModes",
     "StructureChainModes",
@@ -548,11 +566,12 @@ ANSWERS = {
     "TimoshenkoModes",
 }
 #: Neither called nor made.
-CONSTANTS = {"BOUNDARIES", "ENDS", "INTEGRATORS", "MODULI", "RULES", "__version__"}
+CONSTANTS = {"BOUNDARIES", "ENDS", "INTEGRATORS", "JOINT_LAWS", "MODULI", "RULES", "__version__"}
 EXCEPTIONS = {
     "DivergedWarning",
     "EquilibriumNotFound",
     "MissedFeatureWarning",
+    "NoEquilibriumInSpace",
     "SlendernessWarning",
     "UnsavedMotion",
     "UnstableStepWarning",
@@ -661,6 +680,8 @@ HOSTILE: dict[str, Callable[[], Any]] = {
 FILES = ("animate", "audit_file", "export_chain", "open_study", "read_chain_csv", "simulate")
 PROMISED: dict[str, tuple[type[BaseException], ...]] = dict.fromkeys(FILES, (OSError,))
 ARITHMETIC = (
+    "critical_factor",
+    "spatial_equilibrium",
     "beam_statics",
     "buckling_load",
     "chain_errors",

@@ -49,6 +49,8 @@ MADE: dict[str, Callable[[], Any]] = {
     "Rectangle": lambda: bm.Rectangle(0.1, 0.2),
     "Rod": lambda: bm.Rod.arc(1.0, length=1.0, **WIRE),
     "Rod through points": lambda: bm.Rod.through([(0, 0, 0), (1, 0, 0), (2, 1, 0), (3, 1, 1)], **WIRE),
+    "JointLaw": lambda: bm.JOINT_LAWS["yzx"],
+    "SpatialLoad": lambda: bm.SpatialLoad(force=(0.0, 0.0, 1.0)),
     "RodEnd": lambda: bm.RodEnd(mass=0.5, rotary_inertia=(0.1, 0.2, 0.3)),
     "RodEnds": lambda: bm.RodEnds.of("clamped-pinned"),
     "Rule": lambda: bm.RULES["gregory"],
@@ -85,6 +87,9 @@ FOUND: dict[str, Callable[[], Any]] = {
     "Modes": lambda: bm.solve_modes(bm.linearize(CHAIN)),
     "RodModes": lambda: bm.rod_modes(bm.Rod(1.0, **WIRE), "clamped-free", 2),
     "SpatialChain": lambda: bm.SpatialChain(bm.Rod(1.0, **WIRE), "clamped-free", 3),
+    "SpatialEquilibrium": lambda: bm.spatial_equilibrium(
+        bm.SpatialChain(bm.Rod(1.0, **WIRE), "clamped-free", 3)
+    ),
     "SpatialModes": lambda: bm.spatial_modes(bm.SpatialChain(bm.Rod(1.0, **WIRE), "clamped-free", 3)),
     "match_springs": lambda: bm.match_springs("clamped-free", 3, 2),
     "recommend": lambda: bm.recommend("clamped-free", 0.01, 2)[0],
