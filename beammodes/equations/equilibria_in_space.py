@@ -203,7 +203,7 @@ def critical_factor(
     largest, step = positive_real("most", most), positive_real("start", start) / 8.0
     if not 8.0 * step <= largest <= _MOST_TRIED * step:
         raise ValueError(
-            f"most must be between start and {_MOST_TRIED // 8} times that, got {shown(most)} and {shown(start)}"
+            f"most must be from start to {_MOST_TRIED // 8} times that, got {shown(most)} and {shown(start)}"
         )
     statics = _Statics(chain, joint_law(joints), None, None)
     stable = (np.zeros((statics.count, 3)), np.zeros(statics.held))
