@@ -32,7 +32,7 @@ OUTPUTS = 1000
 # Steps times pieces that Runge-Kutta takes in a few seconds: 0.5 to 1 µs each were measured.
 _CHEAP = 5_000_000
 # What a step costs in steps of Runge-Kutta, measured at N = 10 to 1,000.
-_COST = {"midpoint": 10, "sdirk2": 20}
+_COST = {"midpoint": 3, "sdirk2": 6}
 # Modes that a load or a base is taken to excite; most that a start is searched for, and the share of what it
 # stores that they must hold.
 _EXCITED, _MOST, _SHARE = 3, 20, 0.999
