@@ -224,6 +224,13 @@ CALLS: dict[str, Arguments] = {
         "second_bending_stiffness": 90.0,
         "curvature": (0.0, 0.0, 1.0),
     },
+    "Rod.of_section": lambda: {
+        "section": bm.Rectangle(0.1, 0.2),
+        "density": 7800.0,
+        "elastic_modulus": 2.1e11,
+        "poisson_ratio": 0.3,
+        "rotary_inertia": True,
+    },
     "Rod.helix": lambda: {"radius": 0.1, "pitch": 0.05, "turns": 2.0, **WIRE},
     "Rod.hook": lambda: {"straight": 0.5, "radius": 0.1, "angle": 2.0, **WIRE},
     "Rod.through": lambda: {

@@ -53,6 +53,18 @@ def test_the_free_ring_of_love() -> None:
     assert found.rigid_body_modes == 1
 
 
+def test_stiffnesses_of_very_different_size() -> None:
+    # A blade ten thousand times as stiff one way as the other, and one that hardly resists twist: the planar
+    # frequencies of both planes, and the shaft's.
+    rod = bm.Rod(1.0, 1e8, 1e-4, 1.0, 1e-7, second_bending_stiffness=1.0)
+    weak = bm.euler_bernoulli(bm.Beam.unit(), "clamped-free", 3).angular_frequency
+    shaft = math.pi * math.sqrt(1e-4 / 1e-7) * np.array([0.5, 1.5])
+    expected = np.sort(np.concatenate([weak, shaft]))[:4]
+    np.testing.assert_allclose(omega(rod, "clamped-free", 4), expected, rtol=1e-11)
+    chain = bm.SpatialChain(rod, "clamped-free", 60, "gregory")
+    np.testing.assert_allclose(bm.spatial_modes(chain, 4).angular_frequency, expected, rtol=1e-3)
+
+
 def by_determinant(rod: bm.Rod, low: float, high: float) -> float:
     """The root of the 6 by 6 determinant of a uniform clamped-free rod, with 22 digits; its own equations."""
 

@@ -48,6 +48,9 @@ _LEAST_STEPS, _REFINED, _SETTLED = 8, 5, 1e-11
 
 _LOWEST = 1e-7
 
+#: Steps at most: of a rod whose stiffnesses differ by many powers of ten, or a high mode.
+_MOST_STEPS = 30_000
+
 
 @dataclass(frozen=True, eq=False, repr=False)
 class RodModes:
@@ -235,8 +238,7 @@ class _Problem:
 
     def _counted(self, square: Floats) -> tuple[Integers, Floats]:
         """Return whole turns of all angles together, and the six angles in [0, 2π), ascending."""
-        wave = np.maximum(1.0, np.abs(square) ** 0.25)
-        scale = np.stack([wave**-1.5] * 3 + [wave**-0.5] * 3, axis=-1)
+        scale = self._scale(square)
         plane, phase = _end_plane(*self._ends[0], square, scale, 1)
         far, end_phase = _end_plane(*self._ends[1], square, scale, -1)
         moves = self._moves(square, scale)
@@ -252,6 +254,21 @@ class _Problem:
         turns = np.rint((phase - end_phase - angles.sum(axis=1)) / (2 * math.pi)).astype(int)
         return turns, angles
 
+    def _scale(self, square: Floats) -> Floats:
+        """Return what v and θ, and inversely n and m, are measured in: their waves then turn all at one rate.
+
+        With k the wavenumber of bending about an axis and c its flexibility these are √(c/k³) and √(c/k).
+        """
+        _, give, weight = (np.exp(np.log(np.abs(values) + 1e-300).mean(axis=0)) for values in self._samples)
+        give, weight = np.diagonal(give)[3:], np.diagonal(weight)
+        rate = np.abs(square)[:, None]
+        bending = np.maximum(1.0, (rate * weight[1] * give[1:]) ** 0.25)
+        twist = np.maximum(1.0, np.sqrt(rate[:, 0] * weight[3] * give[0]))
+        across = np.sqrt(give[1:] / bending**3)[:, ::-1]
+        turning = np.sqrt(give[1:] / bending)
+        along, about = np.sqrt(across.prod(axis=1)), np.sqrt(give[0] / twist)
+        return np.column_stack([along, across, about, turning])
+
     def _moves(self, square: Floats, scale: Floats) -> list[Floats]:
         """Return the matrices that carry states along the rod, step by step, for each ω²."""
         p, c, m = self._samples
@@ -264,6 +281,8 @@ class _Problem:
         rate = np.sort(np.abs(np.linalg.eigvalsh(hamilton)), axis=-1)[..., 6:].sum(axis=-1).max()
         # The phase turns at 2 tr(Zᵀ H Z) on an orthonormal Z; half a turn in a step would be lost.
         wanted = max(_LEAST_STEPS, math.ceil(2.0 * rate / 2.5))
+        if wanted > _MOST_STEPS:
+            raise ArithmeticError(f"the rod's stiffnesses are too unlike: {wanted} steps would be needed")
         if self._rod.is_uniform:
             size = np.concatenate([scale, 1.0 / scale], axis=-1)
             p, c, m = (matrix[:1] for matrix in self._samples)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,6 +25,9 @@ from beammodes.problem.rest_shape import (
     shape_frames,
 )
 from beammodes.problem.rod_ends import RodEnds
+
+if TYPE_CHECKING:
+    from beammodes.problem.sections import Section
 
 __all__ = ["Rod"]
 
@@ -304,6 +307,49 @@ class Rod:
             rotary_inertia_per_length=beam.rotary_inertia_per_length,
             curvature=curvature,
         )
+
+    @staticmethod
+    def of_section(
+        section: Section,
+        *,
+        density: float,
+        elastic_modulus: float,
+        poisson_ratio: float,
+        rotary_inertia: bool = False,
+    ) -> dict[str, float]:
+        """Return what a cross-section and a material give of a rod's properties, to be passed on.
+
+        Parameters
+        ----------
+        section : Section
+            One of `sections`, its height along y and its width along z; or anything with an `area` [m²], a
+            `second_moment`, a `weak_second_moment` and a `torsion_constant` [m⁴].
+        density : float [kg/m³]
+        elastic_modulus : float [Pa]
+        poisson_ratio : float
+            ν of G = E/(2 (1 + ν)), above -1 and at most 0.5.
+        rotary_inertia : bool
+            Whether the section's inertias about y and z count.
+
+        Examples
+        --------
+        >>> from beammodes.problem.sections import Rectangle
+        >>> steel = {"density": 7800.0, "elastic_modulus": 200e9, "poisson_ratio": 0.3}
+        >>> ring = Rod.arc(3.0, length=1.0, **Rod.of_section(Rectangle(width=0.002, height=0.02), **steel))
+        >>> round(ring.bending_stiffness / ring.second_bending_stiffness)
+        100
+        """
+        given = {"density": density, "elastic_modulus": elastic_modulus, "poisson_ratio": poisson_ratio}
+        beam = Beam.from_section(section, length=1.0, rotary_inertia=rotary_inertia, **given)
+        for name in ("torsion_constant", "weak_second_moment"):
+            if getattr(section, name, None) is None:
+                raise TypeError(f"section must have its {name} for a rod, got {shown(section)}")
+        whole: Any = section
+        weak = whole.weak_second_moment / section.second_moment
+        found = {name: getattr(beam, name) for name in (*_NEEDED, *_INERTIAS[:2])}
+        found["second_bending_stiffness"] = weak * found["bending_stiffness"]
+        found["second_rotary_inertia_per_length"] = weak * found["rotary_inertia_per_length"]
+        return found
 
     def planar(self, axis: int) -> Beam:
         """Return the straight beam whose bending stiffness is that of turning about x, y or z (0 to 2).
