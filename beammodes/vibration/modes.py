@@ -36,6 +36,10 @@ _FEW_HINGES = 48
 
 # An error of 1e-10 in a mode's vector is one of 1e-20 in ω.
 _CONVERGED = 1e-10
+# Of vectors that lose more than this to those before them what is left is made orthogonal once more.
+_CANCELLED = 1e-3
+# Columns whose cosines are smaller have a triangle by their products, without loss.
+_NEARLY_ORTHOGONAL = 1e-2
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -225,14 +229,18 @@ def _lanczos(form: FlexibilityForm, count: int, start: Floats) -> Floats:
     for k in range(size):
         image = _compliance(form, basis[k][:, None])[:, 0]
         diagonal.append(float(image @ basis[k]))
-        before = basis[: k + 1]
-        for _ in range(2):
+        whole, before = np.linalg.norm(image), basis[: k + 1]
+        image -= (before @ image) @ before
+        rest = np.linalg.norm(image)
+        if rest < _CANCELLED * whole:
+            # What is left is orthogonal to rounding over its share of the image.
             image -= (before @ image) @ before
-        beside.append(float(np.linalg.norm(image)))
-        if k + 1 == size or (k > count and not (k - count) % 2):
+            rest = np.linalg.norm(image)
+        beside.append(float(rest))
+        last = k + 1 == size or not rest
+        if last or (k > count and not (k - count) % 2):
             value, turn = eigh_tridiagonal(diagonal, beside[:-1])
-            left = beside[-1] * np.abs(turn[-1, -count:])
-            if k + 1 == size or (left <= _CONVERGED * value[-count:]).all():
+            if last or (rest * np.abs(turn[-1, -count:]) <= _CONVERGED * value[-count:]).all():
                 break
         if k + 1 == len(basis):
             basis = np.concatenate([basis, np.empty((min(len(basis), size - len(basis)), size))])
@@ -266,12 +274,23 @@ def _rayleigh_ritz(form: FlexibilityForm, w: Floats) -> tuple[Floats, Floats]:
 
     A singular value loses only ω_n/ω_1, its square (ω_n/ω_1)².
     """
-    w = np.linalg.qr(w - form.forbidden @ (form.forbidden.T @ w))[0]
+    if form.forbidden.size:
+        w = w - form.forbidden @ (form.forbidden.T @ w)
+    w = w @ np.linalg.inv(_triangle(w))
     x = form.allowed(w)
     if form.pull.any():
         x = x @ unit_energy(form, w, x)
-    _, inverse, turn = np.linalg.svd(np.linalg.qr(form.kinetic(x), mode="r"))
+    _, inverse, turn = np.linalg.svd(_triangle(form.kinetic(x)))
     return inverse, x @ turn.T
+
+
+def _triangle(columns: Floats) -> Floats:
+    """Return R of columns = Q R, of long columns that are nearly orthogonal without Q."""
+    size = np.sqrt((columns * columns).sum(axis=0))
+    cosines = columns.T @ columns / size / size[:, None]
+    if np.abs(cosines - np.eye(len(size))).max() < _NEARLY_ORTHOGONAL:
+        return np.asarray(np.linalg.cholesky(cosines).T * size)
+    return np.asarray(np.linalg.qr(columns, mode="r"))
 
 
 def _in_physical_units(model: LinearModel, omega: Floats, shape: Floats, slope: Floats) -> Modes:
