@@ -42,12 +42,15 @@ __all__ = [
     "replaced",
     "same_equations",
     "solving",
+    "unequal",
 ]
 
 ROOT = Path(__file__).resolve().parent.parent
 BEGIN, END = "<!-- benchmarks: begin -->", "<!-- benchmarks: end -->"
 PACKAGES = ("numpy", "scipy", "sympy", "casadi", "scikit-fem", "mujoco", "pin", "distributed")
 SEGMENTS = (16, 128, 1024, 8192, 1_000_000)
+UNEQUAL = (8, 32, 128, 1024, 10**5, 10**6, 10**7)
+_LARGEST_DENSE = 1024
 PATIENCE = 60.0
 MODES = 3
 
@@ -187,14 +190,52 @@ def cell(name: str, segments: int, result: dict[str, Any]) -> str:
     return f"{time}, {errors[worst]:.0e}"
 
 
+def unequal(counts: Sequence[int] = UNEQUAL) -> str:
+    """Return what a chain of springs that all differ costs: building it, and three modes of it."""
+    rows = []
+    for segments in counts:
+        _say(f"unequal springs, N = {segments:,}")
+        # The longest takes most of the memory: one chain at a time, and one call of each.
+        budget = 1.0 if segments <= 10**5 else 0.0
+        built, chain = timed(partial(_of_unequal_springs, segments), budget=budget)
+        model = bm.linearize(chain)
+        solved = timed(partial(bm.solve_modes, model, MODES), budget=budget)[0]
+        each = f"{1e6 * (built + solved) / segments:.2g} µs"
+        dense = _dense_time(model) if segments <= _LARGEST_DENSE else "not tried"
+        rows.append([f"{segments:,}", duration(built), duration(solved), each, dense])
+    columns = ["N", "building", "three modes", "both, for each spring", "`eigh(K, M)`, lowest three"]
+    return (
+        "**Springs that all differ**, random within a factor of 3, pinned at both ends, given piece by "
+        "piece: how the cost of three modes and their shapes grows with N. Dense matrices, here for ω alone "
+        "and already assembled, lose digits as N⁴.\n\n" + markdown_table(columns, rows)
+    )
+
+
+def _of_unequal_springs(segments: int) -> bm.Chain:
+    ones = np.ones(segments)
+    springs = np.random.default_rng(0).uniform(0.5, 1.5, segments - 1)
+    return bm.Chain.from_pieces(
+        length=ones, mass=ones, rotary_inertia=ones / 12, joint_stiffness=springs, boundary="pinned-pinned"
+    )
+
+
+def _dense_time(model: Any) -> str:
+    stiffness, mass = model.stiffness_matrix, model.mass_matrix
+    only = [0, MODES - 1]
+    solve = partial(scipy.linalg.eigh, stiffness, mass, eigvals_only=True, subset_by_index=only)
+    return duration(timed(solve)[0])
+
+
 def lookups(count: int = 1_000_000) -> str:
     """Return the cost of one error, in bulk, alone, and by matrices."""
     _say("lookups")
     generator = np.random.default_rng(0)
     even = generator.integers(1, 10**6, size=count, endpoint=True)
+    alone = min(count, 1000)
     by_size = np.rint(10 ** generator.uniform(0, 6, size=count)).astype(np.int64)
     ways = {
-        "one": (lambda: bm.frequency_error("clamped-free", segments=100, mode=1), 1),
+        "one, the same again": (lambda: bm.frequency_error("clamped-free", segments=100, mode=1), 1),
+        f"one after another, {alone:,} that differ": (_one_after_another(generator, by_size[:alone]), alone),
         f"{count:,} in one call, N evenly from 1 to 10⁶": (_mixed(generator, even), count),
         f"{count:,} in one call, log N evenly": (_mixed(generator, by_size), count),
         "instead of one: K, M and `scipy.linalg.eigh`, N = 100": (_one_by_matrices, 1),
@@ -210,15 +251,27 @@ def lookups(count: int = 1_000_000) -> str:
     )
 
 
+def _one_after_another(generator: np.random.Generator, segments: NDArray[np.int64]) -> Callable[[], Any]:
+    """Return as many single calls as there are N, each with a boundary, mode and rule of its own."""
+    ends, rules, mode = _drawn(generator, len(segments))
+    cases = list(zip(ends.tolist(), segments.tolist(), mode.tolist(), rules.tolist(), strict=True))
+    return lambda: [bm.frequency_error(pair, segments=n, mode=m, rule=rule) for pair, n, m, rule in cases]
+
+
 def _mixed(generator: np.random.Generator, segments: NDArray[np.int64]) -> Callable[[], Any]:
     """Return one call that looks up a random boundary, mode and rule of equal springs for each N."""
-    count = len(segments)
+    ends, rules, mode = _drawn(generator, len(segments))
+    return lambda: bm.frequency_error(ends, segments=segments, mode=mode, rule=rules)
+
+
+def _drawn(
+    generator: np.random.Generator, count: int
+) -> tuple[NDArray[Any], NDArray[Any], NDArray[np.int64]]:
     ends = np.array([pair.name for pair in bm.BOUNDARIES])[generator.integers(len(bm.BOUNDARIES), size=count)]
     # Those with a closed form: a pattern inside is solved chain by chain.
     names = np.array([name for name, rule in RULES.items() if rule.has_equal_springs])
     rules = names[generator.integers(len(names), size=count)]
-    mode = generator.integers(1, 5, size=count, endpoint=True)
-    return lambda: bm.frequency_error(ends, segments=segments, mode=mode, rule=rules)
+    return ends, rules, generator.integers(1, 5, size=count, endpoint=True)
 
 
 def _one_by_matrices() -> float:
@@ -262,7 +315,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     replaced(readme.read_text("utf-8"), "")
     tables = ""
     with threadpool_limits(1):
-        for part in (environment, deriving, solving, moving, lookups, batches):
+        for part in (environment, deriving, solving, unequal, moving, lookups, batches):
             text = part().strip() + "\n"
             print(text, flush=True)
             tables += text + "\n"

@@ -111,7 +111,10 @@ def test_failures_are_told_and_not_raised(monkeypatch: pytest.MonkeyPatch) -> No
 def test_lookups_and_derivation_print_tables(monkeypatch: pytest.MonkeyPatch) -> None:
     real = benchmarks.timed
     monkeypatch.setattr(benchmarks, "timed", lambda call, **_: real(call, budget=0.0))
-    assert benchmarks.lookups(100).count("\n| ") == 5
+    assert benchmarks.lookups(100).count("\n| ") == 6
+    table = benchmarks.unequal([8, 2000])
+    assert table.count("\n| ") == 3
+    assert table.rstrip().endswith("| not tried |")
     assert "checked in this run" in benchmarks.deriving([2, 3], [2])
     assert "one BLAS thread" in benchmarks.environment()
 
@@ -161,14 +164,15 @@ def test_readme_takes_the_tables(tmp_path: Path, monkeypatch: pytest.MonkeyPatch
     readme = tmp_path / "README.md"
     readme.write_text(f"above\n{benchmarks.BEGIN}\nold\n{benchmarks.END}\nbelow · ω\n", "utf-8")
     monkeypatch.setattr(benchmarks, "ROOT", tmp_path)
-    for part in ("environment", "deriving", "solving", "moving", "lookups", "batches"):
+    parts_in_order = ("environment", "deriving", "solving", "unequal", "moving", "lookups", "batches")
+    for part in parts_in_order:
         monkeypatch.setattr(benchmarks, part, lambda part=part: f"the {part}\n")
     assert benchmarks.main([]) == 0
     assert "old" in readme.read_text("utf-8")
     for _ in range(2):
         assert benchmarks.main(["--write"]) == 0
     text = readme.read_text("utf-8")
-    parts = "the environment\n\nthe deriving\n\nthe solving\n\nthe moving\n\nthe lookups\n\nthe batches"
+    parts = "\n\n".join(f"the {part}" for part in parts_in_order)
     assert text == f"above\n{benchmarks.BEGIN}\n{parts}\n{benchmarks.END}\nbelow · ω\n"
     with pytest.raises(ValueError, match="once"):
         benchmarks.replaced("no marks", parts)
