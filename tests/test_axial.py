@@ -17,6 +17,7 @@ from beammodes.accuracy.error_table import error_dataset
 from beammodes.accuracy.errors import frequency_error
 from beammodes.accuracy.law import error_law, law_holds_from
 from beammodes.accuracy.segments import segments_needed
+from beammodes.batch.study import Study
 from beammodes.chains.axial_chain import AxialChain
 from beammodes.chains.rules import RULES, Rule, Weight
 from beammodes.closed_form.axial_chains import end_waves
@@ -483,3 +484,38 @@ def test_committed_figures_in_twist(name: str, ends: str) -> None:
         beta = (int(row["mode"]) - (ends == "fixed-free") / 2) * math.pi
         x = beta / 2 / int(row["segments"])
         assert float(row["relative_error"]) == pytest.approx(math.sin(x) / x - 1, rel=1e-10)
+
+
+def test_studies_have_motion_as_an_axis() -> None:
+    study = Study.grid(
+        boundary=["clamped-free", "clamped-clamped"], motion=["bending", "twist", "stretch"], mode=[1, 2],
+        rule=["half_stub", "naive"], segments=[4, 10], compute=["relative_error", "stable_time_step"],
+    )  # fmt: skip
+    table = study.run()
+    for motion in ("bending", "twist"):
+        for rule in ("half_stub", "naive"):
+            found = table.relative_error.sel(boundary="clamped-clamped", motion=motion, rule=rule).values
+            counts = np.array([[4], [10]])
+            expected = frequency_error(
+                "clamped-clamped", segments=counts, mode=[1, 2], rule=rule, motion=motion
+            )
+            assert found == pytest.approx(expected, rel=1e-12)
+    step = table.stable_time_step.sel(boundary="clamped-clamped", motion="stretch", rule="naive", segments=4)
+    chain = AxialChain(UNIT, "fixed-fixed", 4, "naive", motion="stretch")
+    assert float(step) == pytest.approx(stable_time_step(chain), rel=1e-12)
+    # A disc on a rod of a section and a material: ω goes nearly with the rod's d².
+    rods = Study.grid(
+        section="circle", diameter=[0.01, 0.02], length=0.5, elastic_modulus=2e11, density=7850.0, mode=1,
+        boundary="fixed-free(inertia=1e-3)", motion="twist", segments=10, compute="angular_frequency",
+    )  # fmt: skip
+    omega = rods.run().angular_frequency.values
+    rod = Beam.from_section(Circle(0.01), length=0.5, elastic_modulus=2e11, density=7850.0)
+    chain = AxialChain(rod, "fixed-free(inertia=1e-3)", 10)
+    assert omega[0] == pytest.approx(solve_axial_modes(chain, 1).angular_frequency[0], rel=1e-12)
+    assert omega[1] / omega[0] == pytest.approx(4.0, rel=0.02)
+    none = Study.grid(
+        boundary="pinned-free", motion="twist", segments=3, mode=1, compute="relative_error"
+    ).run()
+    assert math.isnan(none.relative_error) and "pinned says what bending may do" in none.reason.item()
+    with pytest.raises(ValueError, match="must leave out motion with buckling_load"):
+        Study.grid(boundary="clamped-free", motion="twist", segments=3, compute="buckling_load")

@@ -263,7 +263,7 @@ def test_one_bad_point_takes_no_answer_from_those_beside_it(monkeypatch: pytest.
 
     grid = {"boundary": "clamped-free", "segments": range(5, 10), "mode": [1, 2], "compute": "relative_error"}
     whole = bm.Study.grid(**grid).run()
-    monkeypatch.setattr("beammodes.batch.cases.errors_in_multiples", fails_at_seven)
+    monkeypatch.setattr("beammodes.accuracy.lookups.errors_in_multiples", fails_at_seven)
     table = bm.Study.grid(**grid).run()
     assert table.reason.values.tolist() == ["", "", "ZeroDivisionError: by seven", "", ""]
     others = [0, 1, 3, 4]

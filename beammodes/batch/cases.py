@@ -12,19 +12,20 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from beammodes.accuracy.beam_units import NUMBERS, in_beam_units, load_in_beam_units, with_numbers
-from beammodes.accuracy.errors import errors_in_multiples, exact_frequencies
+from beammodes.accuracy.beam_units import NUMBERS, with_numbers
+from beammodes.accuracy.lookups import Lookup, lookup_of
 from beammodes.batch.study_axes import dimensions_of
+from beammodes.chains.axial_chain import AnyAxialRule, AxialChain
 from beammodes.chains.chain import Chain
-from beammodes.chains.rules import AnyRule
 from beammodes.checks import shown
 from beammodes.numerics.arrays import Floats
+from beammodes.problem.axial_ends import AxialBoundary
 from beammodes.problem.beam import Beam
 from beammodes.problem.ends import Boundary
 from beammodes.problem.loading import Load
 from beammodes.problem.sections import SECTIONS
 
-__all__ = ["MATERIAL", "UNIFORM_BEAM", "Case", "Cases"]
+__all__ = ["MATERIAL", "MOVING_ALONG", "UNIFORM_BEAM", "Case", "Cases"]
 
 #: What counts as the answer that a point has none. A TypeError, a NameError and their like are faults of a
 #: function's text, not of a point, and stop the study.
@@ -36,6 +37,9 @@ _REASON = 300
 #: What makes a beam without a section, and what a section needs to make one.
 UNIFORM_BEAM = ("length", "bending_stiffness", "mass_per_length")
 MATERIAL = ("elastic_modulus", "density", "length")
+
+#: What a beam without a section may have besides, for twist and stretch.
+MOVING_ALONG = ("torsional_stiffness", "polar_inertia_per_length", "axial_stiffness")
 
 
 @dataclass(frozen=True)
@@ -72,10 +76,15 @@ class Case:
         return int(self.values["segments"])
 
     @property
-    def rule(self) -> AnyRule:
+    def rule(self) -> AnyAxialRule:
         """The rule's record."""
-        rule: AnyRule = self.values["rule"]
+        rule: AnyAxialRule = self.values["rule"]
         return rule
+
+    @property
+    def motion(self) -> str:
+        """The motion: bending, twist or stretch."""
+        return str(self.values.get("motion", "bending"))
 
     @cached_property
     def beam(self) -> Beam:
@@ -88,18 +97,24 @@ class Case:
             section = SECTIONS[kind](**sizes)
             return Beam.from_section(section, density=density, elastic_modulus=modulus, length=length)
         if "length" in given:
-            return Beam(*(float(given[name]) for name in UNIFORM_BEAM))
-        return Beam.unit()
+            along: dict[str, Any] = {name: float(given[name]) for name in MOVING_ALONG if name in given}
+            return Beam(*(float(given[name]) for name in UNIFORM_BEAM), **along)
+        ones: dict[str, Any] = {} if self.motion == "bending" else dict.fromkeys(MOVING_ALONG, 1.0)
+        return Beam(1.0, 1.0, 1.0, **ones)
 
     @cached_property
-    def _held(self) -> tuple[Boundary, Load]:
+    def _held(self) -> tuple[Any, Load]:
         numbers = {name: float(self.values[name]) for name in NUMBERS if name in self.values}
+        if self.motion != "bending":
+            if numbers:
+                raise ValueError(f"{min(numbers)} must be left out for motion {self.motion}")
+            return AxialBoundary.of(self.values["boundary"], self.motion), Load()
         plane = str(self.values.get("plane", Load().plane))
-        return with_numbers(self.values["boundary"], Load(plane=plane), numbers)
+        return with_numbers(Boundary.of(self.values["boundary"]), Load(plane=plane), numbers)
 
     @property
-    def boundary(self) -> Boundary:
-        """The two ends, in the beam's units."""
+    def boundary(self) -> Any:
+        """The two ends, in the beam's units: a `Boundary`, or an `AxialBoundary` in twist and stretch."""
         return self._held[0]
 
     @property
@@ -108,9 +123,11 @@ class Case:
         return self._held[1]
 
     @property
-    def chain(self) -> Chain:
-        """The chain; raises ValueError where its rule has no positive springs."""
-        return Chain(self.beam, self.boundary, self.segments, self.rule)
+    def chain(self) -> Any:
+        """The chain, a `Chain` or an `AxialChain`; raises ValueError where it has no positive springs."""
+        if self.motion != "bending":
+            return AxialChain(self.beam, self.boundary, self.segments, self.rule, motion=self.motion)
+        return Chain(self.beam, self.boundary, self.segments, self.values["rule"])
 
 
 @dataclass(frozen=True, eq=False)
@@ -159,7 +176,7 @@ class Cases:
         """√(EI / (ρA L⁴)), shape (cases, 1)."""
         if not self._has_beams:
             return np.ones((len(self), 1))
-        return self.each(lambda case: case.beam.frequency_unit)[:, None]
+        return self.each(lambda case: lookup_of(case.motion).frequency_unit(case.beam))[:, None]
 
     @cached_property
     def relative_error(self) -> Floats:
@@ -178,16 +195,16 @@ class Cases:
         for (pair, _, load), at in self._groups:
             wanted, place = np.unique(modes[at], return_inverse=True)
             with self._answering(at):
-                exact[at] = exact_frequencies(pair, wanted, load)[place].reshape(len(at), -1)
+                exact[at] = _lookup(pair).exact(pair, wanted, load)[place].reshape(len(at), -1)
         return exact
 
-    def _errors(self, at: NDArray[np.intp], pair: Boundary, rule: AnyRule, load: Load) -> Floats:
+    def _errors(self, at: NDArray[np.intp], pair: Any, rule: Any, load: Load) -> Floats:
         """Return the errors of cases that differ in N and mode alone: one call of the closed form."""
         segments = self.columns["segments"][at, None]
         mode = self.mode if len(self.mode) == 1 else self.mode[at]
         error = np.full((len(at), self.mode.shape[1]), np.nan)
         try:
-            error[:] = errors_in_multiples(pair, segments, mode, rule, load)
+            error[:] = _lookup(pair).errors(pair, segments, mode, rule, load)
         except NO_ANSWER:
             if len(at) > 1:
                 # One case without an answer must not take it from those beside it.
@@ -215,10 +232,10 @@ class Cases:
         return "length" in self.columns
 
     @cached_property
-    def _groups(self) -> list[tuple[tuple[Boundary, AnyRule, Load], NDArray[np.intp]]]:
+    def _groups(self) -> list[tuple[tuple[Any, Any, Load], NDArray[np.intp]]]:
         """Ends for L = EI = ρA = 1, rule and load likewise, and the places of the cases that share them."""
         pairs, rules = self.columns["boundary"], self.columns["rule"]
-        numbered = any(name in self.columns for name in (*NUMBERS, "plane"))
+        numbered = any(name in self.columns for name in (*NUMBERS, "plane", "motion"))
         if numbered or (self._has_beams and not all(pair.is_plain for pair in pairs)):
             return self._groups_by_number()
         # Objects are told apart by identity: the hash of a rule costs more than its error.
@@ -228,12 +245,16 @@ class Cases:
             ((pairs[at], rules[at], Load()), np.flatnonzero(which.ravel() == k)) for k, at in enumerate(first)
         ]
 
-    def _groups_by_number(self) -> list[tuple[tuple[Boundary, AnyRule, Load], NDArray[np.intp]]]:
-        found: dict[tuple[Boundary, AnyRule, Load], list[int]] = {}
+    def _groups_by_number(self) -> list[tuple[tuple[Any, Any, Load], NDArray[np.intp]]]:
+        found: dict[tuple[Any, Any, Load], list[int]] = {}
         for i, case in enumerate(self):
             with self._answering([i], case):
                 pair, load = case.boundary, case.load
                 if self._has_beams:
-                    pair, load = in_beam_units(pair, case.beam), load_in_beam_units(load, case.beam)
+                    pair, load = lookup_of(case.motion).in_multiples(pair, load, case.beam)
                 found.setdefault((pair, case.rule, load), []).append(i)
         return [(key, np.array(places)) for key, places in found.items()]
+
+
+def _lookup(pair: Any) -> Lookup:
+    return lookup_of(pair.motion if isinstance(pair, AxialBoundary) else "bending")

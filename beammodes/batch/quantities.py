@@ -20,6 +20,7 @@ from beammodes.batch.running_code import running_code
 from beammodes.batch.study_axes import AXES
 from beammodes.checks import bounded, choice, shown
 from beammodes.numerics.arrays import Floats
+from beammodes.vibration.axial_spectrum import highest_axial_frequency
 from beammodes.vibration.stability import highest_angular_frequency, stable_time_step
 
 __all__ = ["DIMENSIONS", "QUANTITIES", "REASON", "Quantity", "quantities_of"]
@@ -117,11 +118,14 @@ def _relative_error(cases: Cases) -> Floats:
 
 
 def _highest(case: Case) -> float:
+    if case.motion != "bending":
+        return highest_axial_frequency(case.chain)
     return highest_angular_frequency(case.chain, load=case.load)
 
 
 def _time_step(case: Case) -> float:
-    return stable_time_step(case.chain, str(case.values.get("integrator", "rk4")), load=case.load)
+    load = case.load if case.motion == "bending" else None
+    return stable_time_step(case.chain, str(case.values.get("integrator", "rk4")), load=load)
 
 
 def _chain_buckling(case: Case) -> float:
@@ -161,7 +165,7 @@ _TABLE = (
     ),
     Quantity("stable_time_step", "largest stable fixed step of the chain", _OfEach(_time_step), _STEP),
     *(
-        Quantity(name, long_name, _OfEach(function), units, uncounted=("spin_rate",))
+        Quantity(name, long_name, _OfEach(function), units, uncounted=("spin_rate", "motion"))
         for name, long_name, function, units in (
             ("buckling_load", "buckling load of the chain", _chain_buckling, _FORCE),
             ("exact_buckling_load", "buckling load of the beam", _beam_buckling, _FORCE),
@@ -174,7 +178,7 @@ _TABLE = (
             f"relative error of the chain's static {name.replace('_', ' ')}",
             _OfEach(partial(_static_error, place=place)),
             _RELATIVE,
-            uncounted=("axial_force", "spin_rate"),
+            uncounted=("axial_force", "spin_rate", "motion"),
         )
         for place, name in enumerate(STATIC_QUANTITIES)
     ),

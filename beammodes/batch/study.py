@@ -15,13 +15,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from beammodes.accuracy.beam_units import NUMBERS
-from beammodes.batch.cases import MATERIAL, UNIFORM_BEAM, Cases
+from beammodes.batch.cases import MATERIAL, MOVING_ALONG, UNIFORM_BEAM, Cases
 from beammodes.batch.executors import computed, executor_of
 from beammodes.batch.quantities import QUANTITIES, REASON, Quantity, quantities_of
 from beammodes.batch.store import Evaluated, Store, definition_digest, locked, made_ready
 from beammodes.batch.study_axes import AXES, Axis, axis_values, dimensions_of
 from beammodes.checks import choice, shown, whole_number
 from beammodes.numerics.distributions import MAX_SEED, Normal, Uniform
+from beammodes.problem.axial_ends import AxialBoundary
 from beammodes.problem.sections import SECTIONS
 from beammodes.progress import Progress, ProgressLine, progress_of
 from beammodes.version import __version__
@@ -49,11 +50,12 @@ class Study:
     `Study.grid`, `Study.points` and `Study.sampled` make one; `run` computes it. Axes are "boundary",
     "rule", "segments", "mode"; numbers of ends and loads as in `error_dataset`, such as "right_mass" (a tip
     mass), "left_rotational_stiffness", "axial_force", "spin_rate", "hub_radius", and "plane"; "integrator"
-    and "static_load"; "section" with its dimensions, "elastic_modulus", "density" and "length", or "length",
-    "bending_stiffness" and "mass_per_length". All numbers are in the units of the beam, which without the
-    last two sets is the one with L = EI = ρA = 1. One value of an axis is shared by all points; several make
-    a dimension. Ends are named with the firmer first, unless numbers of the left or right end, or loads, are
-    axes.
+    and "static_load"; "motion", of "bending", "twist" and "stretch"; "section" with its dimensions,
+    "elastic_modulus", "density" and "length", or "length", "bending_stiffness" and "mass_per_length", and
+    "torsional_stiffness", "polar_inertia_per_length" and "axial_stiffness" for the other two motions. All
+    numbers are in the units of the beam, which without the last two sets is the one with L = EI = ρA = 1. One
+    value of an axis is shared by all points; several make a dimension. Ends are named with the firmer first,
+    unless numbers of the left or right end, or loads, are axes.
 
     Attributes
     ----------
@@ -407,7 +409,9 @@ def _canonical(axes: tuple[Axis, ...]) -> tuple[Axis, ...]:
 
 def _all_plain(named: Mapping[str, Axis]) -> bool:
     """Return whether no point has springs, bodies or loads."""
-    return not set(named) & {*NUMBERS, "plane"} and all(pair.is_plain for pair in named["boundary"].values)
+    if set(named) & {*NUMBERS, "plane"}:
+        return False
+    return all(isinstance(pair, AxialBoundary) or pair.is_plain for pair in named["boundary"].values)
 
 
 def _check_complete(named: Mapping[str, Axis], quantities: tuple[Quantity, ...]) -> None:
@@ -420,8 +424,8 @@ def _check_complete(named: Mapping[str, Axis], quantities: tuple[Quantity, ...])
                     f"got {', '.join(named)}"
                 )
     needed = {"boundary", "segments"} | ({"mode"} if any(q.per_mode for q in quantities) else set())
-    beam = {*UNIFORM_BEAM, *MATERIAL, *_all_dimensions()} & set(named)
-    used, always = set(UNIFORM_BEAM), set(UNIFORM_BEAM) if beam else set()
+    beam = {*UNIFORM_BEAM, *MOVING_ALONG, *MATERIAL, *_all_dimensions()} & set(named)
+    used, always = {*UNIFORM_BEAM, *MOVING_ALONG}, set(UNIFORM_BEAM) if beam else set()
     if "section" in named:
         sections = named["section"].values
         used = {*MATERIAL, *(size for kind in sections for size in dimensions_of(kind))}
@@ -525,10 +529,15 @@ def _study_dataset(definition: Mapping[str, Any], chunks: Iterable[tuple[int, Ev
         done += min(step, total - start)
         reasons.update({start + place: reason for place, reason in chunk.reasons.items()})
     own = not any(axis.name == "length" for axis in axes)
+    moving = any(axis.name == "motion" for axis in axes)
     variables = {}
     for name, array in arrays.items():
         spread = sizes | ({"mode": modes} if modes and array.ndim == 2 else {})
-        variables[name] = (tuple(spread), array.reshape(tuple(spread.values())), _attributes(name, own))
+        variables[name] = (
+            tuple(spread),
+            array.reshape(tuple(spread.values())),
+            _attributes(name, own, moving),
+        )
     if reasons:
         said = np.full(total, "", dtype=object)
         said[list(reasons)] = list(reasons.values())
@@ -549,11 +558,15 @@ def _study_dataset(definition: Mapping[str, Any], chunks: Iterable[tuple[int, Ev
     )
 
 
-def _attributes(name: str, own: bool) -> dict[str, str]:
+def _attributes(name: str, own: bool, moving: bool) -> dict[str, str]:
     if name not in QUANTITIES:
         return {"long_name": name.replace("_", " ")}
     quantity = QUANTITIES[name]
-    return {"long_name": quantity.long_name, "units": quantity.units[own]}
+    units = quantity.units[own]
+    if own and moving and units != "1":
+        # Those of twist and stretch have √(k/(m L²)) in the place of √(EI/(ρA L⁴)).
+        units += " of bending, with sqrt(GJ / (rhoIp L^2)) of twist, sqrt(EA / (rhoA L^2)) of stretch"
+    return {"long_name": quantity.long_name, "units": units}
 
 
 def _coordinate(axis: Axis, own: bool) -> tuple[Any, ...]:

@@ -18,12 +18,15 @@ from numpy.typing import NDArray
 from beammodes.accuracy.beam_units import BEAM_NUMBERS, NUMBERS, with_numbers
 from beammodes.accuracy.error_table import listed, stands_alone
 from beammodes.accuracy.statics import LOADS
+from beammodes.chains.axial_chain import AnyAxialRule, AxialLayout
 from beammodes.chains.rules import RULES, Layout, layout_of
 from beammodes.checks import choice, positive_real, shown, whole_number
 from beammodes.closed_form.uniform_chains import MAX_MODE, MAX_SEGMENTS
 from beammodes.numerics.distributions import Distribution, Normal, Uniform, draw
+from beammodes.problem.axial_ends import AxialBoundary
 from beammodes.problem.ends import Boundary
 from beammodes.problem.loading import PLANES, Load
+from beammodes.problem.motions import MOTIONS
 from beammodes.problem.sections import SECTIONS
 from beammodes.vibration.integrators import INTEGRATORS
 
@@ -36,6 +39,9 @@ __all__ = [
 ]
 
 _ANY_ENDS = Boundary.of("free-free")
+
+# Values of axes that go by their names.
+_RECORDS = (Boundary, AxialBoundary, Layout, AxialLayout)
 
 
 @dataclass(frozen=True)
@@ -89,6 +95,25 @@ def _end_number(name: str, value: Any) -> float:
     return float(value)
 
 
+def _ends(value: Any) -> Boundary | AxialBoundary:
+    """Return a pair of ends: of bending, unless its numbers are those of twist or stretch."""
+    if isinstance(value, AxialBoundary):
+        return value
+    try:
+        return Boundary.of(value)
+    except ValueError:
+        for motion in (name for name, each in MOTIONS.items() if each.along):
+            try:
+                return AxialBoundary.of(value, motion)
+            except (TypeError, ValueError):
+                continue
+        raise
+
+
+def _rule(value: AnyAxialRule) -> Layout | AxialLayout:
+    return value if isinstance(value, AxialLayout) else layout_of(value)
+
+
 def _word(name: str, words: Iterable[str]) -> AxisKind:
     return AxisKind(partial(choice, name, allowed=tuple(words)), name.replace("_", " "))
 
@@ -101,6 +126,9 @@ _BEAM = {
     "length": "m",
     "bending_stiffness": "N m^2",
     "mass_per_length": "kg / m",
+    "torsional_stiffness": "N m^2",
+    "polar_inertia_per_length": "kg m",
+    "axial_stiffness": "N",
     "elastic_modulus": "Pa",
     "density": "kg / m^3",
     **{name: "m" for section in SECTIONS for name in dimensions_of(section)},
@@ -109,8 +137,9 @@ _BEAM = {
 #: Everything that may be an axis.
 AXES: Mapping[str, AxisKind] = MappingProxyType(
     {
-        "boundary": AxisKind(Boundary.of, "ends of the beam", single=(str, tuple, Boundary)),
-        "rule": AxisKind(layout_of, "discretization rule", single=(str, Layout)),
+        "boundary": AxisKind(_ends, "ends of the beam", single=(str, tuple, Boundary, AxialBoundary)),
+        "rule": AxisKind(_rule, "discretization rule", single=(str, Layout, AxialLayout)),
+        "motion": _word("motion", MOTIONS),
         "segments": _whole("segments", "number of rigid segments", MAX_SEGMENTS),
         "mode": _whole("mode", "elastic mode", MAX_MODE),
         **{
@@ -176,7 +205,7 @@ class Axis:
         """Return the values as a dataset's coordinates have them."""
         if self.distribution:
             return [float(value) for value in self.at(np.arange(self.count))]
-        return [value.name if isinstance(value, Boundary | Layout) else value for value in self.values]
+        return [value.name if isinstance(value, _RECORDS) else value for value in self.values]
 
     def definition(self) -> dict[str, Any]:
         """Return the definition of the axis in plain values for a file."""
@@ -186,7 +215,7 @@ class Axis:
             return shared | {"distribution": kind, **numbers, "seed": self.seed, "count": self.count}
         # Strict JSON knows no infinity.
         plain = ["inf" if value == math.inf else value for value in self.labels()]
-        own = [_written(value) for value in self.values if isinstance(value, Layout)]
+        own = [_written(value) for value in self.values if isinstance(value, Layout | AxialLayout)]
         records = {"records": own} if any(own) else {}
         return shared | {"values": plain, **records}
 
@@ -203,7 +232,7 @@ class Axis:
 
     @cached_property
     def _array(self) -> NDArray[Any]:
-        if isinstance(self.values[0], Boundary | Layout):
+        if isinstance(self.values[0], _RECORDS):
             array = np.empty(len(self.values), dtype=object)
             array[:] = self.values
             return array
@@ -228,7 +257,7 @@ def axis_values(name: str, value: Any) -> tuple[tuple[Any, ...], bool]:
     return tuple(map(kind.read, listed(name, plain, kind.single))), several
 
 
-def _written(rule: Layout) -> str:
+def _written(rule: Layout | AxialLayout) -> str:
     """Return a digest of a rule of the user's own, "" for a registered one."""
     if RULES.get(rule.name) == rule:
         return ""

@@ -150,8 +150,9 @@ class AxialBoundary:
         kind = axial_motion(motion)
         if isinstance(boundary, AxialBoundary):
             return boundary if boundary.motion == kind.name else cls(boundary.left, boundary.right, kind.name)
+        whole: object = boundary
         if isinstance(boundary, Boundary):
-            boundary = (boundary.left, boundary.right)
+            whole, boundary = boundary.name, (boundary.left, boundary.right)
         if isinstance(boundary, str):
             # Only outside parentheses: numbers in them have signs and commas of their own.
             parts: tuple[object, ...] = tuple(re.split(r"[-/,](?![^(]*\))", boundary))
@@ -163,8 +164,8 @@ class AxialBoundary:
                 f"got {shown(boundary)}"
             )
         if len(parts) != 2:
-            _refuse(boundary, kind)
-        left, right = (_end(part, boundary, kind) for part in parts)
+            _refuse(whole, kind)
+        left, right = (_end(part, whole, kind) for part in parts)
         return cls(left, right, kind.name)
 
     @property
@@ -290,12 +291,14 @@ def _end(part: object, whole: object, motion: Motion) -> AxialEnd:
         return part
     if isinstance(part, End):
         word = part.word
-        if word not in ("clamped", "free"):
-            raise TypeError(
+        if word in ("pinned", "guided"):
+            _refuse(whole, motion)
+        if word not in _WORDS:
+            raise ValueError(
                 f"each end of boundary must be an AxialEnd for motion {motion.name}, got {shown(part)}: an "
                 f"End is one of bending, AxialEnd(stiffness=, inertia=) has the numbers of {motion.name}"
             )
-        return AxialEnd(_WORDS[word])
+        return AxialEnd(_WORDS[str(word)])
     if not isinstance(part, str):
         raise TypeError(f"each end of boundary must be a word or an AxialEnd, got {shown(part)}")
     match = re.fullmatch(r"\s*([a-z]+)\s*(?:\(([^()]*)\))?\s*", part.lower())
