@@ -23,7 +23,7 @@ from beammodes.exact.axial_beam import axial_wavenumber, uniform_numbers
 from beammodes.numerics.arrays import Floats
 from beammodes.problem.axial_ends import AxialBoundary, AxialEnd, distinct_axial
 from beammodes.problem.beam import Beam
-from beammodes.problem.loading import Load
+from beammodes.problem.loading import Load, checked_load
 from beammodes.problem.motions import Motion, motion_named
 
 __all__ = [
@@ -46,7 +46,7 @@ def no_load(load: Load | None, motion: Motion) -> None:
     ValueError
         If there is one.
     """
-    if load is not None and load != Load():
+    if checked_load(load) != Load():
         raise ValueError(f"load must be left out for motion {motion.name}, got {shown(load)}")
 
 

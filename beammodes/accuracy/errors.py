@@ -148,7 +148,7 @@ def frequency_error(
     >>> round(bm.frequency_error("fixed-free", segments=10, mode=1, rule="half_stub", motion="twist"), 7)
     -0.0010278
     """
-    if motion != "bending":
+    if not isinstance(motion, str) or motion != "bending":
         # Bending needs nothing of the files of twist.
         from beammodes.accuracy.axial_errors import axial_error_with_units
 

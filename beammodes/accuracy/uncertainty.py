@@ -202,7 +202,8 @@ def _dimensions(section: Section) -> dict[str, float]:
     kept: Any = section
     # A tube takes two of its three numbers; its wall keeps the digits of a thin one.
     names = [f.name for f in fields(kept) if not (isinstance(section, Tube) and f.name == "inner")]
-    return {name: float(getattr(kept, name)) for name in names}
+    # A handbook's section may lack its torsion constant.
+    return {name: float(getattr(kept, name)) for name in names if getattr(kept, name) is not None}
 
 
 def _tolerances(given: Any, values: Mapping[str, float]) -> dict[str, Tolerance]:
