@@ -729,7 +729,10 @@ print(found.stopped)
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="no such signal")
-@pytest.mark.parametrize(("integrator", "times"), [("rk4", 1), ("midpoint", 5), ("dop853", 5)])
+@pytest.mark.parametrize(
+    ("integrator", "times"),
+    [("rk4", 1), ("midpoint", 5), ("dop853", 5), pytest.param("dop853", 1, marks=pytest.mark.slow)],
+)
 def test_an_interrupt_from_the_keyboard_within_compiled_code(
     integrator: str, times: int, tmp_path: Path
 ) -> None:

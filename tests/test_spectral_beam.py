@@ -94,14 +94,12 @@ def determinant(omega: Any, sections: Sequence[Section], pair: Boundary, tension
 
 
 def error(omega: float, sections: Sequence[Section], pair: Boundary, tension: float = 0.0) -> float:
-    """Return the relative distance to the nearest root: two steps of Newton's from `omega`."""
+    """Return the relative distance to the nearest root: the step of Newton's from `omega`."""
     with mp.workdps(40):
-        root, small = mp.mpf(omega), mp.mpf(10) ** -16
-        for _ in range(2):
-            here = determinant(root, sections, pair, tension)
-            rate = (determinant(root * (1 + small), sections, pair, tension) - here) / (root * small)
-            root -= here / rate if rate else 0
-        return abs(float(mp.mpf(omega) / root - 1))
+        place, small = mp.mpf(omega), mp.mpf(10) ** -16
+        here = determinant(place, sections, pair, tension)
+        rise = determinant(place * (1 + small), sections, pair, tension) - here
+        return abs(float(small * here / rise)) if here else 0.0
 
 
 def nearer_than(bound: float, omega: float, sections: Sequence[Section], pair: Boundary) -> bool:

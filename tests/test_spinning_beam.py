@@ -164,13 +164,11 @@ def determinant(omega: Any, load: Load, pair: Boundary) -> Any:
 
 
 def error(omega: float, load: Load, pair: Boundary, digits: int = 40) -> float:
-    """Return the relative distance of a flap frequency from the nearest root: two steps of Newton's."""
+    """Return the relative distance of a flap frequency from the nearest root: the step of Newton's."""
     with mp.workdps(digits):
-        root, small = mp.mpf(omega), mp.mpf(10) ** -16
-        for _ in range(2):
-            here = determinant(root, load, pair)
-            root -= here * root * small / (determinant(root * (1 + small), load, pair) - here)
-        return abs(float(mp.mpf(omega) / root - 1))
+        place, small = mp.mpf(omega), mp.mpf(10) ** -16
+        here = determinant(place, load, pair)
+        return abs(float(small * here / (determinant(place * (1 + small), load, pair) - here)))
 
 
 def largest_error(load: Load, pair: Boundary, modes: int = 5) -> float:
