@@ -112,10 +112,9 @@ def frequencies(chain: Chain, modes: int = 3) -> Array:
     return solve_modes(linearize(chain), modes).angular_frequency
 
 
-@pytest.mark.parametrize("ends", ENDS)
-@pytest.mark.parametrize("rule", LAYOUTS)
-@pytest.mark.parametrize("segments", [4, 7])
-@pytest.mark.parametrize("share", [0.5, 1.0, 1.2])
+@pytest.mark.parametrize(
+    ("ends", "rule", "segments", "share"), in_turns(ENDS, LAYOUTS, [4, 7], [0.5, 1.0, 1.2], every=2)
+)
 def test_a_chain_of_another_length_is_said_to_be_so(
     ends: str, rule: str, segments: int, share: float, tmp_path: Path
 ) -> None:
@@ -243,9 +242,9 @@ MOTORS = (
 )
 
 
-@pytest.mark.parametrize("motor", MOTORS)
-@pytest.mark.parametrize("rule", ["naive", "half_stub"])
-@pytest.mark.parametrize("segments", [2, 4, 6])
+@pytest.mark.parametrize(
+    ("motor", "rule", "segments"), in_turns(MOTORS, ["naive", "half_stub"], [2, 4, 6], every=2)
+)
 def test_a_hinge_without_spring_is_the_pinned_end_behind_an_arm_as_on_the_ground(
     motor: str, rule: str, segments: int, tmp_path: Path
 ) -> None:

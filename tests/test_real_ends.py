@@ -15,6 +15,7 @@ import sympy
 from drawn_ends import EVERY_N
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
+from turns import in_turns
 
 from beammodes.accuracy.buckling import buckling_load
 from beammodes.accuracy.errors import frequency_error
@@ -108,9 +109,8 @@ def assert_routes_agree(chain: Chain, load: Load | None = None) -> None:
         np.testing.assert_allclose(getattr(compiled, name), expected, rtol=1e-12, atol=1e-12 * size)
 
 
-@pytest.mark.parametrize("pair", EITHER_ORDER, ids=str)
 @pytest.mark.parametrize(
-    "load", [None, Load(F(3, 7)), Load(F(-1, 50))], ids=["none", "tension", "compression"]
+    ("pair", "load"), in_turns(EITHER_ORDER, [None, Load(F(3, 7)), Load(F(-1, 50))], every=2), ids=str
 )
 def test_three_routes_agree_exactly(pair: Any, load: Load | None) -> None:
     for rule, segments in (("gregory", 3), ("mitiguy", 1), ("half_stub_corrected", 2), ("rigid_stub", 2)):
@@ -470,9 +470,13 @@ def test_chains_reach_the_beam_at_the_declared_order(name: str, rule: str) -> No
 # --- A body on the last segment ---------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("rule", EVERY_N)
-@pytest.mark.parametrize("body", [{"rotary_inertia": 1e-9}, {"offset": 1e-9}, {}], ids=str)
-@pytest.mark.parametrize("word", ["clamped", "free", "pinned"])
+@pytest.mark.parametrize(
+    ("rule", "body", "word"),
+    in_turns(
+        EVERY_N, [{"rotary_inertia": 1e-9}, {"offset": 1e-9}, {}], ["clamped", "free", "pinned"], every=2
+    ),
+    ids=str,
+)
 def test_a_body_on_the_last_segment_leaves_no_jump(rule: str, body: dict[str, float], word: str) -> None:
     """As inertia and offset vanish the chain is that of a point mass: as many hinges, and no other error."""
     own = {"mass": 0.5, **body}

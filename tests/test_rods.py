@@ -14,6 +14,7 @@ import scipy.integrate
 from drawn_ends import EVERY_N
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from turns import in_turns
 
 from beammodes.chains.chain import Chain
 from beammodes.chains.rods import MissedFeatureWarning, missed_feature
@@ -164,9 +165,10 @@ def notched(centre: float, width: float) -> Callable[[Any], Any]:
 ADDED = np.pi**0.5 * sum(0.9**k / k**0.5 for k in range(1, 400))
 
 
-@pytest.mark.parametrize("rule", EVERY_N)
-@pytest.mark.parametrize("centre", [0.05, 0.1, 0.137, 0.37, 0.5, 0.98])
-@pytest.mark.parametrize("told", ["function", "table", "parts"])
+@pytest.mark.parametrize(
+    ("rule", "centre", "told"),
+    in_turns(EVERY_N, [0.05, 0.1, 0.137, 0.37, 0.5, 0.98], ["function", "table", "parts"], every=2),
+)
 def test_a_notch_between_hinges_or_on_one_is_told(rule: str, centre: float, told: str) -> None:
     width = 0.002
     if told == "table":
