@@ -461,13 +461,13 @@ class _Builder:
             answers = np.negative(np.linalg.lstsq(light, energy, rcond=None)[0])
             energy = energy + light @ answers
         # Coordinates in which K₀ is one, but for the rigid motions, which come first.
-        _, size, shapes = np.linalg.svd(energy)
+        stored, size, shapes = np.linalg.svd(energy)
         elastic = int(np.sum(size > _RIGID * size.max(initial=0.0)))
         rigid = energy.shape[1] - elastic
         scale = np.concatenate([np.ones(rigid), 1.0 / size[:elastic]])
         change = np.vstack([shapes[elastic:], shapes[:elastic]]).T * scale
-        energy, kinetic, free, answers, coupled = (
-            energy @ change,
+        energy = np.hstack([np.zeros((len(stored), rigid)), stored[:, :elastic]])
+        kinetic, free, answers, coupled = (
             kinetic @ change,
             free @ change,
             answers @ change,
