@@ -236,7 +236,7 @@ class _Model(NamedTuple):
     def matrices(self, square: float) -> tuple[Floats, Floats]:
         """Return K(λ) and M(λ) = -dK/dλ."""
         near = self.square - square
-        stored = np.diag(np.arange(len(self.mass)) >= self.rigid).astype(float)
+        stored = self.energy.T @ self.energy
         momentum = self.momentum
         stiffness = stored - square * self.mass - (momentum * (square**2 / near)) @ momentum.T
         shares = square * (2.0 * self.square - square) / near**2
@@ -461,12 +461,13 @@ class _Builder:
             answers = np.negative(np.linalg.lstsq(light, energy, rcond=None)[0])
             energy = energy + light @ answers
         # Coordinates in which K₀ is one, but for the rigid motions, which come first.
-        stored, size, shapes = np.linalg.svd(energy)
+        _, size, shapes = np.linalg.svd(energy)
         elastic = int(np.sum(size > _RIGID * size.max(initial=0.0)))
         rigid = energy.shape[1] - elastic
         scale = np.concatenate([np.ones(rigid), 1.0 / size[:elastic]])
         change = np.vstack([shapes[elastic:], shapes[:elastic]]).T * scale
-        energy = np.hstack([np.zeros((len(stored), rigid)), stored[:, :elastic]])
+        energy = energy @ change
+        energy[:, :rigid] = 0.0
         kinetic, free, answers, coupled = (
             kinetic @ change,
             free @ change,
