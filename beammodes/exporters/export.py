@@ -10,11 +10,13 @@ from pathlib import Path
 from typing import BinaryIO
 
 from beammodes.chains.chain import Chain
+from beammodes.chains.structure_chain import StructureChain
 from beammodes.checks import choice, flag, shown
 from beammodes.exporters.engine_step import engine_step
 from beammodes.exporters.export_facts import facts_about
 from beammodes.exporters.formats import FORMATS, Format, Model
 from beammodes.exporters.planar_tree import Tree, Vector, planar_tree
+from beammodes.exporters.structure_files import STRUCTURE_FORMATS, structure_texts
 from beammodes.exporters.unit_systems import UNIT_SYSTEMS
 from beammodes.files import file_target, write_atomically
 from beammodes.problem.loading import Load
@@ -33,7 +35,7 @@ MUJOCO_INTEGRATORS = tuple(
 
 
 def export_chain(
-    chain: Chain,
+    chain: Chain | StructureChain,
     path: str | os.PathLike[str],
     *,
     format: str | None = None,
@@ -55,7 +57,9 @@ def export_chain(
 
     Parameters
     ----------
-    chain : Chain
+    chain : Chain or StructureChain
+        A structure must be a tree, supported at one joint, for "mjcf", "sdf" or "urdf"; its x and y are x and
+        z in the file, and it takes none of the options from `fragment` to `units`.
     path : str or Path
     format : str, optional
         "mjcf" for MuJoCo 3 and 4, "sdf" for Gazebo and Drake, "urdf" (with the springs in a YAML file beside
@@ -113,8 +117,8 @@ def export_chain(
     ...     [path.name for path in bm.export_chain(chain, f"{folder}/beam.urdf")]
     ['beam.urdf', 'beam.springs.yaml']
     """
-    if not isinstance(chain, Chain):
-        raise TypeError(f"chain must be a Chain, got {shown(chain)}")
+    if not isinstance(chain, Chain | StructureChain):
+        raise TypeError(f"chain must be a Chain or a StructureChain, got {shown(chain)}")
     place, kind = _place_and_format(path, format)
     flag("fragment", fragment), flag("force", force)
     if not isinstance(integrator, str):
@@ -135,6 +139,8 @@ def export_chain(
     paths = kind.paths(place)
     for each in paths:
         file_target(each, new=not force)
+    if isinstance(chain, StructureChain):
+        return _write(paths, force, *_structure(chain, kind, name, {**given, "units": units}))
     tree = _tree(kind, chain, name, second, damping)
     facts = facts_about(chain, damping, load, units, turned=tree.turned)
     if second is not None:
@@ -152,6 +158,15 @@ def export_chain(
     gravity = _gravity(load, tree.turned)
     model = Model(chain, tree, tuple(facts), name, paths, fragment, step, integrator, gravity)
     return _write(paths, force, *kind.write(model))
+
+
+def _structure(chain: StructureChain, kind: Format, name: str, given: dict[str, object]) -> list[tuple[str]]:
+    """Return the text of each file of a structure."""
+    for what, value in given.items():
+        if value is not None:
+            raise ValueError(f"{what} must be left out of files of structures, got {shown(value)}")
+    choice("format of a structure", kind.name, STRUCTURE_FORMATS)
+    return [(text,) for text in structure_texts(chain, kind.name, name)]
 
 
 def _gravity(load: Load | None, turned: bool) -> Vector:

@@ -1,0 +1,177 @@
+"""A chain of a structure as text for MuJoCo (MJCF), Gazebo and Drake (SDFormat), or URDF tools."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Mapping
+from types import MappingProxyType
+
+from beammodes.accuracy.structure_errors import errors_of_structure
+from beammodes.chains.structure_chain import StructureChain
+from beammodes.checks import percent
+from beammodes.exporters.structure_tree import TreeBody, structure_tree
+from beammodes.vibration.structure_vibration import structure_chain_modes
+
+__all__ = ["STRUCTURE_FORMATS", "structure_texts"]
+
+_REPORTED = 3
+#: MuJoCo's reader gives up at elements nested 500 deep.
+_MOST_DEEP = 490
+_XML = '<?xml version="1.0" encoding="utf-8"?>'
+
+
+def structure_texts(chain: StructureChain, format: str, name: str) -> list[str]:
+    """Return the text of each file of a format: one, or for URDF also that of the springs.
+
+    Examples
+    --------
+    >>> import beammodes as bm
+    >>> arm = bm.StructureChain(bm.Structure.of_beam(bm.Beam.unit(), "clamped-free"), 3)
+    >>> structure_texts(arm, "mjcf", "arm")[0].splitlines()[-1]
+    '</mujoco>'
+    """
+    bodies, modes = structure_tree(chain, name), structure_chain_modes(chain)
+    frequencies = ", ".join(f"{f:.6g}" for f in modes.frequency[:_REPORTED].tolist())
+    judged = errors_of_structure(chain, min(_REPORTED, modes.elastic_modes))
+    errors = ", ".join(percent(error) for error in judged.tolist())
+    facts = (
+        f"{name}: flexible members {', '.join(member.name for member in chain.structure.members)}",
+        f"rule: {chain.rule.name}, {', '.join(map(str, chain.segments))} segments",
+        f"first frequencies without gravity: {frequencies} Hz; against the exact structure: {errors}",
+        "x and y of the structure are x and z here; twist, stretch and shear are not modelled",
+    )
+    step = 1.0 / float(modes.angular_frequency[-1])
+    return [f"{text}\n" for text in STRUCTURE_FORMATS[format](name, bodies, facts, step)]
+
+
+Writer = Callable[[str, list[TreeBody], tuple[str, ...], float], list[str]]
+
+
+def _n(*values: float) -> str:
+    return " ".join(repr(float(value) + 0.0) for value in values)
+
+
+def _comment(*facts: str) -> list[str]:
+    # Two hyphens may not stand in a comment.
+    return ["<!--", *(f"  {fact.replace('--', '- -')}" for fact in facts), "-->"]
+
+
+def _mjcf(name: str, bodies: list[TreeBody], facts: tuple[str, ...], step: float) -> list[str]:
+    children: dict[str, list[TreeBody]] = {}
+    for body in bodies:
+        children.setdefault(body.parent, []).append(body)
+    size = math.fsum(math.dist(*rod) for body in bodies for rod in body.rods) / 200
+
+    def lines(body: TreeBody, depth: int) -> Iterator[str]:
+        if depth > _MOST_DEEP:
+            raise ValueError(f"chain must be at most {_MOST_DEEP} bodies long for mjcf files, got more")
+        pad = " " * depth
+        x, z = body.place
+        yield f'{pad}<body name="{body.name}" pos="{_n(x, 0, z)}">'
+        inertia = _n(*[body.inertia] * 3)
+        centre = _n(body.centre[0], 0, body.centre[1])
+        yield f'{pad} <inertial pos="{centre}" mass="{_n(body.mass)}" diaginertia="{inertia}"/>'
+        for joint in body.joints:
+            spring = f' stiffness="{_n(joint.stiffness)}"' if joint.stiffness else ""
+            axis = " ".join(map(str, joint.axis))
+            yield f'{pad} <joint name="{joint.name}" type="{joint.kind}" axis="{axis}"{spring}/>'
+        for (a, b), (c, d) in body.rods:
+            ends = f'fromto="{_n(a, 0, b)} {_n(c, 0, d)}" size="{_n(size)}" mass="0"'
+            yield f'{pad} <geom type="capsule" {ends} contype="0" conaffinity="0"/>'
+        for child in children.get(body.name, []):
+            yield from lines(child, depth + 1)
+        yield f"{pad}</body>"
+
+    return [
+        "\n".join(
+            [
+                *_comment(*facts, "gravity is off; timestep: half of what RK4 is stable to"),
+                f'<mujoco model="{name}">',
+                f' <option timestep="{math.sqrt(2.0) * step!r}" integrator="RK4" gravity="0 0 0"/>',
+                " <worldbody>",
+                *(line for body in children.get("world", []) for line in lines(body, 2)),
+                " </worldbody>",
+                "</mujoco>",
+            ]
+        )
+    ]
+
+
+def _check_hinges(bodies: list[TreeBody], format: str) -> None:
+    if any(len(body.joints) > 1 for body in bodies):
+        raise ValueError(f"chain must be clamped or pinned at its root for {format} files; mjcf can slide")
+
+
+def _moments(inertia: float) -> list[tuple[str, float]]:
+    values = (inertia, inertia, inertia, 0.0, 0.0, 0.0)
+    return list(zip(("ixx", "iyy", "izz", "ixy", "ixz", "iyz"), values, strict=True))
+
+
+def _sdf(name: str, bodies: list[TreeBody], facts: tuple[str, ...], step: float) -> list[str]:
+    _check_hinges(bodies, "sdf")
+    lines = [
+        _XML,
+        *_comment(*facts, "gravity is off; step: half of what Drake's discrete plants are stable to"),
+        '<sdf version="1.7">',
+        f' <world name="{name}_world">',
+        "  <gravity>0 0 0</gravity>",
+        f'  <physics name="fixed_step" default="true" type="ode"><max_step_size>{step!r}</max_step_size>'
+        "<real_time_factor>1</real_time_factor></physics>",
+        f'  <model name="{name}">',
+    ]
+    for body in bodies:
+        moments = "".join(f"<{key}>{_n(value)}</{key}>" for key, value in _moments(body.inertia))
+        x, z = body.origin
+        (joint,) = body.joints
+        lines += [
+            f'   <link name="{body.name}">',
+            f"    <pose>{_n(x, 0, z, 0, 0, 0)}</pose>",
+            f"    <inertial><pose>{_n(body.centre[0], 0, body.centre[1], 0, 0, 0)}</pose>",
+            f"     <mass>{_n(body.mass)}</mass><inertia>{moments}</inertia></inertial>",
+            "   </link>",
+            f'   <joint name="{joint.name}" type="revolute">',
+            f"    <parent>{body.parent}</parent><child>{body.name}</child>",
+            f"    <axis><xyz>{' '.join(map(str, joint.axis))}</xyz>",
+            "     <limit><lower>-1e16</lower><upper>1e16</upper></limit>",
+            "     <dynamics><damping>0.0</damping><spring_reference>0</spring_reference>"
+            f"<spring_stiffness>{_n(joint.stiffness)}</spring_stiffness></dynamics></axis>",
+            "   </joint>",
+        ]
+    return ["\n".join([*lines, "  </model>", " </world>", "</sdf>"])]
+
+
+def _urdf(name: str, bodies: list[TreeBody], facts: tuple[str, ...], step: float) -> list[str]:
+    del step  # A URDF file has none.
+    _check_hinges(bodies, "urdf")
+    notes = (*facts, "URDF knows no springs: they are in the file beside this one")
+    lines = [_XML, *_comment(*notes), f'<robot name="{name}">', ' <link name="world"/>']
+    springs = [f"# {fact}" for fact in facts]
+    springs += [
+        "# hinges in N m/rad; the moment is -stiffness * (position - rest)",
+        f"model: {name}",
+        "springs:",
+    ]
+    for body in bodies:
+        inertia = " ".join(f'{key}="{_n(value)}"' for key, value in _moments(body.inertia))
+        (joint,) = body.joints
+        lines += [
+            f' <link name="{body.name}"><inertial>',
+            f'  <origin xyz="{_n(body.centre[0], 0, body.centre[1])}" rpy="0 0 0"/>',
+            f'  <mass value="{_n(body.mass)}"/><inertia {inertia}/>',
+            " </inertial></link>",
+            f' <joint name="{joint.name}" type="revolute">',
+            f'  <parent link="{body.parent}"/><child link="{body.name}"/>',
+            f'  <origin xyz="{_n(body.place[0], 0, body.place[1])}" rpy="0 0 0"/>',
+            f'  <axis xyz="{" ".join(map(str, joint.axis))}"/>',
+            '  <limit lower="-3" upper="3" effort="1e9" velocity="1e9"/>',
+            " </joint>",
+        ]
+        text = repr(float(joint.stiffness))
+        # YAML 1.1 takes 1e-05 for a word: a number has a point.
+        number = text if "." in text else text.replace("e", ".0e")
+        springs.append(f"  - {{joint: {joint.name}, type: hinge, stiffness: {number}, rest: 0.0}}")
+    return ["\n".join([*lines, "</robot>"]), "\n".join(springs)]
+
+
+#: What writes each format.
+STRUCTURE_FORMATS: Mapping[str, Writer] = MappingProxyType({"mjcf": _mjcf, "sdf": _sdf, "urdf": _urdf})
