@@ -93,7 +93,7 @@ def spatial_modes(chain: SpatialChain, modes: int = 6) -> SpatialModes:
     moved = twists[moving, :3] + np.cross(twists[moving, 3:], places[:, :, None], axis=1)
     _, first = np.unique(np.concatenate([[0.0], chain.hinge_position, [chain.rod.length]]), return_index=True)
     moved = moved[first]
-    flat = moved.reshape(-1, len(inverse))
+    flat = moved.reshape(3 * len(moved), len(inverse))
     largest = np.abs(flat).argmax(axis=0)
     sign = np.where(flat[largest, np.arange(len(inverse))] < 0, -1.0, 1.0) / math.sqrt(mass)
     return SpatialModes(

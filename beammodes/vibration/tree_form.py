@@ -70,7 +70,7 @@ class TreeForm:
     def twists(self, x: Floats) -> Floats:
         """Return each piece's twist, shape (pieces, 6, columns), rigid-body modes taken out."""
         turns = self.flexibility_root[:, None] * x
-        joints = turns[len(turns) - 3 * (self.tree.pieces - 1) :].reshape(-1, 3, x.shape[1])
+        joints = turns[len(turns) - 3 * (self.tree.pieces - 1) :].reshape(self.tree.pieces - 1, 3, x.shape[1])
         steps = np.empty((self.tree.pieces, 6, x.shape[1]))
         np.matmul(self.tree.joint_twists[1:], joints, out=steps[1:])
         steps[0] = self.root_twist @ turns
@@ -97,7 +97,9 @@ class TreeForm:
         """Return what loads, summed to the root, do to the coordinates."""
         pulls: Floats = self.root_twist.T @ carried[0]
         at_joints = np.swapaxes(self.tree.joint_twists[1:], 1, 2) @ carried[1:]
-        pulls[len(pulls) - 3 * (self.tree.pieces - 1) :] += at_joints.reshape(-1, pulls.shape[1])
+        pulls[len(pulls) - 3 * (self.tree.pieces - 1) :] += at_joints.reshape(
+            3 * (self.tree.pieces - 1), pulls.shape[1]
+        )
         pulls *= self.flexibility_root[:, None]
         return pulls
 
@@ -149,7 +151,7 @@ def _on_joints(tree: RigidTree) -> Floats:
         loads = np.zeros((tree.pieces, 6, 6))
         loads[support.piece] = support.reading.T
         carried = tree.to_root(loads)[1:]
-        rows.append((np.swapaxes(tree.joint_twists[1:], 1, 2) @ carried).reshape(-1, 6).T)
+        rows.append((np.swapaxes(tree.joint_twists[1:], 1, 2) @ carried).reshape(3 * (tree.pieces - 1), 6).T)
     return np.vstack(rows)
 
 
