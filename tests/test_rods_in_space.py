@@ -172,9 +172,7 @@ def drawn_end(draw: np.random.Generator) -> Any:
     """A word, or six springs of which each may hold or be none, with a body and its tensor."""
     if draw.random() < 0.4:
         return str(draw.choice(["clamped", "free", "pinned", "guided"]))
-    springs = [
-        [float(draw.choice([0.0, math.inf, draw.uniform(0.1, 100.0)])) for _ in range(3)] for _ in range(2)
-    ]
+    six = [float(draw.choice([0.0, math.inf, draw.uniform(0.1, 100.0)])) for _ in range(6)]
     root = draw.normal(size=(3, 3))
     body = (draw.uniform(0.01, 1.0), 0.005 * (root @ root.T + (root @ root.T).T), 0.1 * draw.normal(size=3))
     return bm.RodEnd(six[:3], six[3:], *(body if draw.random() < 0.7 else ()))

@@ -97,9 +97,8 @@ class TreeForm:
         """Return what loads, summed to the root, do to the coordinates."""
         pulls: Floats = self.root_twist.T @ carried[0]
         at_joints = np.swapaxes(self.tree.joint_twists[1:], 1, 2) @ carried[1:]
-        pulls[len(pulls) - 3 * (self.tree.pieces - 1) :] += at_joints.reshape(
-            3 * (self.tree.pieces - 1), pulls.shape[1]
-        )
+        turns = 3 * (self.tree.pieces - 1)
+        pulls[len(pulls) - turns :] += at_joints.reshape(turns, pulls.shape[1])
         pulls *= self.flexibility_root[:, None]
         return pulls
 
