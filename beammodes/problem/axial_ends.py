@@ -13,6 +13,7 @@ import math
 import re
 from collections.abc import Iterable
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any, NoReturn
 
 import numpy as np
@@ -229,6 +230,8 @@ def distinct_axial(boundary: Any, motion: str | Motion) -> tuple[list[AxialBound
     >>> distinct_axial(["fixed-free", "free-free", "clamped-free"], "twist")[1]
     array([0, 1, 0])
     """
+    if isinstance(boundary, str):
+        return [_named(boundary, axial_motion(motion).name)], np.asarray(0)
     if _is_one(boundary):
         return [AxialBoundary.of(boundary, motion)], np.asarray(0)
     items = boundary if isinstance(boundary, np.ndarray) else _objects(bounded("boundary", boundary))
@@ -247,6 +250,11 @@ def distinct_axial(boundary: Any, motion: str | Motion) -> tuple[list[AxialBound
             place = seen[id(item)] = found.setdefault(AxialBoundary.of(item, motion), len(found))
         index[k] = place
     return list(found), index.reshape(items.shape)
+
+
+@lru_cache(maxsize=1024)
+def _named(text: str, motion: str) -> AxialBoundary:
+    return AxialBoundary.of(text, motion)
 
 
 def _is_one(value: Any) -> bool:
