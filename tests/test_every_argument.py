@@ -16,6 +16,7 @@ import pytest
 import beammodes as bm
 
 BEAM = bm.Beam(1.0, 20.0, 0.5)
+SHAFT = bm.Beam(1.0, 20.0, 0.5, torsional_stiffness=8.0, polar_inertia_per_length=1e-4)
 BAR = bm.Rectangle(width=0.06, height=0.02)
 CHAIN = bm.Chain(BEAM, "clamped-free", 4)
 PIECES = {
@@ -35,6 +36,8 @@ SPREAD = bm.frequency_spread(BAR, "clamped-free", {"height": 0.02}, 2, **MATERIA
 
 #: By name: a call that works. Each of its arguments is then replaced.
 GOOD: dict[str, dict[str, Any]] = {
+    "AxialChain": {"beam": SHAFT, "boundary": "fixed-free", "segments": 3, "rule": "mitiguy"},
+    "AxialEnd": {"stiffness": 1.0, "inertia": 0.5},
     "BaseMotion": {"x": bm.harmonic(0.1, 2.0), "hub_radius": 0.1},
     "BaseMotion.at": {"self": bm.BaseMotion(), "time": [0.0, 0.5]},
     "Beam": {
@@ -90,6 +93,7 @@ GOOD: dict[str, dict[str, Any]] = {
     "Tube": {"outer": 0.02, "wall": 0.002},
     "Uniform": {"low": 0.0, "high": 1.0},
     "audit_chain": {"beam": BEAM, "boundary": "pinned-free", **PIECES, "modes": 1, "tolerance": 0.01},
+    "axial_modes": {"beam": SHAFT, "boundary": "fixed-free", "modes": 2},
     "axially_corrected": {"rule": "mitiguy", "load": bm.Load(axial_force=1.0), "beam": BEAM},
     "beam_statics": {"beam": BEAM, "boundary": "clamped-free", "load": "tip_force"},
     "buckling_dataset": {"boundary": ["clamped-free"], "segments": [2, 3], "rule": ["mitiguy"]},

@@ -20,6 +20,7 @@ import pytest
 import beammodes as bm
 
 UNIT = bm.Beam.unit()
+BAR = bm.Beam(1.0, 1.0, 1.0, axial_stiffness=2.0)
 TAPERED = bm.Beam(1.0, bm.Table([0.0, 0.5, 1.0], [1.0, 0.8, 0.7]), 1.0)
 CHAIN = bm.Chain(UNIT, "clamped-free", 3)
 WIRE = {"bending_stiffness": 1.0, "torsional_stiffness": 0.8, "mass_per_length": 1.0}
@@ -27,6 +28,11 @@ BODY = bm.Boundary.of(("clamped", bm.End(mass=0.5)))
 
 #: Made from equal parts by each call.
 MADE: dict[str, Callable[[], Any]] = {
+    "AxialBoundary": lambda: bm.AxialBoundary.of("fixed-free(mass=0.5)", "stretch"),
+    "AxialChain": lambda: bm.AxialChain(
+        bm.Beam(1.0, 1.0, 1.0, axial_stiffness=2.0), "fixed-free", 3, motion="stretch"
+    ),
+    "AxialEnd": lambda: bm.AxialEnd(stiffness=0.5),
     "BaseMotion": lambda: bm.BaseMotion(bm.harmonic(0.1, 2.0), angle=bm.spin_up(6.0, 15.0), hub_radius=0.5),
     "BaseMotion at rest": bm.BaseMotion,
     "harmonic": lambda: bm.harmonic(0.1, 2.0),
@@ -36,6 +42,7 @@ MADE: dict[str, Callable[[], Any]] = {
     "Boundary": lambda: bm.Boundary.of(("clamped", bm.End(mass=0.5))),
     "Box": lambda: bm.Box(0.1, 0.2, 0.01),
     "Case": lambda: bm.Case({"segments": 3}),
+    "Channel": lambda: bm.Channel(0.2, 0.1, 0.01, 0.005),
     "Chain": lambda: bm.Chain(bm.Beam.unit(), "clamped-free", 3),
     "Circle": lambda: bm.Circle(0.1),
     "Damping": lambda: bm.Damping(stiffness=0.1),
@@ -56,6 +63,7 @@ MADE: dict[str, Callable[[], Any]] = {
     "Rule": lambda: bm.RULES["gregory"],
     "axially_corrected": lambda: bm.axially_corrected("mitiguy", bm.Load(axial_force=0.1), UNIT),
     "mode_tuned": lambda: bm.mode_tuned(1),
+    "mode_tuned in twist": lambda: bm.mode_tuned(1, motion="twist"),
     "matched": lambda: bm.matched(2),
     "error_law": lambda: bm.error_law("clamped-free", 1),
     "Study": lambda: bm.Study.grid(boundary="free-free", segments=[3, 4], mode=1, compute="relative_error"),
@@ -74,6 +82,9 @@ FOUND: dict[str, Callable[[], Any]] = {
         mass=CHAIN.mass,
         rotary_inertia=CHAIN.rotary_inertia,
         joint_stiffness=CHAIN.joint_stiffness,
+    ),
+    "AxialModes": lambda: bm.axial_modes(
+        bm.Beam(1, 1, 1, axial_stiffness=2), "free-free", 2, motion="stretch"
     ),
     "BeamModes": lambda: bm.euler_bernoulli(UNIT, "clamped-free", 2),
     "SupportedBeamModes": lambda: bm.euler_bernoulli(UNIT, BODY, 2),

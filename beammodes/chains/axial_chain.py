@@ -99,7 +99,7 @@ def laid_out(
     return cut_by_rule(record, boundary.stand_in, segments)
 
 
-@dataclass(frozen=True, eq=False, init=False, repr=False)
+@dataclass(frozen=True, init=False, repr=False)
 class AxialChain:
     """A chain of rigid pieces and springs in twist or stretch, by a rule.
 
@@ -141,9 +141,9 @@ class AxialChain:
     boundary: AxialBoundary
     segments: int
     rule: Layout | AxialLayout
-    length: Floats = field(repr=False)
-    inertia: Floats = field(repr=False)
-    joint_stiffness: Floats = field(repr=False)
+    length: Floats = field(compare=False)
+    inertia: Floats = field(compare=False)
+    joint_stiffness: Floats = field(compare=False)
 
     def __init__(
         self,
