@@ -219,7 +219,7 @@ def _lanczos(form: FlexibilityForm, count: int, start: Floats) -> Floats:
 
     1/ω² falls as 1/n⁴, so that few steps suffice and all vectors are kept orthogonal.
     """
-    from scipy.linalg import eigh_tridiagonal
+    from scipy.linalg.lapack import dstev
 
     size = len(start)
     basis = np.empty((min(2 * count + 10, size), size))
@@ -239,7 +239,8 @@ def _lanczos(form: FlexibilityForm, count: int, start: Floats) -> Floats:
         beside.append(float(rest))
         last = k + 1 == size or not rest
         if last or (k > count and not (k - count) % 2):
-            value, turn = eigh_tridiagonal(diagonal, beside[:-1])
+            # Of one number LAPACK wants a neighbour, too, which it leaves alone.
+            value, turn, _ = dstev(diagonal, beside[: max(k, 1)])
             if last or (rest * np.abs(turn[-1, -count:]) <= _CONVERGED * value[-count:]).all():
                 break
         if k + 1 == len(basis):

@@ -118,7 +118,8 @@ def _end_coordinates(pieces: Pieces, resistance: float = 0.0) -> _EndCoordinates
 def _chosen(stiffness: Floats, on_tip: Floats) -> tuple[list[int], list[int]]:
     """Return the two stiffest quantities that differ on the tip, left ones first, and the other two."""
     first, *rest = sorted(range(4), key=lambda k: -stiffness[k])
-    second = next(k for k in rest if np.linalg.det(on_tip[[first, k]]))
+    (a, b), rows = on_tip[first].tolist(), on_tip.tolist()
+    second = next(k for k in rest if a * rows[k][1] != b * rows[k][0])
     chosen = sorted([first, second])
     return chosen, [k for k in range(4) if k not in chosen]
 
