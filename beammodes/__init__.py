@@ -118,6 +118,7 @@ _NAMES = {
     "problem.axial_ends": "AxialBoundary AxialEnd",
     "problem.applied_loads": "LineLoad PointLoad",
     "problem.beam": "Beam",
+    "problem.end_columns": "Ends",
     "problem.ends": "BOUNDARIES Boundary ENDS End",
     "problem.load_in_space": "SpatialLoad",
     "problem.loading": "Load",
@@ -236,6 +237,7 @@ if TYPE_CHECKING:
     from beammodes.problem.axial_ends import AxialBoundary as AxialBoundary
     from beammodes.problem.axial_ends import AxialEnd as AxialEnd
     from beammodes.problem.beam import Beam as Beam
+    from beammodes.problem.end_columns import Ends as Ends
     from beammodes.problem.ends import BOUNDARIES as BOUNDARIES
     from beammodes.problem.ends import ENDS as ENDS
     from beammodes.problem.ends import Boundary as Boundary

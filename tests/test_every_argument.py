@@ -65,6 +65,13 @@ GOOD: dict[str, dict[str, Any]] = {
         "rotary_inertia": 0.1,
         "offset": 0.1,
     },
+    "Ends": {
+        "translational_stiffness": [1.0, 2.0],
+        "rotational_stiffness": 2.0,
+        "mass": 0.1,
+        "rotary_inertia": 0.1,
+        "offset": 0.1,
+    },
     "GivenSection": {"area": 1e-3, "second_moment": 1e-8, "weak_second_moment": 1e-9},
     "ISection": {"width": 0.05, "height": 0.1, "flange": 0.01, "web": 0.005},
     "Load": {"axial_force": 1.0, "gravity": (0.0, -9.81), "tip_force": (0.0, 1.0), "tip_moment": 1.0},

@@ -5,12 +5,14 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 import pytest
 from drawn_ends import RULES_DRAWN
 
 from beammodes.chains.rules import RULES
-from beammodes.closed_form.supported_chain import supported_chain_frequency
+from beammodes.closed_form.supported_chain import supported_chain_frequencies, supported_chain_frequency
 from beammodes.closed_form.supported_lookups import (
     ENOUGH,
     found_in_floats,
@@ -20,6 +22,7 @@ from beammodes.closed_form.supported_lookups import (
 from beammodes.closed_form.supported_tables import ChainColumns, end_weights
 from beammodes.numerics.arrays import Floats
 from beammodes.problem.end_columns import BoundaryColumns, EndColumns
+from beammodes.problem.ends import ENDS, Boundary, End
 
 # Relative error of ω that is allowed: half of an error's 1e-14, the other half being the beam's.
 MOST = 5e-15
@@ -106,3 +109,10 @@ def test_20000_random_ends_against_50_digits() -> None:
     for seed in range(20):
         largest, told, _ = largest_error(seed=100 + seed, size=1200)
         assert largest < MOST and told < ENOUGH
+
+
+def test_one_rod_whose_rotation_both_ends_hold_moves_across() -> None:
+    pair = Boundary(End(3.0, math.inf, mass=0.5), ENDS["guided"])
+    found = supported_chain_frequencies(pair, 1, 2, "rigid_stub")
+    np.testing.assert_allclose(found, [math.sqrt(3.0 / 1.5), math.nan], rtol=1e-15)  # √(k/(ρA L + m))
+    assert one_supported_frequency(pair, 1, 1, RULES["rigid_stub"]) == found[0]

@@ -17,7 +17,7 @@ import numpy as np
 from beammodes.chains.units import ExactUnits
 from beammodes.checks import distinct, shown
 from beammodes.problem.beam import Beam
-from beammodes.problem.ends import NUMBERS_OF_END, Boundary, with_pairs_read
+from beammodes.problem.ends import NUMBERS_OF_END, Boundary, has_many, with_pairs_read
 from beammodes.problem.loading import Load, load_of
 
 __all__ = [
@@ -94,6 +94,27 @@ def in_beam_units(boundary: Boundary, beam: Beam) -> Boundary:
     return Boundary(*ends)
 
 
+def _many_in_beam_units(boundary: Any, beam: Beam) -> tuple[Any, Any]:
+    """Return a pair of which one or both ends are many."""
+    from beammodes.problem.end_columns import Ends, pairs_of_columns
+
+    columns, shape = pairs_of_columns(boundary)
+    length, stiffness = beam.length, beam.mean_bending_stiffness
+    mass = beam.mean_mass_per_length * length
+    left, right = (
+        Ends(
+            (side.translational_stiffness * (length**3 / stiffness)).reshape(shape),
+            (side.rotational_stiffness * (length / stiffness)).reshape(shape),
+            (side.mass / mass).reshape(shape),
+            (side.rotary_inertia / (mass * length**2)).reshape(shape),
+            (side.offset / length).reshape(shape),
+            on_segment=side.on_segment.reshape(shape),
+        )
+        for side in (columns.left, columns.right)
+    )
+    return left, right
+
+
 def load_in_beam_units(load: Load, beam: Beam) -> Load:
     """Return a load whose numbers count for L = EI = ρA = 1 as these do for a uniform `beam`.
 
@@ -129,6 +150,8 @@ def looked_up(boundary: Any, load: Load | None, beam: Beam | None) -> tuple[Any,
     if beam is None:
         return boundary, pull
     plain = _plain_beam(beam)
+    if has_many(boundary):
+        return _many_in_beam_units(boundary, plain), load_in_beam_units(pull, beam)
     pairs, which = distinct("boundary", with_pairs_read(boundary), (str, Boundary), Boundary.of)
     scaled = np.empty(len(pairs), dtype=object)
     scaled[:] = [in_beam_units(pair, plain) for pair in pairs]

@@ -2,12 +2,9 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterable
-from dataclasses import replace
-from fractions import Fraction
 from functools import lru_cache
-from typing import Any, overload
+from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -15,12 +12,10 @@ from numpy.typing import ArrayLike, NDArray
 from beammodes.accuracy.beam_units import looked_up
 from beammodes.chains.rules import (
     AnyRule,
-    AxiallyCorrected,
     Layout,
     NotClosed,
     Rule,
     RuleMaker,
-    is_closed,
     layout_of,
 )
 from beammodes.checks import distinct, whole_numbers
@@ -35,9 +30,13 @@ from beammodes.problem.ends import (
     BoundaryLike,
     NotPlain,
     boundary_codes,
+    has_many,
     with_pairs_read,
 )
 from beammodes.problem.loading import NO_LOAD, Load
+
+if TYPE_CHECKING:
+    from beammodes.accuracy.rooted_errors import Pairs
 
 __all__ = ["MAX_MODES", "errors_in_multiples", "exact_frequencies", "frequency_error"]
 
@@ -166,7 +165,7 @@ def errors_in_multiples(boundary: Any, segments: Any, mode: Any, rule: Any, load
     >>> round(errors_in_multiples("clamped-free", 10, 1, "mitiguy", Load(axial_force=3.0)), 6)
     -0.00265
     """
-    if load is NO_LOAD or load == NO_LOAD:
+    if (load is NO_LOAD or load == NO_LOAD) and not has_many(boundary):
         try:
             known = isinstance(rule, (str, Rule))
             if not known and isinstance(rule, RuleMaker):
@@ -211,22 +210,38 @@ def _errors_of_roots(
     boundary: Any, segments: ArrayLike, mode: ArrayLike, rule: Any, load: Load
 ) -> float | Floats:
     """Return errors to 1e-14 absolute, from both frequencies, each solved for to all but its last digit."""
-    from beammodes.exact.beam_theory import check_range
+    from beammodes.accuracy.rooted_errors import check_ratios, has_roots, rooted_errors
 
-    pairs, which = distinct("boundary", with_pairs_read(boundary), (str, Boundary), Boundary.of)
+    pairs, which = _pairs(boundary)
     records, chosen = distinct("rule", rule, (str, Layout), layout_of)
     counts = whole_numbers("segments", segments, most=MAX_SEGMENTS)
-    plain = load == Load() and all(pair.is_plain for pair in pairs)
+    plain = load == NO_LOAD and isinstance(pairs, list) and all(pair.is_plain for pair in pairs)
     modes = whole_numbers("mode", mode, most=MAX_MODE if plain else _MAX_MODE_FOUND)
-    for pair in pairs:
-        check_range(Beam.unit(), pair, load)
+    check_ratios(pairs, load)
     which, chosen, counts, modes = np.broadcast_arrays(which, chosen, counts, modes)
-    error = np.full(which.shape, np.nan)
-    for p, r, n in {*zip(which.flat, chosen.flat, counts.flat, strict=True)}:
+    error, shape = np.full(which.size, np.nan), which.shape
+    which, chosen, counts, modes = (each.ravel() for each in (which, chosen, counts, modes))
+    rooted = np.array([has_roots(record, load) for record in records])[chosen]
+    if rooted.any():
+        w, r, n, m = (each[rooted] for each in (which, chosen, counts, modes))
+        error[rooted] = rooted_errors(pairs, w, records, r, n, m, load)
+    solved = np.flatnonzero(~rooted)
+    for p, r, n in {*zip(*(each[solved].tolist() for each in (which, chosen, counts)), strict=True)}:
         here = (which == p) & (chosen == r) & (counts == n)
-        omega = _chain_frequencies(pairs[p], int(n), int(modes[here].max()), records[r], load)
-        error[here] = omega[modes[here] - 1] / exact_frequencies(pairs[p], modes[here], load) - 1
-    return error if error.ndim else float(error)
+        pair = pairs[p] if isinstance(pairs, list) else pairs.boundary(p)
+        omega = _chain_frequencies(pair, n, int(modes[here].max()), records[r], load)
+        error[here] = omega[modes[here] - 1] / exact_frequencies(pair, modes[here], load) - 1
+    return error.reshape(shape) if shape else float(error[0])
+
+
+def _pairs(boundary: Any) -> tuple[Pairs, NDArray[np.intp]]:
+    """Return pairs of ends, and the place of each wanted among them, in its shape."""
+    from beammodes.problem.end_columns import pairs_of_columns
+
+    if not has_many(boundary):
+        return distinct("boundary", with_pairs_read(boundary), (str, Boundary), Boundary.of)
+    columns, shape = pairs_of_columns(boundary)
+    return columns, np.arange(len(columns)).reshape(shape)
 
 
 def exact_frequencies(boundary: Boundary, mode: NDArray[np.int64], load: Load) -> Floats:
@@ -237,7 +252,7 @@ def exact_frequencies(boundary: Boundary, mode: NDArray[np.int64], load: Load) -
     >>> exact_frequencies(Boundary.of("pinned-pinned"), np.array([2]), Load()) == (2 * np.pi) ** 2
     array([ True])
     """
-    if boundary.is_plain and load == Load():
+    if boundary.is_plain and load == NO_LOAD:
         return np.asarray(wavenumber(boundary, mode)) ** 2
     return _beam_frequencies(boundary, int(mode.max()), load)[mode - 1]
 
@@ -250,38 +265,11 @@ def _beam_frequencies(boundary: Boundary, modes: int, load: Load) -> Floats:
 
 
 def _chain_frequencies(boundary: Boundary, segments: int, modes: int, record: Layout, load: Load) -> Floats:
-    """Return a uniform chain's first frequencies for L = EI = ρA = 1, NaN where it has none.
-
-    Those of a `Rule` come at a cost that does not depend on N, except under spin or weight, where they are
-    the chain's own, as those of other records always are.
-    """
+    """Return a chain's first frequencies for L = EI = ρA = 1, solved as a whole, NaN where it has none."""
     if isinstance(record, RuleMaker):
         record = record.rule_for(boundary)
-    if load.is_axial and isinstance(record, Rule) and is_closed(record):
-        return _closed_form(boundary, segments, modes, record, load)
-    if (
-        load.is_axial
-        and isinstance(record, AxiallyCorrected)
-        and isinstance(record.rule, Rule)
-        and is_closed(record.rule)
-    ):
-        # Springs that are all s times a rule's have √s times the frequencies of the rule's own, under 1/s of
-        # the force and between 1/s of the supports.
-        stiffer = record.spring_factor(segments)
-        if stiffer <= 0:
-            return np.full(modes, np.nan)
-        ends = [
-            replace(
-                end,
-                translational_stiffness=_softened(end.translational_stiffness, stiffer),
-                rotational_stiffness=_softened(end.rotational_stiffness, stiffer),
-            )
-            for end in (boundary.left, boundary.right)
-        ]
-        softer = Load(axial_force=_softened(load.axial_force, stiffer))
-        return math.sqrt(stiffer) * _closed_form(Boundary(*ends), segments, modes, record.rule, softer)
     if isinstance(record, Rule):
-        # A pattern inside: look-ups of its modes, one by one, solve each chain once.
+        # Look-ups of its modes, one by one, solve each chain once.
         return _solved_once(boundary, segments, max(modes, _MODES_KEPT), record, load)[:modes]
     return _solved(boundary, segments, modes, record, load)
 
@@ -303,14 +291,3 @@ def _solved(boundary: Boundary, segments: int, modes: int, record: Layout, load:
 
 
 _solved_once = lru_cache(maxsize=4096)(_solved)
-
-
-@lru_cache(maxsize=4096)
-def _closed_form(boundary: Boundary, segments: int, modes: int, rule: Rule, load: Load) -> Floats:
-    from beammodes.closed_form.supported_chain import supported_chain_frequencies
-
-    return supported_chain_frequencies(boundary, segments, modes, rule, load)
-
-
-def _softened(value: float | Fraction, factor: Fraction) -> float | Fraction:
-    return value if value == math.inf else Fraction(value) / factor

@@ -130,7 +130,11 @@ def supported_chain_frequencies(
     pair, record, size = Boundary.of(boundary), closed_rule(rule), whole_number("modes", modes)
     count = whole_number("segments", segments, most=_MOST_SEGMENTS)
     force, section = Fraction(checked_load(load).axial_force), _section(rotary_inertia)
-    found, problem = np.full(size, np.nan), _problem(pair, count, record, force, section)
+    found = np.full(size, np.nan)
+    if _slides(pair, count, record):
+        found[0] = _sliding(pair)
+        return found
+    problem = _problem(pair, count, record, force, section)
     if problem is None:
         return found
     with localcontext(Context(prec=_DIGITS)):
@@ -157,11 +161,26 @@ def supported_chain_frequency(
     >>> round(supported_chain_frequency(pair, 10**6, RULES["mitiguy"], 0.0, 0.0, mode=2), 4)
     16.2501
     """
+    if _slides(boundary, segments, rule):
+        return _sliding(boundary) if mode == 1 else math.nan
     problem = _problem(boundary, segments, rule, Fraction(tension), Fraction(rotary_inertia))
     if problem is None:
         return math.nan
     with localcontext(Context(prec=_DIGITS)):
         return float(problem.square(mode, as_decimal(near * near if 0.0 < near < math.inf else 1.0)).sqrt())
+
+
+def _slides(pair: Boundary, segments: int, rule: Rule) -> bool:
+    """Say whether the chain is one rod whose rotation both ends hold: a condition more than angles."""
+    return segments == 1 and rule.stub == 1 and pair.left.holds_rotation and pair.right.holds_rotation
+
+
+def _sliding(pair: Boundary) -> float:
+    """Return the frequency at which such a rod moves across, NaN where nothing holds it or all does."""
+    ends = (pair.left, pair.right)
+    spring = float(sum(end.translational_stiffness for end in ends))
+    mass = 1.0 + float(sum(end.moving_body[0] for end in ends))
+    return math.sqrt(spring / mass) if 0.0 < spring < math.inf else math.nan
 
 
 def _section(value: float | Fraction) -> Fraction:

@@ -24,10 +24,12 @@ __all__ = [
     "Boundary",
     "BoundaryLike",
     "End",
+    "ManyEnds",
     "NotPlain",
     "boundary_code",
     "boundary_codes",
     "end_from_text",
+    "has_many",
     "is_pair",
     "with_pairs_read",
 ]
@@ -256,6 +258,23 @@ def end_from_text(text: str) -> End | None:
     return End(**numbers)
 
 
+class ManyEnds:
+    """What stands for many ends of a beam at once; `end_columns.Ends` is one."""
+
+
+def has_many(boundary: object) -> bool:
+    """Return True if `boundary` is one pair of ends of which either stands for many.
+
+    Examples
+    --------
+    >>> has_many(("clamped", "free")), has_many(("clamped", ManyEnds()))
+    (False, True)
+    """
+    if not isinstance(boundary, tuple | list) or len(boundary) != 2:
+        return False
+    return isinstance(boundary[0], ManyEnds) or isinstance(boundary[1], ManyEnds)
+
+
 class NotPlain(ValueError):
     """A pair of ends with springs or bodies where only the ten plain pairs are known."""
 
@@ -307,8 +326,9 @@ class Boundary:
         """
         if isinstance(boundary, Boundary):
             return boundary
-        parts: tuple[object, ...] = _split(boundary) if isinstance(boundary, str) else _pair(boundary)
-        return cls(*(_end(part, boundary) for part in parts))
+        if isinstance(boundary, str):
+            return _from_text(boundary)
+        return cls(*(_end(part, boundary) for part in _pair(boundary)))
 
     @property
     def name(self) -> str:
@@ -346,6 +366,11 @@ class Boundary:
 
     def __repr__(self) -> str:
         return f"Boundary({self.name!r})"
+
+
+@lru_cache(maxsize=1024)
+def _from_text(text: str) -> Boundary:
+    return Boundary(*(_end(part, text) for part in _split(text)))
 
 
 BoundaryLike = str | tuple[str | End, str | End] | Boundary
