@@ -32,11 +32,11 @@ __all__ = [
 #: For more modes N is not sought: every N up to 40 times the highest is looked at, in all modes.
 MAX_MODES_SOUGHT = 1000
 
-# Longest chains in which N is sought: of some roots to find each, and solved as a whole.
-_LONGEST, _LONGEST_SOLVED = 10**5, 1000
+# Longest chains in which N is sought where each is solved as a whole.
+_LONGEST_SOLVED = 1000
 
-# Errors that are held at a time; chains that are looked at together where each costs some milliseconds.
-_BLOCK, _SOLVED_AT_A_TIME = 200_000, 8
+# Errors that are looked up at a time; roots that are; chains, where each costs some milliseconds.
+_BLOCK, _ROOTS, _SOLVED_AT_A_TIME = 200_000, 4096, 8
 
 # Of a structure N is enough if no longer chain up to so many times N fails.
 _AHEAD = 3
@@ -63,10 +63,9 @@ def segments_needed(
 
         N = min { n : |e_k(n')| ≤ tolerance for all n' ≥ n and k = 1..modes }
 
-    With springs or bodies at the ends or an axial force, N is sought up to 10⁵, and every larger N stands for
-    those of a grid: all up to 30, then steps of a tenth. Where each chain is solved, under spin or weight,
-    with a `Layout` that is no `Rule`, or one with a pattern inside, N is sought up to 1000, where the pattern
-    fits.
+    Every N is looked at up to 400 (up to 40 times the highest mode), then N in steps of a hundredth. Where
+    each chain is solved (under spin or weight, with a `Layout` that is no `Rule`, or a pattern inside),
+    N is sought up to 1000, where the pattern fits: all up to 30, then in steps of a tenth.
 
     Parameters
     ----------
@@ -116,17 +115,21 @@ def segments_needed(
             "frequency_error tells the errors of modes above them"
         )
 
-    def fails(count: Counts) -> NDArray[np.bool_]:
+    def fails(count: Counts, most: float = limit) -> NDArray[np.bool_]:
         error = how.errors(ends, count[:, None], mode, record, pull)
-        return np.asarray(~(np.abs(error) <= limit).all(axis=1))
+        return np.asarray(~(np.abs(error) <= most).all(axis=1))
+
+    def half(count: Counts) -> NDArray[np.bool_]:
+        return fails(count, 0.5 * limit)
 
     cost, at_a_time = how.cost(ends, record, pull), _SOLVED_AT_A_TIME
     if cost == "looked up":
         grid, at_a_time = segment_grid(len(mode)), max(1, _BLOCK // len(mode))
     elif cost == "roots":
-        grid = _sparse_grid(len(mode), _LONGEST)
+        grid, at_a_time = segment_grid(len(mode)), max(1, _ROOTS // len(mode))
+        grid = _doubtful(half, grid, _regular(len(mode)), stride=10)
     else:
-        grid = solved_grid(len(mode), record)
+        grid = _doubtful(half, solved_grid(len(mode), record), max(30, 3 * len(mode)), stride=3)
     needed = first_lasting(fails, grid, at_a_time, fits_of(record))
     if needed is None:
         raise ToleranceOutOfReach(
@@ -150,6 +153,17 @@ def _segments_of_structure(structure: Structure, tolerance: float, modes: int, r
             f"of up to {grid[-1]} segments stays within {shown(tolerance)}"
         )
     return needed
+
+
+def _doubtful(fails: Fails, grid: Counts, regular: int, stride: int) -> Counts:
+    """Return the part of a grid up to where errors keep half the tolerance, and its largest N.
+
+    Looked for from `regular` on, every so many steps: between two N that keep half of it, none fails.
+    """
+    thin = grid[np.searchsorted(grid, regular) :: stride]
+    failing = np.flatnonzero(fails(thin))
+    last = min(int(failing[-1]) + 1, len(thin) - 1) if len(failing) else 0
+    return np.asarray(grid[(grid <= thin[last]) | (grid == grid[-1])])
 
 
 def first_lasting(
@@ -215,7 +229,12 @@ def segment_grid(modes: int) -> Counts:
     >>> segment_grid(1)[[0, 399, 400, -1]].tolist()
     [1, 400, 404, 1000000000]
     """
-    return _grid(min(max(400, 40 * modes), MAX_SEGMENTS), 1.01, MAX_SEGMENTS)
+    return _grid(_regular(modes), 1.01, MAX_SEGMENTS)
+
+
+def _regular(modes: int) -> int:
+    """Return the N from which on errors change as a few powers of 1/N."""
+    return min(max(400, 40 * modes), MAX_SEGMENTS)
 
 
 def solved_grid(modes: int, record: Layout) -> Counts:

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from beammodes.checks import real_numbers, shown
+from beammodes.checks import plain_array, real_numbers, shown
 from beammodes.numerics.arrays import Floats
 from beammodes.problem.ends import NUMBERS_OF_END, Boundary, End, ManyEnds
 
@@ -187,9 +187,10 @@ class Ends(ManyEnds):
     ) -> None:
         given = (translational_stiffness, rotational_stiffness, mass, rotary_inertia, offset)
         numbers = [_number(name, value) for name, value in zip(NUMBERS_OF_END, given, strict=True)]
-        flags = np.asarray(on_segment)
-        if flags.dtype != np.bool_:
+        flags = plain_array("on_segment", on_segment)
+        if not all(isinstance(flag, bool) for flag in flags.ravel().tolist()):
             raise TypeError(f"on_segment must be True or False, or an array of them, got {shown(on_segment)}")
+        flags = flags.astype(bool)
         try:
             *columns, flags = np.broadcast_arrays(*numbers, flags)
         except ValueError:
