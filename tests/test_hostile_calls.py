@@ -394,6 +394,7 @@ CALLS: dict[str, Arguments] = {
         "timestep": 1e-4,
         "integrator": "RK4",
         "load": bm.Load(),
+        "joints": "xyz",
         "force": False,
     },
     "find_equilibrium": lambda: {

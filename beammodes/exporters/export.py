@@ -10,12 +10,15 @@ from pathlib import Path
 from typing import BinaryIO
 
 from beammodes.chains.chain import Chain
+from beammodes.chains.spatial_chain import SpatialChain
 from beammodes.chains.structure_chain import StructureChain
 from beammodes.checks import choice, flag, shown
+from beammodes.equations.joint_laws import JointLaw, joint_law
 from beammodes.exporters.engine_step import engine_step
 from beammodes.exporters.export_facts import facts_about
 from beammodes.exporters.formats import FORMATS, Format, Model
 from beammodes.exporters.planar_tree import Tree, Vector, planar_tree
+from beammodes.exporters.spatial_files import spatial_texts
 from beammodes.exporters.structure_files import STRUCTURE_FORMATS, structure_texts
 from beammodes.exporters.unit_systems import UNIT_SYSTEMS
 from beammodes.files import file_target, write_atomically
@@ -35,7 +38,7 @@ MUJOCO_INTEGRATORS = tuple(
 
 
 def export_chain(
-    chain: Chain | StructureChain,
+    chain: Chain | StructureChain | SpatialChain,
     path: str | os.PathLike[str],
     *,
     format: str | None = None,
@@ -47,6 +50,7 @@ def export_chain(
     integrator: str = "RK4",
     load: Load | None = None,
     units: str | None = None,
+    joints: str | JointLaw = "yzx_alternating",
     force: bool = False,
 ) -> tuple[Path, ...]:
     """Write a chain as a model for a multibody program, with the frequencies to expect in its head.
@@ -57,9 +61,11 @@ def export_chain(
 
     Parameters
     ----------
-    chain : Chain or StructureChain
+    chain : Chain, StructureChain or SpatialChain
         A structure must be a tree, supported at one joint, for "mjcf", "sdf" or "urdf"; its x and y are x and
         z in the file, and it takes none of the options from `fragment` to `units`.
+        A chain in space must be clamped or free at s = 0 and free at s = L, for "mjcf", and takes none of
+        these options either.
     path : str or Path
     format : str, optional
         "mjcf" for MuJoCo 3 and 4, "sdf" for Gazebo and Drake, "urdf" (with the springs in a YAML file beside
@@ -92,6 +98,10 @@ def export_chain(
     units : str, optional
         What the beam's numbers are in, "SI", "mm-N-t" or "in-lbf-s": for words in the head, and for the
         gravity that the step holds for. The file's numbers stay as they are.
+    joints : str or JointLaw
+        Of a chain in space: in which order a node's three hinges turn, or "ball" where GJ and both EI are
+        equal (see `equations.joint_laws`). In one order at all nodes a rod that bends and twists is wrong at
+        first order in 1/N.
     force : bool
         Overwrite files that exist. Without it, one of two exports to the same path at the same time succeeds.
         Only ordinary files are overwritten; a symbolic link to one stands for it.
@@ -117,8 +127,9 @@ def export_chain(
     ...     [path.name for path in bm.export_chain(chain, f"{folder}/beam.urdf")]
     ['beam.urdf', 'beam.springs.yaml']
     """
-    if not isinstance(chain, Chain | StructureChain):
-        raise TypeError(f"chain must be a Chain or a StructureChain, got {shown(chain)}")
+    if not isinstance(chain, Chain | StructureChain | SpatialChain):
+        raise TypeError(f"chain must be a Chain, a StructureChain or a SpatialChain, got {shown(chain)}")
+    law = joint_law(joints)
     place, kind = _place_and_format(path, format)
     flag("fragment", fragment), flag("force", force)
     if not isinstance(integrator, str):
@@ -141,6 +152,9 @@ def export_chain(
         file_target(each, new=not force)
     if isinstance(chain, StructureChain):
         return _write(paths, force, *_structure(chain, kind, name, {**given, "units": units}))
+    if isinstance(chain, SpatialChain):
+        _alone("chains in space", {**given, "units": units})
+        return _write(paths, force, *[(text,) for text in spatial_texts(chain, kind.name, name, law)])
     tree = _tree(kind, chain, name, second, damping)
     facts = facts_about(chain, damping, load, units, turned=tree.turned)
     if second is not None:
@@ -162,11 +176,16 @@ def export_chain(
 
 def _structure(chain: StructureChain, kind: Format, name: str, given: dict[str, object]) -> list[tuple[str]]:
     """Return the text of each file of a structure."""
-    for what, value in given.items():
-        if value is not None:
-            raise ValueError(f"{what} must be left out of files of structures, got {shown(value)}")
+    _alone("structures", given)
     choice("format of a structure", kind.name, STRUCTURE_FORMATS)
     return [(text,) for text in structure_texts(chain, kind.name, name)]
+
+
+def _alone(what: str, given: dict[str, object]) -> None:
+    """Raise ValueError if an option is given that files of these chains do not take."""
+    for option, value in given.items():
+        if value is not None:
+            raise ValueError(f"{option} must be left out of files of {what}, got {shown(value)}")
 
 
 def _gravity(load: Load | None, turned: bool) -> Vector:
