@@ -712,3 +712,28 @@ def test_given_assumed_and_found_stand_apart(tmp_path: Path) -> None:
     kinds = [line.split(":")[0] if line.startswith(("given: ", "assumed: ")) else "found" for line in lines]
     assert kinds == sorted(kinds, key=("given", "assumed", "found").index)
     assert math.isclose(found.length_mismatch, 0.0, abs_tol=1e-12)
+
+
+@pytest.mark.parametrize("more", ["", "twist", "slide", "twist slide"])
+def test_twist_and_stretch_beside_bending_are_left_out(more: str, tmp_path: Path) -> None:
+    count, ell = 10, 0.1
+    text = ""
+    for i in range(count):
+        extra = f'<joint name="t{i}" type="hinge" axis="1 0 0" stiffness="1e-6"/>' * ("twist" in more)
+        extra += f'<joint name="s{i}" type="slide" axis="1 0 0" stiffness="1e5"/>' * ("slide" in more)
+        text += (
+            f'<body name="b{i}" pos="{ell * (i > 0)} 0 0"><joint name="y{i}" type="hinge" axis="0 -1 0" '
+            f'stiffness="{20 if i == 0 else 10}"/>{extra}<geom type="cylinder" '
+            f'fromto="0 0 0 {ell} 0 0" size="0.0005" mass="{ell}"/>'
+        )
+    path, model = tmp_path / "rod.xml", world(text + "</body>" * count)
+    path.write_text(model, encoding="utf-8")
+    found = audit_file(path, Beam.unit(), modes=1)
+    # MuJoCo's own mass and stiffness, whatever joints there are beside.
+    exact, omega = 1.8751040687119611**2, mujoco_frequencies(model)
+    bending = omega[np.argmin(np.abs(omega - exact))]
+    assert found.errors[0] == pytest.approx(bending / exact - 1, abs=1e-6)
+    assert found.errors[0] == pytest.approx(-0.0045675, abs=1e-6)
+    said = " ".join(found.assumed)
+    assert ("slides along the chain (s0, s1" in said) is ("slide" in more)
+    assert ("t0, t1" in said) is ("twist" in more)

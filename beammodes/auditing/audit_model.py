@@ -45,6 +45,7 @@ from beammodes.auditing.serial_chains import (
     hinge_paths,
     root_support,
     with_inner_motors_held,
+    without_stretch,
 )
 from beammodes.chains.chain import Chain
 from beammodes.checks import choice, shown, small_fraction
@@ -257,7 +258,18 @@ def _step(read: _Read, chain: Chain, armature: Floats, damping: Floats) -> StepV
 def _read(place: Path, asked: _Request, springs: Path | None) -> _Read:
     if place.suffix.lower() == ".csv":
         return _from_csv(place, asked.beam.length)
-    model = _model(place, springs)
+    model, slides = without_stretch(_model(place, springs))
+    if not slides:
+        return _of_file(model, asked)
+    listed = ", ".join([*slides[:_LISTED], *(["..."] if len(slides) > _LISTED else [])])
+    why = (
+        f"slides along the chain ({listed}) are taken as at rest: stretch and bending do not move each other"
+    )
+    read = _of_file(model, asked)
+    return replace(read, left_out=(why, *read.left_out))
+
+
+def _of_file(model: Model, asked: _Request) -> _Read:
     held, motors = with_inner_motors_held(model) if asked.boundary is not None else (model, [])
     if not motors:
         return _in_any_plane(model, asked)

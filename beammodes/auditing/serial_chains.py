@@ -27,6 +27,7 @@ __all__ = [
     "lone_segment",
     "root_support",
     "with_inner_motors_held",
+    "without_stretch",
 ]
 
 #: Sine of the angle up to which two axes are parallel.
@@ -177,6 +178,36 @@ def about_one_axis(model: Model) -> Iterator[tuple[str, Model]]:
             names = [joint.name for joint in rest]
             listed = [*names[:_LISTED], *(["..."] if len(names) > _LISTED else [])]
             yield ", ".join(listed), replace(model, bodies=bodies, in_space=True)
+
+
+def without_stretch(model: Model) -> tuple[Model, list[str]]:
+    """Return a model without slides along a straight chain beside its hinges, and their names.
+
+    Stretch does not move what bends, nor is it moved by it. A slide across the chain stays, as one that is
+    not on the line of the hinges.
+    """
+    both = [
+        body
+        for body in model.bodies
+        if {"hinge", "slide"} <= {joint.kind for joint in body.joints if joint.stiffness}
+    ]
+    if not both:
+        return model, []
+    first, last = (next(j for j in body.joints if j.kind == "hinge") for body in (both[0], both[-1]))
+    along = last.position - first.position if len(both) > 1 else both[0].inertial.centre - first.position
+    size = float(np.linalg.norm(along))
+    if size < _NO_LENGTH:
+        return model, []
+    at_rest = {
+        id(joint): joint.name
+        for body in both
+        for joint in body.joints
+        if joint.kind == "slide" and joint.stiffness and _parallel(joint.axis, along / size)
+    }
+    bodies = tuple(
+        replace(body, joints=tuple(j for j in body.joints if id(j) not in at_rest)) for body in model.bodies
+    )
+    return replace(model, bodies=bodies), list(at_rest.values())
 
 
 def with_inner_motors_held(model: Model) -> tuple[Model, list[str]]:
