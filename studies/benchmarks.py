@@ -30,6 +30,7 @@ from studies.accuracy import beam_frequency, chain_frequency
 from studies.batch_speed import batch_table
 from studies.motion_rivals import moving
 from studies.rivals import MEMORY, METHODS, duration, kane_equations, kane_units, nodal_matrices, timed
+from studies.spin_up_rivals import growing, spinning
 from studies.tables import markdown_table
 
 __all__ = [
@@ -47,7 +48,7 @@ __all__ = [
 
 ROOT = Path(__file__).resolve().parent.parent
 BEGIN, END = "<!-- benchmarks: begin -->", "<!-- benchmarks: end -->"
-PACKAGES = ("numpy", "scipy", "sympy", "casadi", "scikit-fem", "mujoco", "pin", "distributed")
+PACKAGES = ("numpy", "scipy", "sympy", "casadi", "scikit-fem", "mujoco", "pin", "exudyn", "distributed")
 SEGMENTS = (16, 128, 1024, 8192, 1_000_000)
 UNEQUAL = (8, 32, 128, 1024, 10**5, 10**6, 10**7)
 _LARGEST_DENSE = 1024
@@ -315,7 +316,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     replaced(readme.read_text("utf-8"), "")
     tables = ""
     with threadpool_limits(1):
-        for part in (environment, deriving, solving, unequal, moving, lookups, batches):
+        for part in (environment, deriving, solving, unequal, moving, spinning, growing, lookups, batches):
             text = part().strip() + "\n"
             print(text, flush=True)
             tables += text + "\n"

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import re
+from dataclasses import replace
 from importlib.util import find_spec
 from pathlib import Path
 
@@ -12,7 +14,7 @@ import pytest
 import sympy
 
 import beammodes as bm
-from studies import accuracy, batch_speed, benchmarks, motion_rivals, rivals
+from studies import accuracy, batch_speed, benchmarks, motion_rivals, rivals, spin_up_rivals
 
 FIRST = (1, 2, 3)
 
@@ -154,6 +156,38 @@ def test_right_hand_sides_are_timed_and_put_beside_each_other(monkeypatch: pytes
         motion_rivals.moving([3])
 
 
+def test_spin_ups_are_timed_and_held_against_the_beam_itself(monkeypatch: pytest.MonkeyPatch) -> None:
+    few = {
+        name: replace(method, tried=((4, method.tried[0][1] and 0.01),))
+        for name, method in spin_up_rivals.METHODS.items()
+        if method.package != "casadi" or name.endswith("`sdirk2`")
+    }
+    few["missing"] = replace(few["MuJoCo `implicitfast`"], package="no_such_package")
+    few["coarse"] = replace(few["beammodes, `sdirk2`"], tried=((1, 0.04), (2, 0.04)))
+    monkeypatch.setattr(spin_up_rivals, "METHODS", few)
+    monkeypatch.setattr(spin_up_rivals, "_DEGREES", (3, 4))
+    monkeypatch.setattr(spin_up_rivals, "ACCURACY", 0.02)
+    text = spin_up_rivals.spinning(list(few))
+    # The largest deflection of chains of growing N, extrapolated: -0.57375 m.
+    largest = re.search(r"-0\.5\d+", text)
+    assert largest and float(largest[0]) == pytest.approx(-0.57375, abs=1e-5)
+    rows = {row.split(" | ")[0][2:]: row for row in text.splitlines()[4:]}
+    assert list(rows) == list(few) and "not run: not installed" in rows["missing"]
+    # Four rods or elements are within two percent, by every tool that is there; two rods are not.
+    for name, row in rows.items():
+        assert ("not reached" in row) is (name == "coarse"), row
+    assert "| 2 | 0.04 s |" in rows["coarse"]
+
+
+def test_a_period_is_timed_by_implicit_and_explicit_steps(monkeypatch: pytest.MonkeyPatch) -> None:
+    real = spin_up_rivals.timed
+    monkeypatch.setattr(spin_up_rivals, "timed", lambda call, **_: real(call, budget=0.0))
+    lines = spin_up_rivals.growing([2, 201]).splitlines()
+    # 2π over the limits of ωh, 0.1096 and 0.1574.
+    assert lines[4].count("58 steps") == 2 and lines[5].count("40 steps") == 2
+    assert lines[-1].endswith("| not tried |") or lines[-1].endswith("| not run: not installed |")
+
+
 def test_one_lookup_by_matrices_is_the_same_error() -> None:
     expected = bm.frequency_error("clamped-free", segments=100, mode=1)
     assert benchmarks._one_by_matrices() == pytest.approx(expected, rel=1e-2)
@@ -164,7 +198,17 @@ def test_readme_takes_the_tables(tmp_path: Path, monkeypatch: pytest.MonkeyPatch
     readme = tmp_path / "README.md"
     readme.write_text(f"above\n{benchmarks.BEGIN}\nold\n{benchmarks.END}\nbelow · ω\n", "utf-8")
     monkeypatch.setattr(benchmarks, "ROOT", tmp_path)
-    parts_in_order = ("environment", "deriving", "solving", "unequal", "moving", "lookups", "batches")
+    parts_in_order = (
+        "environment",
+        "deriving",
+        "solving",
+        "unequal",
+        "moving",
+        "spinning",
+        "growing",
+        "lookups",
+        "batches",
+    )
     for part in parts_in_order:
         monkeypatch.setattr(benchmarks, part, lambda part=part: f"the {part}\n")
     assert benchmarks.main([]) == 0
