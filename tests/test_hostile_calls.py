@@ -275,7 +275,12 @@ CALLS: dict[str, Arguments] = {
         "boundary": "clamped-free",
         "stations": [bm.Station(0.5, mass=1.0)],
     },
-    "StructureChain": lambda: {"structure": structure(), "segments": 4, "rule": "gregory"},
+    "StructureChain": lambda: {
+        "structure": structure(),
+        "segments": 4,
+        "rule": "gregory",
+        "corrected": True,
+    },
     "JointLaw": of(name="mine", orders=("xyz", "zyx")),
     "SpatialLoad": of(force=(0.0, 0.0, 1.0), moment=(0.0, 0.0, 0.0), torque=0.1, gravity=(0.0, 0.0, -9.81)),
     "critical_factor": lambda: {

@@ -242,6 +242,12 @@ def test_the_L_frame_to_every_digit() -> None:
     assert weights["corner"] == 3 / 4
     assert weights["foot-corner at 0.8"] == weights["corner-tip at 0.2"] == round(7 / 6, 9)
 
+    # The rule left out at the corner: weights 1 there and beside it, the trapezoid's, of order 2.
+    plain = [bm.StructureChain(ell(), [n, n], corrected=False) for n in (5, 20, 40)]
+    assert [round(hinge.flexibility * 5, 9) for hinge in plain[0].hinges[3:7]] == [1, 1, 1, 1]
+    coarse, fine = (bm.chain_errors(chain, 2)[1] for chain in plain[1:])
+    assert 3.9 < coarse / fine < 4.1
+
     def plain_corner(n: int) -> float:
         chain = bm.StructureChain(ell(), [n, n])
         hinges = (

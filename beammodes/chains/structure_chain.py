@@ -12,13 +12,14 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from fractions import Fraction
 from typing import NamedTuple
 
 from beammodes.chains.chain import Chain
 from beammodes.chains.pieces import MAX_PIECES
-from beammodes.chains.rules import AnyRule, Layout, fits_of, layout_of
-from beammodes.checks import shown, whole_number
-from beammodes.problem.ends import ENDS
+from beammodes.chains.rules import AnyRule, Layout, Rule, fits_of, layout_of
+from beammodes.checks import flag, shown, whole_number
+from beammodes.problem.ends import ENDS, Boundary
 from beammodes.problem.structure import Node, Parts, Structure, checked_structure
 
 __all__ = ["Hinge", "StructureChain", "shared_segments"]
@@ -63,6 +64,10 @@ class StructureChain:
         that. Or the number of each stretch, in the order of `structure.parts.stretches`.
     rule : str, Rule or any Layout
         Its weights of clamped ends are those of every end of a stretch that bears a moment.
+    corrected : bool
+        False is a chain that knows nothing of points inside a beam and of corners: where stretches meet,
+        hinges have the weight 1 as everywhere inside, a half from either side. It shows what correction is
+        worth. Only at a hinge that carries nothing, with equally long segments on both sides, is it better.
 
     Attributes
     ----------
@@ -104,14 +109,27 @@ class StructureChain:
     hinges: tuple[Hinge, ...]
 
     def __init__(
-        self, structure: Structure, segments: int | Sequence[int], rule: AnyRule = "gregory"
+        self,
+        structure: Structure,
+        segments: int | Sequence[int],
+        rule: AnyRule = "gregory",
+        *,
+        corrected: bool = True,
     ) -> None:
         parts, record = checked_structure(structure).parts, layout_of(rule)
         counts = shared_segments(parts, segments, record)
         bends = _moments_at_ends(parts)
+        layouts = [record] * len(counts)
+        if not flag("corrected", corrected):
+            if not isinstance(record, Rule) or record.stub == 1:
+                raise ValueError(
+                    "rule must be a Rule with hinges at joints or half a segment from them where corrected "
+                    f"is False, got {record.name}"
+                )
+            layouts = [_PlainInside(record, inner) for inner in _inner_ends(parts, bends)]
         chains = tuple(
-            Chain(stretch.beam, (ENDS[words[0]], ENDS[words[1]]), count, record)
-            for stretch, words, count in zip(parts.stretches, bends, counts, strict=True)
+            Chain(stretch.beam, (ENDS[words[0]], ENDS[words[1]]), count, layout)
+            for stretch, words, count, layout in zip(parts.stretches, bends, counts, layouts, strict=True)
         )
         joining = _Joining.of(parts, bends, chains)
         values = (structure, counts, record, chains, *joining.joined())
@@ -202,6 +220,51 @@ def _moments_at_ends(parts: Parts) -> list[tuple[str, str]]:
                 pair.append("clamped")
         words.append((pair[0], pair[1]))
     return words
+
+
+def _inner_ends(parts: Parts, bends: list[tuple[str, str]]) -> list[tuple[bool, bool]]:
+    """Return for each stretch which of its ends bear a moment and meet another stretch."""
+    ends = [i for stretch in parts.stretches for i in stretch.nodes]
+    return [
+        (
+            pair[0] != "free" and ends.count(stretch.nodes[0]) > 1,
+            pair[1] != "free" and ends.count(stretch.nodes[1]) > 1,
+        )
+        for stretch, pair in zip(parts.stretches, bends, strict=True)
+    ]
+
+
+@dataclass(frozen=True)
+class _PlainInside:
+    """A rule that is not applied where a stretch meets another one."""
+
+    rule: Rule
+    plain: tuple[bool, bool]
+
+    @property
+    def name(self) -> str:
+        return self.rule.name
+
+    @property
+    def rotary_inertia(self) -> Fraction:
+        return self.rule.rotary_inertia
+
+    def piece_lengths(self, boundary: Boundary, segments: int) -> list[Fraction]:
+        return self.rule.piece_lengths(boundary, segments)
+
+    def hinge_weights(self, boundary: Boundary, segments: int) -> list[Fraction]:
+        weights = self.rule.hinge_weights(boundary, segments)
+        bare = self.rule.repeated(self.piece_lengths(boundary, segments)[0], len(weights))
+        inward = (range(len(weights)), range(len(weights) - 1, -1, -1))
+        for end, plain, hinges in zip((boundary.left, boundary.right), self.plain, inward, strict=True):
+            if not plain:
+                continue
+            # What the rule has added from this end is taken away; a hinge at the node has half its weight.
+            for j, weight in zip(hinges, self.rule.end_weights(end), strict=False):
+                weights[j] -= weight.at(Fraction(segments)) - bare[j]
+            if not self.rule.stub:
+                weights[hinges[0]] -= bare[hinges[0]] / 2
+        return weights
 
 
 def _is_guided(node: Node, normal: tuple[float, float]) -> bool:
