@@ -105,6 +105,7 @@ _NAMES = {
     "equations.numeric": "compile_equations",
     "equations.symbolic": "equations_of_motion symbolic_energies",
     "exact.axial_beam": "AxialModes axial_modes",
+    "exact.axial_statics": "axial_displacement",
     "exact.beam_theory": "euler_bernoulli",
     "exact.exact_beam": "BeamModes wavenumber",
     "exact.exact_rod": "RodModes rod_modes",
@@ -217,6 +218,7 @@ if TYPE_CHECKING:
     from beammodes.equations.symbolic import symbolic_energies as symbolic_energies
     from beammodes.exact.axial_beam import AxialModes as AxialModes
     from beammodes.exact.axial_beam import axial_modes as axial_modes
+    from beammodes.exact.axial_statics import axial_displacement as axial_displacement
     from beammodes.exact.beam_theory import euler_bernoulli as euler_bernoulli
     from beammodes.exact.exact_beam import BeamModes as BeamModes
     from beammodes.exact.exact_beam import wavenumber as wavenumber

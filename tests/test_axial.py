@@ -22,6 +22,7 @@ from beammodes.chains.axial_chain import AxialChain
 from beammodes.chains.rules import RULES, Rule, Weight
 from beammodes.closed_form.axial_chains import end_waves
 from beammodes.exact.axial_beam import axial_modes, axial_wavenumber
+from beammodes.exact.axial_statics import axial_displacement
 from beammodes.problem.axial_ends import AxialBoundary, AxialEnd, distinct_axial
 from beammodes.problem.beam import Beam
 from beammodes.problem.loading import Load
@@ -405,6 +406,35 @@ def test_questions_of_users() -> None:
     middles = (np.arange(12) + 0.5) / 10
     along = np.interp(middles, [0.0, 0.4, 0.7, 1.2], [-0.0028666666666666667, -0.0042, -0.003, 0.0])
     assert turns[:12] == pytest.approx(along, abs=1e-15)
+    torques = {0.0: 100.0, 0.4: -220.0, 0.7: -60.0}
+    places = axial_displacement(shaft, "free-fixed", torques, [0.0, 0.4, 0.7])
+    assert places == pytest.approx([-0.0028666666666666667, -0.0042, -0.003], abs=1e-15)
+
+
+def test_at_rest_chains_are_the_beam_at_the_middles_of_pieces() -> None:
+    # Random loads on hinges and ends, ends with springs, 1/2 at the ends' own hinges: no error at all.
+    random = np.random.default_rng(5)
+    shaft = Beam(1.2, 1.0, 1.0, torsional_stiffness=30.0, polar_inertia_per_length=1.0)
+    for ends in (
+        "fixed-fixed",
+        "free-free(stiffness=20)",
+        "free(stiffness=7)-free(stiffness=40)",
+        "fixed-free",
+    ):
+        loads = {float(x): float(random.normal()) for x in np.arange(13)[random.permutation(13)[:6]] / 10}
+        chain = AxialChain(shaft, ends, 12, "double_wall")
+        middles = np.cumsum(chain.length) - chain.length / 2
+        expected = axial_displacement(shaft, ends, loads, np.minimum(middles, 1.2))
+        assert chain.displacement(loads) == pytest.approx(expected, abs=1e-14)
+    # GJ = 1 + x under a torque at the tip: ln(1 + x).
+    tapered = Beam(1.0, 1.0, 1.0, torsional_stiffness=lambda x: 1 + x, polar_inertia_per_length=1.0)
+    turns = axial_displacement(tapered, "fixed-free", {1.0: 1.0}, [0.0, 0.5, 1.0])
+    assert turns == pytest.approx(np.log([1.0, 1.5, 2.0]), abs=1e-14)
+    # An end on a spring that has no inertia of its own moves in a mode as the hinge and the spring share it.
+    chain = AxialChain(shaft, "free(stiffness=20)-free", 6, "double_wall")
+    shape = solve_axial_modes(chain, 1).displacement[0]
+    hinge = chain.joint_stiffness[0]
+    assert shape[0] == pytest.approx(shape[1] * hinge / (hinge + 20.0), rel=1e-12)
 
 
 # --- springs tuned to one mode, and matched to all ---------------------------------------------------------

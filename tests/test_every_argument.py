@@ -100,6 +100,7 @@ GOOD: dict[str, dict[str, Any]] = {
     "Tube": {"outer": 0.02, "wall": 0.002},
     "Uniform": {"low": 0.0, "high": 1.0},
     "audit_chain": {"beam": BEAM, "boundary": "pinned-free", **PIECES, "modes": 1, "tolerance": 0.01},
+    "axial_displacement": {"beam": SHAFT, "boundary": "fixed-free", "loads": {0.5: 1.0}, "x": [0.5]},
     "axial_modes": {"beam": SHAFT, "boundary": "fixed-free", "modes": 2},
     "axially_corrected": {"rule": "mitiguy", "load": bm.Load(axial_force=1.0), "beam": BEAM},
     "beam_statics": {"beam": BEAM, "boundary": "clamped-free", "load": "tip_force"},

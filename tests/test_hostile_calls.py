@@ -311,6 +311,13 @@ CALLS: dict[str, Arguments] = {
     "Uniform": of(low=1.0, high=2.0),
     "Weight": of(constant=Fraction(1, 2), per_segment=Fraction(1, 3)),
     "animate": lambda: {"result": motion(), "path": None, "fps": 25, "duration": 0.1, "trace": 0.1},
+    "axial_displacement": lambda: {
+        "beam": shaft(),
+        "boundary": "fixed-free",
+        "loads": {0.5: 1.0},
+        "x": [0.5],
+        "motion": "twist",
+    },
     "axial_modes": lambda: {"beam": shaft(), "boundary": "fixed-free", "modes": 2, "motion": "twist"},
     "audit_chain": lambda: {
         "beam": beam(),

@@ -267,10 +267,34 @@ class AxialChain:
             on = ends if len(ends) else on
             force[on] += value / len(on)
         chosen, _, springs = self.moving
-        result = np.zeros(self.pieces)
-        if len(springs) > 1:
-            result[chosen] = at_rest(springs, force[chosen])[0]
+        # What acts on a condensed outer piece goes to its neighbour by the hinge, the rest to the ground.
+        for outer, inner, share, _ in self._condensed:
+            force[inner] += share * force[outer]
+        moved = at_rest(springs, force[chosen])[0] if len(springs) > 1 else np.zeros(0)
+        result: Floats = self.spread(moved[None, :])[0]
+        for outer, _, _, softness in self._condensed:
+            result[outer] += softness * force[outer]
         return result
+
+    def spread(self, moved: Floats) -> Floats:
+        """Return displacements of all pieces from those of the moving ones, shape (..., pieces)."""
+        result = np.zeros((len(moved), self.pieces))
+        result[:, self.moving[0]] = moved
+        for outer, inner, share, _ in self._condensed:
+            result[:, outer] = share * result[:, inner]
+        return result
+
+    @property
+    def _condensed(self) -> list[tuple[int, int, float, float]]:
+        """Outer pieces without inertia on springs: theirs and the neighbour's index, h/(K + h), 1/(K + h)."""
+        found = []
+        sides = ((self.boundary.left, 0, 1, 0), (self.boundary.right, -1, -2, -1))
+        for end, outer, inner, hinge in sides:
+            if 0.0 < end.stiffness < math.inf and not end.inertia and not self.inertia[outer]:
+                spring = float(self.joint_stiffness[hinge])
+                whole = end.stiffness + spring
+                found.append((outer, inner, spring / whole, 1.0 / whole))
+        return found
 
     def __repr__(self) -> str:
         return (

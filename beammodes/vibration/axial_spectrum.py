@@ -63,16 +63,15 @@ def solve_axial_modes(chain: AxialChain, modes: int | None = None) -> AxialChain
     >>> solve_axial_modes(AxialChain(shaft, "fixed-free", 10), 2).angular_frequency.round(6)
     array([1.569182, 4.668907])
     """
-    chosen, inertia, springs = chain.moving
+    _, inertia, springs = chain.moving
     count = chain.elastic_modes if modes is None else whole_number("modes", modes)
     count = min(count, chain.elastic_modes)
     omega, shape = _solved(inertia, springs, count)
-    displacement = np.zeros((count, chain.pieces))
     # A mode's first piece at rest would leave the sign to rounding; pieces next to it move.
     largest = np.abs(shape).max(axis=1, initial=0.0)[:, None]
     first = (np.abs(shape) > 1e-6 * largest).argmax(axis=1) if count else np.zeros(0, dtype=np.intp)
     sign = np.sign(shape[np.arange(count), first])
-    displacement[:, chosen] = shape * sign[:, None]
+    displacement = chain.spread(shape * sign[:, None])
     return AxialChainModes(omega, chain.boundary.rigid_body_modes, displacement)
 
 
