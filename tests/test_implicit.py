@@ -246,6 +246,15 @@ def test_method_and_step_are_chosen_for_what_is_wanted() -> None:
     assert "mode 3: frequency -0.1 %" in loaded.step_error
 
 
+def test_a_motion_in_which_nothing_moves_says_so() -> None:
+    chain = bm.Chain(bm.Beam.unit(), "clamped-free", segments=2)
+    still = bm.simulate(chain, duration=0.1)
+    assert "nothing moves" in still.remark and not still.q.any()
+    for given in ({"load": bm.Load(gravity=1.0)}, {"initial": bm.mode_start(chain, 1, 0.1)}):
+        moved = bm.simulate(chain, duration=0.1, **given)
+        assert not moved.remark and moved.q.any()
+
+
 def test_half_the_step_tells_the_error() -> None:
     # Against Runge-Kutta at a step whose error is ten thousand times less.
     chain = bm.Chain(bm.Beam.unit(), "clamped-free", segments=3)

@@ -309,9 +309,10 @@ def simulate(
         Over time: angle and angular_velocity of each segment, x and y of each node, tip_deflection, energies
         and momenta, q and u. Attributes `integrator` and `step` [s] are those of the run, `reason` says why
         these, and `step_error` what an implicit step does to the modes that it was chosen for, as of a small
-        motion. Attribute `complete` is 0 if the run was interrupted from the keyboard or left
-        the finite numbers; `stopped` then says why. What came before is kept. Without damping, on a base at
-        rest, `energy` changes by the error of the steps only: it tells whether they were short enough.
+        motion; `remark` says so if nothing moves. Attribute `complete` is 0 if the run was interrupted from
+        the keyboard or left the finite numbers; `stopped` then says why. What came before is kept. Without
+        damping, on a base at rest, `energy` changes by the error of the steps only: it tells whether they
+        were short enough.
         Ctrl-C, however often, ends the motion with the step that it came in, and what there is of it is put
         together and written before this function returns. While equations are built there is nothing to
         keep: it is then a KeyboardInterrupt.
@@ -359,9 +360,8 @@ def simulate(
     if step is not None and positive_real("step", step) > span:
         raise ValueError(f"step must not be longer than duration, {span}, got {shown(step)}")
     start = _initial_state(chain, initial, ground)
-    took = _taken(
-        Motion(chain, span, given, ground, damping, start, wanted), kind, step, min(shown_step, span)
-    )
+    motion = Motion(chain, span, given, ground, damping, start, wanted)
+    took = _taken(motion, kind, step, min(shown_step, span))
     if span / took.step > 1e9:
         raise ValueError(
             f"duration must be shorter, or step longer: {span / took.step:.2g} steps of {took.step:.3g} s"
@@ -392,7 +392,7 @@ def simulate(
     )
     with held():
         time, q, u, why = runner(run.integrator)(run, start, told)
-        attributes = {**asdict(took), "complete": int(not why), "stopped": why}
+        attributes = {**asdict(took), "complete": int(not why), "stopped": why, "remark": _remark(motion)}
         result = _motion_dataset(chain, time, q, u, given, ground, attributes)
         if halving:
             result = result.assign_attrs(_errors(run, start, told, result))
@@ -410,6 +410,12 @@ def _taken(motion: Motion, kind: str | None, step: float | None, longest: float)
     if step is not None:
         return Chosen(kind or "rk4", step, "step as given")
     return chosen(motion, kind, longest)
+
+
+def _remark(motion: Motion) -> str:
+    """Say so if nothing will move."""
+    still = motion.load == Load() and motion.base == BaseMotion() and not np.any(motion.start)
+    return "nothing moves: give a start (mode_start makes one), a load or a base that moves" if still else ""
 
 
 def _errors(run: Run, start: Start, told: Progress, result: xarray.Dataset) -> dict[str, float]:
