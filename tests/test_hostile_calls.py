@@ -253,6 +253,7 @@ CALLS: dict[str, Arguments] = {
         mass=0.5,
         rotary_inertia=(0.1, 0.2, 0.2),
         offset=(0.1, 0.0, 0.0),
+        on_segment=False,
     ),
     "RodEnds": lambda: {"left": bm.RodEnd(), "right": bm.RodEnd(mass=1.0)},
     "RodEnds.of": of(boundary="clamped-free"),

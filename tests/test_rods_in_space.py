@@ -150,6 +150,20 @@ def test_one_plane_of_a_straight_rod_is_the_planar_chain() -> None:
             assert nearest.max() < 3e-14, (boundary, rule)
 
 
+def test_bodies_on_a_straight_rods_end_are_the_planar_ones() -> None:
+    # Behind a hinge of their own and on the segment, whose rule weights are others.
+    beam, rod = bm.Beam(1.2, 85.0, 0.62), bm.Rod(1.2, 85.0, 60.0, 0.62, 1e-5, second_bending_stiffness=500.0)
+    for on_segment in (False, True):
+        tip = bm.End(3.0, 2.0, 0.3, 0.01, 0.05, on_segment=on_segment)
+        for rule in ("rigid_stub_corrected", "gregory"):
+            planar = bm.solve_modes(
+                bm.linearize(bm.Chain(beam, ("clamped", tip), 8, rule)), 3
+            ).angular_frequency
+            chain = bm.SpatialChain(rod, ("clamped", bm.RodEnd.of(tip)), 8, rule)
+            nearest = np.abs(bm.spatial_modes(chain, 14).angular_frequency[:, None] / planar - 1).min(axis=0)
+            assert nearest.max() < 1e-12, (on_segment, rule)
+
+
 def test_the_page_has_the_orders_and_every_digit() -> None:
     rows = re.findall(
         r"(?m)^\| (\w*) *\| `(\w+)` \| ([-+.e\d]+) \| ([-+.e\d]+) \| ([-+.e\d]+) \| ([-+.e\d]+) \|$", THEORY

@@ -20,6 +20,7 @@ from beammodes.chains.rules import AnyRule, Layout, layout_of
 from beammodes.checks import shown, whole_number
 from beammodes.numerics.arrays import Floats
 from beammodes.problem.beam import Beam
+from beammodes.problem.ends import End
 from beammodes.problem.rod import Rod
 from beammodes.problem.rod_ends import RodBoundaryLike, RodEnd, RodEnds
 
@@ -27,6 +28,9 @@ __all__ = ["SpatialChain"]
 
 #: Central inertia over mass times length² of a rod, and of two point masses at its tips.
 _ROD, _TIPS = 1 / 12, 1 / 4
+
+#: A planar end that takes a rule's carried weights: any body on the segment does.
+_CARRIED = {"carried": End(rotary_inertia=1.0, on_segment=True)}
 
 
 @dataclass(frozen=True, init=False, eq=False, repr=False)
@@ -127,12 +131,13 @@ def _hinges(rod: Rod, ends: RodEnds, count: int, rule: Layout) -> tuple[Floats, 
     for axis in range(3):
         beam, alone = rod.planar(axis), untwisted or (axis == 0 and rod.is_straight)
         words = (ends.left.word(axis, alone=alone), ends.right.word(axis, alone=alone))
+        planar = (_CARRIED.get(words[0], words[0]), _CARRIED.get(words[1], words[1]))
         scale = 1.0
         if beam.is_uniform:
             # Weights are all that differs: one chain serves all directions.
             scale, beam = beam.mean_bending_stiffness, Beam(rod.length, 1.0, 1.0)
         key = (beam, words)
-        chain = known.setdefault(key, Chain(beam, words, count, rule)) if key not in known else known[key]
+        chain = known.setdefault(key, Chain(beam, planar, count, rule)) if key not in known else known[key]
         columns.append((chain.hinge_position, 1.0 / (scale * chain.joint_stiffness)))
     near = 0.25 * rod.length / count
     at_left, at_right = (any(_at(place, end, near) for place, _ in columns) for end in (0.0, rod.length))

@@ -9,7 +9,7 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
-from beammodes.checks import real, shown
+from beammodes.checks import flag, real, shown
 from beammodes.numerics.arrays import Floats
 from beammodes.numerics.rotations import cross_matrix
 from beammodes.problem.ends import ENDS, Boundary, End
@@ -39,6 +39,9 @@ class RodEnd:
         Of that body about its centre of mass: about every axis, about x, y and z, or the whole tensor.
     offset : three floats [m]
         From the end to the body's centre of mass.
+    on_segment : bool
+        Whether a chain has the body and the rotational springs on its outermost segment, as `End.on_segment`,
+        and not behind a hinge of the end's own.
 
     Raises
     ------
@@ -59,6 +62,7 @@ class RodEnd:
     mass: float
     rotary_inertia: Tensor
     offset: Three
+    on_segment: bool
 
     def __init__(
         self,
@@ -67,6 +71,8 @@ class RodEnd:
         mass: float = 0.0,
         rotary_inertia: float | Sequence[Any] = 0.0,
         offset: Sequence[float] = (0.0, 0.0, 0.0),
+        *,
+        on_segment: bool = False,
     ) -> None:
         for name, given in (
             ("translational_stiffness", translational_stiffness),
@@ -76,6 +82,7 @@ class RodEnd:
         object.__setattr__(self, "mass", _number("mass", mass, least=0.0))
         object.__setattr__(self, "rotary_inertia", _tensor(rotary_inertia))
         object.__setattr__(self, "offset", _three("offset", offset))
+        object.__setattr__(self, "on_segment", flag("on_segment", on_segment))
 
     @classmethod
     def of(cls, end: object, *, side: int = 1) -> RodEnd:
@@ -103,11 +110,13 @@ class RodEnd:
         along = math.inf if plain.is_grounded and (plain.holds_deflection or plain.holds_rotation) else across
         inertia = float(plain.rotary_inertia)
         offset = (side * float(plain.offset), 0.0, 0.0)
-        return cls((along, across, across), turning, float(plain.mass), inertia, offset)
+        supports = ((along, across, across), turning)
+        return cls(*supports, float(plain.mass), inertia, offset, on_segment=plain.on_segment)
 
     def with_supports(self, translational: Sequence[float], rotational: Sequence[float]) -> RodEnd:
         """Return the end with other supports and the same body."""
-        return RodEnd(translational, rotational, self.mass, self.rotary_inertia, self.offset)
+        body = (self.mass, self.rotary_inertia, self.offset)
+        return RodEnd(translational, rotational, *body, on_segment=self.on_segment)
 
     @property
     def stiffness(self) -> Floats:
@@ -131,7 +140,7 @@ class RodEnd:
         return bool(self.mass_matrix.any())
 
     def word(self, axis: int, *, alone: bool) -> str:
-        """Return the plain end whose rule weights apply to turning about an axis (0 to 2) here.
+        """Return whose rule weights apply to turning about an axis (0 to 2) here, as `End.statics` does.
 
         `alone` says that nothing couples this turning with others along the rod (straight, no pretwist in
         bending): only then does a held rotation without a shear force have a mirror.
@@ -141,6 +150,8 @@ class RodEnd:
         if not held and not felt:
             # Which of the two makes no difference to a rule: no moment, no hinge at the end.
             return "free"
+        if self.on_segment and not math.isinf(held):
+            return "carried"
         # The deflection that bends about this axis go along with; twist has none.
         across = self.translational_stiffness[3 - axis] if axis else 0.0
         shearless = math.isinf(held) and not across and not (axis and self.mass)
@@ -153,6 +164,7 @@ class RodEnd:
             "mass": self.mass or None,
             "rotary_inertia": self._inertia_shown(),
             "offset": self.offset if any(self.offset) else None,
+            "on_segment": self.on_segment or None,
         }
         return f"RodEnd({', '.join(f'{k}={v!r}' for k, v in given.items() if v is not None)})"
 
