@@ -1,4 +1,4 @@
-"""Chains in space as files, read back by MuJoCo: matrices at rest, and shapes at rest under load."""
+"""Chains in space as files, read back by MuJoCo, Pinocchio and Drake: matrices, and shapes under load."""
 
 from __future__ import annotations
 
@@ -64,6 +64,55 @@ def test_mass_and_stiffness_of_a_rod_in_mujoco(name: str, tmp_path: Path) -> Non
         np.testing.assert_allclose(omega, bm.spatial_modes(chain, 3).angular_frequency, rtol=1e-11)
 
 
+def in_our_order(names: list[str]) -> list[int]:
+    """Where our coordinates, about x, y and z of each joint, are among joints of these names."""
+    words = [name.split("_")[-2:] for name in names]
+    return sorted(range(len(names)), key=lambda k: (int(words[k][0]), words[k][1]))
+
+
+@pytest.mark.parametrize("name", RODS)
+def test_mass_and_stiffness_of_a_rod_in_pinocchio(name: str, tmp_path: Path) -> None:
+    pinocchio = pytest.importorskip("pinocchio")
+    yaml = pytest.importorskip("yaml")
+    # Hinges in alternating orders have the same axes at rest.
+    for rule in ("gregory", "half_stub"):
+        chain = bm.SpatialChain(RODS[name], "clamped-free", 8, rule)
+        urdf, beside = bm.export_chain(chain, tmp_path / "chain.urdf", force=True)
+        model = pinocchio.buildModelFromUrdf(str(urdf))
+        mass = np.triu(pinocchio.crba(model, model.createData(), pinocchio.neutral(model)))
+        mass += np.triu(mass, 1).T
+        order = in_our_order(list(model.names)[1:])
+        ours = joint_mass(chain)
+        np.testing.assert_allclose(mass[np.ix_(order, order)], ours, atol=1e-8 * np.abs(ours).max())
+        springs = yaml.safe_load(beside.read_text())["springs"]
+        read = [springs[k]["stiffness"] for k in in_our_order([spring["joint"] for spring in springs])]
+        np.testing.assert_allclose(read, chain.joint_stiffness.ravel(), rtol=1e-14)
+
+
+@pytest.mark.parametrize("suffix", [".sdf", ".urdf"])
+def test_drake_reads_a_helix(suffix: str, tmp_path: Path) -> None:
+    pytest.importorskip("pydrake")
+    parsing = pytest.importorskip("pydrake.multibody.parsing")
+    plant = pytest.importorskip("pydrake.multibody.plant").MultibodyPlant(0.0)
+    chain = bm.SpatialChain(RODS["helix"], "clamped-free", 6, "gregory")
+    (path, *_) = bm.export_chain(chain, tmp_path / f"chain{suffix}")
+    parsing.Parser(plant).AddModels(str(path))
+    plant.Finalize()
+    context = plant.CreateDefaultContext()
+    mass = plant.CalcMassMatrix(context)
+    indices = plant.GetJointIndices()
+    joints = [plant.get_joint(index) for index in indices if plant.get_joint(index).num_velocities()]
+    order = [joints[k].velocity_start() for k in in_our_order([joint.name() for joint in joints])]
+    ours = joint_mass(chain)
+    np.testing.assert_allclose(mass[np.ix_(order, order)], ours, atol=1e-8 * np.abs(ours).max())
+    if suffix == ".sdf":
+        forces = pytest.importorskip("pydrake.multibody.tree").MultibodyForces(plant)
+        plant.SetPositions(context, np.full(plant.num_positions(), 1e-3))
+        plant.CalcForceElementsContribution(context, forces)
+        read = -forces.generalized_forces()[order] / 1e-3
+        np.testing.assert_allclose(read, chain.joint_stiffness.ravel(), rtol=1e-12)
+
+
 @pytest.mark.parametrize("joints", ["ball", "xyz", "yzx_alternating"])
 def test_a_bent_shape_is_at_rest_in_mujoco(joints: str, tmp_path: Path) -> None:
     # Springs against 600 N on the tip, at our angles: what is left is rounding.
@@ -107,5 +156,7 @@ def test_a_free_chain_with_bodies_and_what_a_file_cannot_hold(tmp_path: Path) ->
     wide = bm.Rod(1.0, **ROUND, polar_inertia_per_length=0.1)
     with pytest.raises(ValueError, match="pieces whose inertias a body can have"):
         bm.export_chain(bm.SpatialChain(wide, "clamped-free", 4), tmp_path / "a.xml")
-    with pytest.raises(ValueError, match="format of a chain in space must be one of mjcf"):
-        bm.export_chain(bm.SpatialChain(BEND, "clamped-free", 4), tmp_path / "a.urdf")
+    with pytest.raises(ValueError, match="format of a chain in space must be one of mjcf, sdf, urdf"):
+        bm.export_chain(bm.SpatialChain(BEND, "clamped-free", 4), tmp_path / "a.csv")
+    with pytest.raises(ValueError, match="joints must be hinges"):
+        bm.export_chain(bm.SpatialChain(BEND, "clamped-free", 4), tmp_path / "a.sdf", joints="ball")

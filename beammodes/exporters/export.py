@@ -64,8 +64,8 @@ def export_chain(
     chain : Chain, StructureChain or SpatialChain
         A structure must be a tree, supported at one joint, for "mjcf", "sdf" or "urdf"; its x and y are x and
         z in the file, and it takes none of the options from `fragment` to `units`.
-        A chain in space must be clamped or free at s = 0 and free at s = L, for "mjcf", and takes none of
-        these options either.
+        A chain in space must be clamped or free at s = 0 and free at s = L, for "mjcf", "sdf" or "urdf", and
+        takes none of these options either; x, y and z in its file are the section's axes at s = 0.
     path : str or Path
     format : str, optional
         "mjcf" for MuJoCo 3 and 4, "sdf" for Gazebo and Drake, "urdf" (with the springs in a YAML file beside

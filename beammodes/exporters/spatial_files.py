@@ -1,18 +1,19 @@
-"""A chain in space as text for MuJoCo (MJCF): three hinges a node in turns, or balls where they are right.
+"""A chain in space as text for MuJoCo (MJCF), Gazebo and Drake (SDFormat), or URDF tools.
 
-Each body's axes are those of its joint at rest, so that hinges stand on x, y and z and angles at rest are
-zero, whatever the curvature. MuJoCo turns a body's joints in the order in which they are written.
+A node has three hinges. Each body's axes are those of its joint at rest, so that hinges stand on x, y and z
+and angles at rest are zero, whatever the curvature. MuJoCo turns a body's joints in the order in which they
+are written, and has balls for where they are right. In the other formats a nearly massless link stands
+between two hinges of a node.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from beammodes.accuracy.chain_against_rod import rod_errors
-from beammodes.chains.rigid_tree import RigidTree
 from beammodes.chains.spatial_chain import SpatialChain
 from beammodes.checks import choice, percent
 from beammodes.equations.joint_laws import JointLaw, joint_law
@@ -23,7 +24,7 @@ from beammodes.vibration.modes_in_space import spatial_modes
 __all__ = ["SPATIAL_FORMATS", "spatial_texts"]
 
 #: Formats that hold a chain in space.
-SPATIAL_FORMATS = ("mjcf",)
+SPATIAL_FORMATS = ("mjcf", "sdf", "urdf")
 
 _REPORTED = 3
 
@@ -33,8 +34,10 @@ _MOST_DEEP = 490
 #: Of a spring's stiffnesses, that a ball has but one of: as far as they may differ.
 _ALIKE = 1e-9
 
-#: Of a piece's inertia, that is added about every axis.
-_TRACE = 1e-12
+#: Of a piece's inertia, that is added about every axis; and of a piece, what a link between two hinges has.
+_TRACE, _CARRIER = 1e-12, 1e-10
+
+_XML = '<?xml version="1.0" encoding="utf-8"?>'
 
 
 def spatial_texts(chain: SpatialChain, format: str, name: str, joints: str | JointLaw) -> list[str]:
@@ -75,83 +78,264 @@ def spatial_texts(chain: SpatialChain, format: str, name: str, joints: str | Joi
         f"rule: {chain.rule.name}, {chain.segments} segments",
         f"first frequencies without gravity: {frequencies} Hz; against the exact rod: {errors}",
         "x runs along the rod at s = 0; shear and stretch are not modelled",
-        "gravity is off; timestep: half of what RK4 is stable to",
     )
-    step = math.sqrt(2.0) / float(modes.angular_frequency[-1]) if len(modes.angular_frequency) else 1e-3
-    lines = [
-        "<!--",
-        *(f"  {fact.replace('--', '- -')}" for fact in facts),
-        "-->",
-        f'<mujoco model="{name}">',
-        f' <option timestep="{step!r}" integrator="RK4" gravity="0 0 0"/>',
-        " <worldbody>",
-        *_bodies(chain, name, law, stiffness, bool(clamped)),
-        " </worldbody>",
-        "</mujoco>",
-    ]
-    return ["\n".join(lines) + "\n"]
+    slowest = float(modes.angular_frequency[-1]) if len(modes.angular_frequency) else 1.0
+    pieces = _pieces(chain, name, law, stiffness, bool(clamped))
+    if format == "mjcf":
+        if len(pieces) > _MOST_DEEP:
+            raise ValueError(f"chain must have at most {_MOST_DEEP} pieces for mjcf files, got {len(pieces)}")
+        return [_mjcf(pieces, name, facts, 1.0 / slowest)]
+    if not law.orders:
+        raise ValueError(f"joints must be hinges, such as yzx_alternating, in {format} files, got {law.name}")
+    links = _links(pieces)
+    notes = (*facts, f"links between two hinges of a node have {_CARRIER:g} of its piece's mass")
+    if format == "sdf":
+        return [_sdf(links, name, notes, 1.0 / slowest)]
+    return _urdf(links, name, notes)
 
 
-def _bodies(chain: SpatialChain, name: str, law: JointLaw, stiffness: Floats, clamped: bool) -> Iterator[str]:
+@dataclass(frozen=True)
+class _Piece:
+    """A body with the hinges to its parent, about its own axes, which are those of its joint at rest.
+
+    Attributes
+    ----------
+    name, parent : str
+        "world" is the parent of what is fixed to the ground, none of a free root.
+    axes, place : ndarray
+        At rest in space.
+    before, onward : ndarray
+        Its place and axes seen from its parent.
+    mass, centre, inertia
+        In its own axes.
+    tip : ndarray
+        Where the next node is, in its own axes.
+    hinges : tuple of (name, letter, stiffness)
+        From the parent on; the letter of a ball is empty.
+    """
+
+    name: str
+    parent: str
+    axes: Floats
+    place: Floats
+    before: Floats
+    onward: Floats
+    mass: float
+    centre: Floats
+    inertia: Floats
+    tip: Floats
+    hinges: tuple[tuple[str, str, float], ...]
+
+
+def _pieces(chain: SpatialChain, name: str, law: JointLaw, stiffness: Floats, clamped: bool) -> list[_Piece]:
     tree = chain.tree
     frames = np.concatenate([tree.supports[0].frame[None], tree.joint_frame[1:]])
     places = np.vstack([tree.joint_place, tree.supports[-1].place])
     # A piece without mass at a clamped end is the ground.
     first = int(clamped and tree.mass[0] == 0.0)
-    if tree.pieces - first > _MOST_DEEP:
-        raise ValueError(f"chain must have at most {_MOST_DEEP} pieces for mjcf files, got {tree.pieces}")
-    frame, origin = np.eye(3), np.zeros(3)
-    radius = chain.rod.length / 200
+    least = _CARRIER * float(tree.mass.sum())
+    parent, axes, origin = "world" if clamped else "", np.eye(3), np.zeros(3)
+    found = []
     for i in range(first, tree.pieces):
-        pad = " " * (2 + i - first)
-        own = frames[i]
-        place = _n(*frame.T @ (places[i] - origin))
-        yield f'{pad}<body name="{name}_piece_{i}" pos="{place}" {_turn(frame.T @ own)}>'
-        if tree.mass[i] > 0.0:
-            yield f"{pad} {_inertial(tree, i, own, places[i])}"
-        if i == 0 and not clamped:
-            yield f'{pad} <freejoint name="{name}_free"/>'
-        elif i and not law.orders:
-            yield f'{pad} <joint name="{name}_joint_{i}" type="ball" stiffness="{_n(stiffness[i, 0])}"/>'
-        elif i:
-            # The law's first order is that of its first coordinates: the root's.
-            for letter in law.orders[i % len(law.orders)]:
-                k = "xyz".index(letter)
-                if np.isfinite(stiffness[i, k]):
-                    axis = " ".join("1" if j == k else "0" for j in range(3))
-                    yield (
-                        f'{pad} <joint name="{name}_joint_{i}_{letter}" type="hinge" axis="{axis}" '
-                        f'stiffness="{_n(stiffness[i, k])}"/>'
-                    )
-        tip = own.T @ (places[i + 1] - places[i])
-        if tip.any():
-            size = f'fromto="0 0 0 {_n(*tip)}" size="{_n(radius)}" mass="0"'
-            yield f'{pad} <geom type="capsule" {size} contype="0" conaffinity="0"/>'
-        frame, origin = own, places[i]
-    for i in range(tree.pieces - 1, first - 1, -1):
-        yield f"{' ' * (2 + i - first)}</body>"
+        own, place, joint = frames[i], places[i], f"{name}_joint_{i}"
+        # The law's first order is that of its first coordinates: the root's.
+        letters = law.orders[i % len(law.orders)] if law.orders else ""
+        springs = [
+            (f"{joint}_{letter}", letter, float(stiffness[i]["xyz".index(letter)])) for letter in letters
+        ]
+        hinges = [spring for spring in springs if math.isfinite(spring[2])]
+        if i and not letters:
+            hinges = [(joint, "", float(stiffness[i, 0]))]
+        found.append(
+            _Piece(
+                name=f"{name}_piece_{i}",
+                parent=parent,
+                axes=own,
+                place=place,
+                before=axes.T @ (place - origin),
+                onward=axes.T @ own,
+                mass=max(float(tree.mass[i]), least),
+                centre=own.T @ (tree.centre[i] - place),
+                inertia=_inertia(own.T @ tree.inertia[i] @ own, least * chain.rod.length**2),
+                tip=own.T @ (places[i + 1] - place),
+                hinges=tuple(hinges if i else ()),
+            )
+        )
+        parent, axes, origin = found[-1].name, own, place
+    return found
 
 
-def _inertial(tree: RigidTree, i: int, own: Floats, place: Floats) -> str:
-    centre = own.T @ (tree.centre[i] - place)
-    inertia = own.T @ tree.inertia[i] @ own
-    least, middle, largest = np.linalg.eigvalsh(inertia)
-    if least + middle < largest * (1.0 - 1e-9):
+def _inertia(inertia: Floats, least: float) -> Floats:
+    """Return an inertia that a body can have, or raise ValueError."""
+    low, middle, high = np.linalg.eigvalsh(inertia)
+    if low + middle < high * (1.0 - 1e-9):
         raise ValueError(
             "chain must have pieces whose inertias a body can have: a section's inertias about y and z add "
             "up to its polar one"
         )
     # A line of mass in a plane is at the limit of what a body can be, and rounding beyond it.
-    inertia = inertia + _TRACE * np.trace(inertia) * np.eye(3)
-    six = [inertia[j, k] for j, k in ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))]
-    return f'<inertial pos="{_n(*centre)}" mass="{_n(tree.mass[i])}" fullinertia="{_n(*six)}"/>'
+    size = float(np.trace(inertia))
+    more: Floats = inertia + (_TRACE * size if size else _TRACE * least) * np.eye(3)
+    return more
 
 
-def _turn(matrix: Floats) -> str:
-    """Return a rotation as a quaternion of MuJoCo's."""
+def _links(pieces: list[_Piece]) -> list[tuple[_Piece, tuple[str, str, float] | None]]:
+    """Return every hinge with a link of its own; a nearly massless one between two hinges of a node."""
+    found: list[tuple[_Piece, tuple[str, str, float] | None]] = []
+    for piece in pieces:
+        parent, before, onward = piece.parent, piece.before, piece.onward
+        small = _CARRIER * float(np.trace(piece.inertia)) * np.eye(3)
+        for hinge in piece.hinges[:-1]:
+            carrier = replace(
+                piece,
+                name=f"{hinge[0]}_carrier",
+                parent=parent,
+                before=before,
+                onward=onward,
+                mass=_CARRIER * piece.mass,
+                centre=np.zeros(3),
+                inertia=small,
+            )
+            found.append((carrier, hinge))
+            parent, before, onward = carrier.name, np.zeros(3), np.eye(3)
+        last = piece.hinges[-1] if piece.hinges else None
+        found.append((replace(piece, parent=parent, before=before, onward=onward), last))
+    return found
+
+
+def _mjcf(pieces: list[_Piece], name: str, facts: tuple[str, ...], step: float) -> str:
+    radius = sum(math.sqrt(piece.tip @ piece.tip) for piece in pieces) / 200
+    lines = [
+        *_comment(*facts, "gravity is off; timestep: half of what RK4 is stable to"),
+        f'<mujoco model="{name}">',
+        f' <option timestep="{math.sqrt(2.0) * step!r}" integrator="RK4" gravity="0 0 0"/>',
+        " <worldbody>",
+    ]
+    for depth, piece in enumerate(pieces):
+        pad = " " * (2 + depth)
+        six = [piece.inertia[j, k] for j, k in _SIX.values()]
+        lines += [
+            f'{pad}<body name="{piece.name}" pos="{_n(*piece.before)}" {_quaternion(piece.onward)}>',
+            f'{pad} <inertial pos="{_n(*piece.centre)}" mass="{_n(piece.mass)}" fullinertia="{_n(*six)}"/>',
+        ]
+        if not piece.parent:
+            lines.append(f'{pad} <freejoint name="{name}_free"/>')
+        for joint, letter, spring in piece.hinges:
+            kind = f'type="hinge" axis="{_AXES[letter]}"' if letter else 'type="ball"'
+            lines.append(f'{pad} <joint name="{joint}" {kind} stiffness="{_n(spring)}"/>')
+        if piece.tip.any():
+            size = f'fromto="0 0 0 {_n(*piece.tip)}" size="{_n(radius)}" mass="0"'
+            lines.append(f'{pad} <geom type="capsule" {size} contype="0" conaffinity="0"/>')
+    lines += [f"{' ' * (2 + depth)}</body>" for depth in reversed(range(len(pieces)))]
+    return "\n".join([*lines, " </worldbody>", "</mujoco>", ""])
+
+
+def _sdf(
+    links: list[tuple[_Piece, tuple[str, str, float] | None]], name: str, facts: tuple[str, ...], step: float
+) -> str:
+    lines = [
+        _XML,
+        *_comment(*facts, "gravity is off; step: half of what Drake's discrete plants are stable to"),
+        '<sdf version="1.7">',
+        f' <world name="{name}_world">',
+        "  <gravity>0 0 0</gravity>",
+        f'  <physics name="fixed_step" default="true" type="ode"><max_step_size>{step!r}</max_step_size>'
+        "<real_time_factor>1</real_time_factor></physics>",
+        f'  <model name="{name}">',
+    ]
+    for piece, hinge in links:
+        moments = "".join(f"<{key}>{_n(piece.inertia[j, k])}</{key}>" for key, (j, k) in _SIX.items())
+        lines += [
+            f'   <link name="{piece.name}">',
+            f"    <pose>{_n(*piece.place, *_angles(piece.axes))}</pose>",
+            f"    <inertial><pose>{_n(*piece.centre, 0, 0, 0)}</pose>",
+            f"     <mass>{_n(piece.mass)}</mass><inertia>{moments}</inertia></inertial>",
+            "   </link>",
+        ]
+        if hinge:
+            lines += [
+                f'   <joint name="{hinge[0]}" type="revolute">',
+                f"    <parent>{piece.parent}</parent><child>{piece.name}</child>",
+                f"    <axis><xyz>{_AXES[hinge[1]]}</xyz>",
+                "     <limit><lower>-1e16</lower><upper>1e16</upper></limit>",
+                "     <dynamics><damping>0.0</damping><spring_reference>0</spring_reference>"
+                f"<spring_stiffness>{_n(hinge[2])}</spring_stiffness></dynamics></axis>",
+                "   </joint>",
+            ]
+        elif piece.parent:
+            lines += [
+                f'   <joint name="{piece.name}_weld" type="fixed">',
+                f"    <parent>{piece.parent}</parent><child>{piece.name}</child>",
+                "   </joint>",
+            ]
+    return "\n".join([*lines, "  </model>", " </world>", "</sdf>", ""])
+
+
+def _urdf(
+    links: list[tuple[_Piece, tuple[str, str, float] | None]], name: str, facts: tuple[str, ...]
+) -> list[str]:
+    notes = (*facts, "URDF knows no springs: they are in the file beside this one")
+    lines = [_XML, *_comment(*notes), f'<robot name="{name}">']
+    lines += [' <link name="world"/>'] if links[0][0].parent else []
+    springs = [f"# {fact}" for fact in facts]
+    springs += [
+        "# hinges in N m/rad; the moment is -stiffness * (position - rest)",
+        f"model: {name}",
+        "springs:",
+    ]
+    for piece, hinge in links:
+        inertia = " ".join(f'{key}="{_n(piece.inertia[j, k])}"' for key, (j, k) in _SIX.items())
+        lines += [
+            f' <link name="{piece.name}"><inertial>',
+            f'  <origin xyz="{_n(*piece.centre)}" rpy="0 0 0"/>',
+            f'  <mass value="{_n(piece.mass)}"/><inertia {inertia}/>',
+            " </inertial></link>",
+        ]
+        if not piece.parent:
+            continue
+        turning = f'name="{hinge[0]}" type="revolute"' if hinge else f'name="{piece.name}_weld" type="fixed"'
+        lines += [
+            f" <joint {turning}>",
+            f'  <parent link="{piece.parent}"/><child link="{piece.name}"/>',
+            f'  <origin xyz="{_n(*piece.before)}" rpy="{_n(*_angles(piece.onward))}"/>',
+        ]
+        if hinge:
+            lines += [
+                f'  <axis xyz="{_AXES[hinge[1]]}"/>',
+                '  <limit lower="-3" upper="3" effort="1e9" velocity="1e9"/>',
+            ]
+            text = repr(hinge[2])
+            # YAML 1.1 takes 1e-05 for a word: a number has a point.
+            number = text if "." in text else text.replace("e", ".0e")
+            springs.append(f"  - {{joint: {hinge[0]}, type: hinge, stiffness: {number}, rest: 0.0}}")
+        lines.append(" </joint>")
+    return ["\n".join([*lines, "</robot>", ""]), "\n".join([*springs, ""])]
+
+
+_AXES = {"x": "1 0 0", "y": "0 1 0", "z": "0 0 1"}
+_SIX = {"ixx": (0, 0), "iyy": (1, 1), "izz": (2, 2), "ixy": (0, 1), "ixz": (0, 2), "iyz": (1, 2)}
+
+
+def _comment(*facts: str) -> list[str]:
+    # Two hyphens may not stand in a comment.
+    return ["<!--", *(f"  {fact.replace('--', '- -')}" for fact in facts), "-->"]
+
+
+def _quaternion(matrix: Floats) -> str:
+    """Return a rotation as MuJoCo writes it."""
     vector = rotation_vector(matrix)
     half = 0.5 * math.sqrt(vector @ vector)
     return f'quat="{_n(math.cos(half), *(0.5 * np.sinc(half / math.pi) * vector))}"'
+
+
+def _angles(matrix: Floats) -> tuple[float, float, float]:
+    """Return roll, pitch and yaw of a rotation R_z R_y R_x."""
+    pitch = math.atan2(-matrix[2, 0], math.hypot(matrix[0, 0], matrix[1, 0]))
+    yaw = math.atan2(matrix[1, 0], matrix[0, 0])
+    # At a pitch of a quarter turn roll and yaw are one; the rest of the rotation is then roll.
+    sin, cos = math.sin(yaw), math.cos(yaw)
+    roll = math.atan2(sin * matrix[0, 2] - cos * matrix[1, 2], cos * matrix[1, 1] - sin * matrix[0, 1])
+    return roll, pitch, yaw
 
 
 def _n(*values: float) -> str:
