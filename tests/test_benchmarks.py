@@ -242,8 +242,8 @@ def test_the_figure_has_a_line_for_every_method(monkeypatch: pytest.MonkeyPatch)
 
 def test_what_a_billion_points_need() -> None:
     text = batch_speed.needs(bodies=0.01, plain=1e-5, handing=0.005)
-    # 0.01 s times 10^9 are 2778 h, 1e-5 s times 10^9 2.8 h; chunks of 1 s and of 0.05 s, one every 5 ms.
-    assert "2,778 core hours" in text and "about 200 cores" in text
+    # 0.01 s times 10^9 are 2778 h, 1e-5 s times 10^9 2.8 h; chunks of 10 s and of 0.05 s, one every 5 ms.
+    assert "2,778 core hours" in text and "about 2,000 cores" in text
     assert "0.01 ms each: 3 core hours" in text and "about 10 cores" in text
     assert "40 GB" in text  # five modes of eight bytes each
 

@@ -201,14 +201,16 @@ def test_ends_keep_their_sides_where_numbers_tell_them_apart() -> None:
 
 
 def test_default_chunks_are_of_a_size() -> None:
-    # 25,000 numbers of the closed form, 500 solved ones, and never more than 5000 or 100 points.
+    # 25,000 numbers of the closed form, 5000 roots, 500 solved ones; at most 5000, 1000 or 100 points.
     for changes, expected in (
         ({}, 5000),
         ({"mode": range(1, 6)}, 5000),
         ({"mode": range(1, 11)}, 2500),
         ({"mode": range(1, 10**5)}, 1),
-        ({"right_mass": 0.5}, 100),
-        ({"right_mass": 0.5, "mode": range(1, 11)}, 50),
+        ({"right_mass": 0.5}, 1000),
+        ({"right_mass": 0.5, "mode": range(1, 11)}, 500),
+        ({"right_mass": 0.5, "rule": "simpson"}, 100),
+        ({"right_mass": 0.5, "spin_rate": 0.5, "mode": range(1, 11)}, 50),
         ({"compute": "stable_time_step"}, 100),
     ):
         assert bm.Study.grid(**{**GOOD, **changes}).chunk == expected

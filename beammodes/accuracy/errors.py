@@ -254,6 +254,10 @@ def exact_frequencies(boundary: Boundary, mode: NDArray[np.int64], load: Load) -
     """
     if boundary.is_plain and load == NO_LOAD:
         return np.asarray(wavenumber(boundary, mode)) ** 2
+    if load.is_axial:
+        from beammodes.accuracy.rooted_errors import beam_frequencies_of
+
+        return beam_frequencies_of(boundary, mode, load)
     return _beam_frequencies(boundary, int(mode.max()), load)[mode - 1]
 
 

@@ -24,7 +24,7 @@ from beammodes.problem.end_columns import BoundaryColumns
 from beammodes.problem.ends import NUMBERS_OF_END, Boundary
 from beammodes.problem.loading import NO_LOAD, Load
 
-__all__ = ["Pairs", "beam_frequencies", "check_ratios", "has_roots", "rooted_errors"]
+__all__ = ["Pairs", "beam_frequencies", "beam_frequencies_of", "check_ratios", "has_roots", "rooted_errors"]
 
 Counts = NDArray[np.int64]
 # Fewer are quicker one by one.
@@ -149,6 +149,20 @@ def beam_frequencies(columns: BoundaryColumns, modes: Counts, load: Load) -> Flo
     for i in np.flatnonzero(np.isnan(found))[:1]:
         _refuse(columns.boundary(i), load)
     return found
+
+
+def beam_frequencies_of(pair: Boundary, modes: Counts, load: Load) -> Floats:
+    """Return `beam_frequencies` of one pair of ends, of the shape of `modes`.
+
+    Examples
+    --------
+    >>> beam_frequencies_of(Boundary.of("clamped-free(mass=1)"), np.array([[1], [2]]), Load()).round(4)
+    array([[ 1.5573],
+           [16.2501]])
+    """
+    check_range(Beam.unit(), pair, load)
+    columns = BoundaryColumns.of(pair).take(np.zeros(modes.size, dtype=int))
+    return beam_frequencies(columns, modes.ravel(), load).reshape(modes.shape)
 
 
 def _refuse(pair: Boundary, load: Load) -> None:

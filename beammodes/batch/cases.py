@@ -17,6 +17,7 @@ from beammodes.accuracy.lookups import Lookup, lookup_of
 from beammodes.batch.study_axes import dimensions_of
 from beammodes.chains.axial_chain import AnyAxialRule, AxialChain
 from beammodes.chains.chain import Chain
+from beammodes.chains.rules import Rule
 from beammodes.checks import shown
 from beammodes.numerics.arrays import Floats
 from beammodes.problem.axial_ends import AxialBoundary
@@ -182,8 +183,8 @@ class Cases:
     def relative_error(self) -> Floats:
         """ω_chain / ω_beam - 1, shape (cases, modes)."""
         error = np.full(self.shape, np.nan)
-        for (pair, rule, load), at in self._groups:
-            error[at] = self._errors(at, pair, rule, load)
+        for load, pairs, rules, at in self._alike:
+            error[at] = self._errors(at, pairs, rules, load)
         # Errors of plain ends need no beam, but of one that cannot exist there are none.
         return np.where(np.isnan(self.frequency_unit), np.nan, error)
 
@@ -198,8 +199,27 @@ class Cases:
                 exact[at] = _lookup(pair).exact(pair, wanted, load)[place].reshape(len(at), -1)
         return exact
 
+    @property
+    def _alike(self) -> Iterator[tuple[Load, Any, Any, NDArray[np.intp]]]:
+        """Yield a load, ends and rules, one for all or one each, and places: cases that one call answers."""
+        found: dict[Any, list[tuple[Any, Any, NDArray[np.intp]]]] = {}
+        for (pair, rule, load), at in self._groups:
+            many = isinstance(pair, Boundary) and isinstance(rule, Rule)
+            key = (load, pair.is_plain) if many else (load, pair, rule)
+            found.setdefault(key, []).append((pair, rule, at))
+        for (load, *_), members in found.items():
+            pairs, rules, places = zip(*members, strict=True)
+            if len(members) == 1:
+                yield load, pairs[0], rules[0], places[0]
+                continue
+            sizes = [len(at) for at in places]
+            columns = [np.empty(len(members), dtype=object) for _ in range(2)]
+            columns[0][:], columns[1][:] = pairs, rules
+            ends, each = (np.repeat(column, sizes)[:, None] for column in columns)
+            yield load, ends, each, np.concatenate(places)
+
     def _errors(self, at: NDArray[np.intp], pair: Any, rule: Any, load: Load) -> Floats:
-        """Return the errors of cases that differ in N and mode alone: one call of the closed form."""
+        """Return the errors of cases: one call of the closed form."""
         segments = self.columns["segments"][at, None]
         mode = self.mode if len(self.mode) == 1 else self.mode[at]
         error = np.full((len(at), self.mode.shape[1]), np.nan)
@@ -208,7 +228,16 @@ class Cases:
         except NO_ANSWER:
             if len(at) > 1:
                 # One case without an answer must not take it from those beside it.
-                return np.concatenate([self._errors(at[i : i + 1], pair, rule, load) for i in range(len(at))])
+                parts = (slice(None, len(at) // 2), slice(len(at) // 2, None))
+                each = isinstance(pair, np.ndarray)
+                return np.concatenate(
+                    [
+                        self._errors(
+                            at[part], pair[part] if each else pair, rule[part] if each else rule, load
+                        )
+                        for part in parts
+                    ]
+                )
             with self._answering(at):
                 raise
         return error

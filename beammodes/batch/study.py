@@ -20,6 +20,7 @@ from beammodes.batch.executors import computed, executor_of
 from beammodes.batch.quantities import QUANTITIES, REASON, Quantity, quantities_of
 from beammodes.batch.store import Evaluated, Store, definition_digest, locked, made_ready
 from beammodes.batch.study_axes import AXES, Axis, axis_values, dimensions_of
+from beammodes.chains.rules import is_closed
 from beammodes.checks import choice, shown, whole_number
 from beammodes.numerics.distributions import MAX_SEED, Normal, Uniform
 from beammodes.problem.axial_ends import AxialBoundary
@@ -32,9 +33,12 @@ if TYPE_CHECKING:
 
 __all__ = ["Study", "open_study"]
 
-#: Points of one chunk, and numbers: enough for the closed form to run at its speed, or few where each takes
-#: milliseconds.
-_CLOSED_FORM_CHUNK, _SOLVED_CHUNK = (5000, 25_000), (100, 500)
+#: Points of one chunk, and numbers: enough for the closed form to run at its speed, and for roots, or few where
+#: each takes milliseconds.
+_CLOSED_FORM_CHUNK, _ROOTS_CHUNK, _SOLVED_CHUNK = (5000, 25_000), (1000, 5000), (100, 500)
+
+#: Axes of loads under which each chain is solved as a whole.
+_LOADS_SOLVED = {"spin_rate", "hub_radius", "plane"}
 
 #: More points are surely a mistake: at a microsecond each they would take a month.
 _MAX_CASES = 10**12
@@ -373,8 +377,12 @@ def _made(axes: tuple[Axis, ...], compute: Any, chunk: int | None) -> Study:
 
 
 def _default_chunk(named: Mapping[str, Axis], quantities: tuple[Quantity, ...]) -> int:
-    cheap = _all_plain(named) and all(quantity.closed_form for quantity in quantities)
-    points, numbers = _CLOSED_FORM_CHUNK if cheap else _SOLVED_CHUNK
+    points, numbers = _SOLVED_CHUNK
+    if all(quantity.closed_form for quantity in quantities):
+        if _all_plain(named):
+            points, numbers = _CLOSED_FORM_CHUNK
+        elif not set(named) & _LOADS_SOLVED and all(map(is_closed, named["rule"].values)):
+            points, numbers = _ROOTS_CHUNK
     mode = named.get("mode")
     modes = mode.size if mode is not None and mode.dimension == "mode" else 1
     return max(1, min(points, numbers // modes))
