@@ -33,8 +33,8 @@ if TYPE_CHECKING:
 
 __all__ = ["Study", "open_study"]
 
-#: Points of one chunk, and numbers: enough for the closed form to run at its speed, and for roots over arrays, or
-#: few where each takes milliseconds.
+#: Points of one chunk, and numbers: enough for closed forms to run at their speed, and for roots over arrays,
+#: or few where each takes milliseconds.
 _CLOSED_FORM_CHUNK, _ROOTS_CHUNK, _SOLVED_CHUNK = (5000, 25_000), (1000, 5000), (100, 500)
 
 #: Axes of loads under which each chain is solved as a whole.

@@ -30,8 +30,8 @@ _BLOCK = 1 << 13
 _FEW = 16
 #: Relative error of ω that is left as it is.
 ENOUGH = 4e-15
-# Of what three points of the determinant leave out, the part that two of them show.
-_LEFT_OUT = 0.2
+# What three points of the determinant may leave out, beside what two of them do.
+_LEFT_OUT = 1.0
 # Steps in long doubles.
 _STEPS = 2
 # Nothing but rigid motions has a wavenumber below, or the chain may have buckled.
