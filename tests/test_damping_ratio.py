@@ -16,7 +16,7 @@ from beammodes.checks import shown
 from beammodes.dynamics.simulation import DivergedWarning, UnstableStepWarning, mode_start, simulate
 from beammodes.problem.beam import Beam
 from beammodes.problem.loading import Load
-from beammodes.vibration.damping import Damping, damped_modes, joint_dampers
+from beammodes.vibration.damping import Damping, damped_modes, damping_of_modes, joint_dampers
 from beammodes.vibration.integrators import INTEGRATORS, stability_limit
 from beammodes.vibration.linear import linearize
 from beammodes.vibration.modes import solve_modes
@@ -106,6 +106,27 @@ def test_pairs_are_eigenvalues_of_the_damped_chain(chain: Chain, damping: Dampin
     for value in pairs:
         assert np.abs(expected - value).min() < 1e-7 * abs(value)
     assert len(pairs) == len(expected) - 2 * chain.boundary.rigid_body_modes
+
+
+def test_dampers_of_a_loaded_chain_are_those_of_its_springs() -> None:
+    # An axial force adds to K and not to C; the springs at both ends have their dampers.
+    chain, damping, load = (
+        Chain(UNIT, SPRUNG, 4),
+        Damping(stiffness=0.003, joint=0.01),
+        Load(axial_force=20.0),
+    )
+    mass, drag, _ = matrices(chain, damping)
+    pulled = linearize(chain, load=load).stiffness_matrix
+    inverse = np.linalg.inv(mass)
+    modal = damping_of_modes(chain, damping, load)
+    found, expected = (
+        np.sort_complex(np.linalg.eigvals(np.block([[0 * c, np.eye(len(c))], [-k, -c]])))
+        for k, c in (
+            (np.diag(modal.angular_frequency**2), modal.coupling),
+            (inverse @ pulled, inverse @ drag),
+        )
+    )
+    np.testing.assert_allclose(found, expected, rtol=1e-9)
 
 
 def test_nested_pairs_of_real_eigenvalues_are_those_of_proportional_dampers() -> None:

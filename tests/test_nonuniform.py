@@ -22,6 +22,7 @@ from beammodes.chains.rods import profile_weights
 from beammodes.chains.rules import RULES, AnyRule
 from beammodes.chains.units import ExactUnits
 from beammodes.exact.beam_theory import euler_bernoulli
+from beammodes.exact.spectral_grid import _BLOCKS, _Smoothed
 from beammodes.exact.timoshenko_beam import SHEAR_RATIO
 from beammodes.problem.loading import Load
 from beammodes.problem.profiles import Table, value_at
@@ -175,6 +176,14 @@ def test_blocks_stand_for_rough_tables(spread: float, monkeypatch: pytest.Monkey
         monkeypatch.setattr("beammodes.exact.spectral_grid._MOST_KINKS", kinks)
         found.append(euler_bernoulli(beam, "clamped-free", 2).angular_frequency)
     np.testing.assert_allclose(found[1], found[0], rtol=1e-8)
+
+
+def test_blocks_of_a_crowded_table_are_narrow_where_it_has_few_points() -> None:
+    # Half of the blocks' edges are evenly spaced, wherever the table's positions crowd.
+    x = np.concatenate([np.linspace(0, 1e-3, 5000), np.linspace(2e-3, 2.0, 50)])
+    edges = _Smoothed.of(Table(x, 1 + x), (), False).edges
+    assert edges[[0, -1]].tolist() == [0.0, 2.0]
+    assert np.diff(edges).max() <= 2.0 / (_BLOCKS // 2) * (1 + 1e-9)
 
 
 def bent(beam: bm.Beam) -> float:

@@ -543,6 +543,8 @@ def test_shapes_follow_the_derivative_of_the_shape_across_a_step() -> None:
     # The bending moment does not jump where EI falls from 4 to 1, so curvature does.
     jump = found.shape(0.5 + 1e-9, 2) / found.shape(0.5 - 1e-9, 2)
     assert np.allclose(jump, 4.0, rtol=1e-6)
+    with pytest.raises(ValueError, match=r"^derivative must be .* at most 2, got 3"):
+        found.shape(0.5, 3)
 
 
 # --- Input -----------------------------------------------------------------------------------------------
