@@ -104,8 +104,9 @@ _NAMES = {
     "equations.joint_laws": "JOINT_LAWS JointLaw",
     "equations.numeric": "compile_equations",
     "equations.symbolic": "equations_of_motion symbolic_energies",
-    "exact.axial_beam": "AxialModes axial_modes",
+    "exact.axial_beam": "AxialModes",
     "exact.axial_statics": "axial_displacement",
+    "exact.axial_theory": "axial_modes",
     "exact.beam_theory": "euler_bernoulli",
     "exact.exact_beam": "BeamModes wavenumber",
     "exact.exact_rod": "RodModes rod_modes",
@@ -217,8 +218,8 @@ if TYPE_CHECKING:
     from beammodes.equations.symbolic import equations_of_motion as equations_of_motion
     from beammodes.equations.symbolic import symbolic_energies as symbolic_energies
     from beammodes.exact.axial_beam import AxialModes as AxialModes
-    from beammodes.exact.axial_beam import axial_modes as axial_modes
     from beammodes.exact.axial_statics import axial_displacement as axial_displacement
+    from beammodes.exact.axial_theory import axial_modes as axial_modes
     from beammodes.exact.beam_theory import euler_bernoulli as euler_bernoulli
     from beammodes.exact.exact_beam import BeamModes as BeamModes
     from beammodes.exact.exact_beam import wavenumber as wavenumber

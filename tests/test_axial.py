@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 
 from beammodes.accuracy.axial_errors import axial_frequency_error
+from beammodes.accuracy.chain_against_beam import chain_errors
 from beammodes.accuracy.error_table import error_dataset
 from beammodes.accuracy.errors import frequency_error
 from beammodes.accuracy.law import error_law, law_holds_from
@@ -21,11 +22,13 @@ from beammodes.batch.study import Study
 from beammodes.chains.axial_chain import AxialChain
 from beammodes.chains.rules import RULES, Rule, Weight
 from beammodes.closed_form.axial_chains import end_waves
-from beammodes.exact.axial_beam import axial_modes, axial_wavenumber
+from beammodes.exact.axial_beam import axial_wavenumber
 from beammodes.exact.axial_statics import axial_displacement
+from beammodes.exact.axial_theory import axial_modes
 from beammodes.problem.axial_ends import AxialBoundary, AxialEnd, distinct_axial
 from beammodes.problem.beam import Beam
 from beammodes.problem.loading import Load
+from beammodes.problem.profiles import Table
 from beammodes.problem.sections import Circle
 from beammodes.springs.matched_springs import match_springs, matched
 from beammodes.springs.tuning import mode_tuned
@@ -549,3 +552,42 @@ def test_studies_have_motion_as_an_axis() -> None:
     assert math.isnan(none.relative_error) and "pinned says what bending may do" in none.reason.item()
     with pytest.raises(ValueError, match="must leave out motion with buckling_load"):
         Study.grid(boundary="clamped-free", motion="twist", segments=3, compute="buckling_load")
+
+
+def test_beams_that_vary_along_them() -> None:
+    # A cone, GJ and ρIp as (1 + x)²: u (1 + x) is a uniform beam's, ω = nπ between fixed ends.
+    cone = Beam(
+        1.0, 1.0, 1.0,
+        torsional_stiffness=lambda x: (1 + x) ** 2, polar_inertia_per_length=lambda x: (1 + x) ** 2,
+    )  # fmt: skip
+    modes = axial_modes(cone, "fixed-fixed", 12)
+    assert modes.angular_frequency == pytest.approx(math.pi * np.arange(1, 13), rel=1e-12)
+    x = np.linspace(0.0, 1.0, 9)
+    assert modes.shape(x)[2] == pytest.approx(math.sqrt(2) * np.sin(3 * math.pi * x) / (1 + x), abs=1e-10)
+    # Two shafts in a row, GJ and ρIp of 2 and 1 over 0.4, of 1 and 3 over the rest: their waves meet,
+    # 2 (ω/c₁) cot(ω l₁/c₁) = (ω/c₂) tan(ω l₂/c₂), and a disc of 0.5 at the tip.
+    table = {"x": [0.0, 0.4, 0.4, 1.0]}
+    stepped = Beam(
+        1.0, 1.0, 1.0,
+        torsional_stiffness=Table(**table, value=[2.0, 2.0, 1.0, 1.0]),
+        polar_inertia_per_length=Table(**table, value=[1.0, 1.0, 3.0, 3.0]),
+    )  # fmt: skip
+    omega = axial_modes(stepped, "fixed-free(inertia=0.5)", 4).angular_frequency
+    first, second = math.sqrt(2.0), math.sqrt(1 / 3)
+    turn, torque = np.sin(omega * 0.4 / first), 2 * omega / first * np.cos(omega * 0.4 / first)
+    a, b = turn, torque * second / omega
+    inner = omega * 0.6 / second
+    tip, held = (
+        a * np.cos(inner) + b * np.sin(inner),
+        omega / second * (b * np.cos(inner) - a * np.sin(inner)),
+    )
+    assert held == pytest.approx(0.5 * omega**2 * tip, rel=1e-9)
+    # A hinge at the step keeps order 2: errors fall by four, and a hinge of both sides' mean is there.
+    errors = [
+        chain_errors(AxialChain(stepped, "fixed-free(inertia=0.5)", n, "gregory"), 1)[0] for n in (20, 40)
+    ]
+    assert errors[0] / errors[1] == pytest.approx(4.0, rel=0.02)
+    uniform = chain_errors(AxialChain(UNIT, "fixed-free", 10, "half_stub"), 2)
+    assert uniform == pytest.approx(
+        frequency_error("fixed-free", segments=10, mode=[1, 2], rule="half_stub", motion="twist"), abs=1e-13
+    )

@@ -7,10 +7,13 @@ from contextlib import suppress
 
 import numpy as np
 
+from beammodes.accuracy.axial_errors import no_load
 from beammodes.accuracy.errors import MAX_MODES
+from beammodes.chains.axial_chain import AxialChain
 from beammodes.chains.chain import Chain
 from beammodes.chains.structure_chain import StructureChain
 from beammodes.checks import shown, whole_number
+from beammodes.exact.axial_theory import axial_modes
 from beammodes.exact.beam_theory import euler_bernoulli
 from beammodes.exact.timoshenko_beam import MOST_MODES, theory_error_of
 from beammodes.numerics.arrays import Floats
@@ -30,7 +33,9 @@ class SlendernessWarning(UserWarning):
     """Warning of a stout beam: Euler-Bernoulli theory errs more on it than the chain on the theory."""
 
 
-def chain_errors(chain: Chain | StructureChain, modes: int = 3, *, load: Load | None = None) -> Floats:
+def chain_errors(
+    chain: Chain | AxialChain | StructureChain, modes: int = 3, *, load: Load | None = None
+) -> Floats:
     """Return the relative frequency errors of a chain against its own exact beam or structure.
 
         e = ω_chain / ω_beam - 1
@@ -40,7 +45,7 @@ def chain_errors(chain: Chain | StructureChain, modes: int = 3, *, load: Load | 
 
     Parameters
     ----------
-    chain : Chain or StructureChain
+    chain : Chain, AxialChain or StructureChain
         One with a beam, not from pieces.
     modes : int
         How many, from the first; 1 to 100 of a structure.
@@ -75,8 +80,11 @@ def chain_errors(chain: Chain | StructureChain, modes: int = 3, *, load: Load | 
 
         check_unloaded(load)
         return errors_of_structure(chain, modes)
+    if isinstance(chain, AxialChain):
+        no_load(load, chain.motion)
+        return _errors_along(chain, whole_number("modes", modes, most=MAX_MODES))
     if not isinstance(chain, Chain):
-        raise TypeError(f"chain must be a Chain or a StructureChain, got {shown(chain)}")
+        raise TypeError(f"chain must be a Chain, AxialChain or StructureChain, got {shown(chain)}")
     if chain.beam is None:
         raise ValueError("chain must have a beam to be compared with; one from pieces has none")
     count = whole_number("modes", modes, most=MAX_MODES)
@@ -89,6 +97,15 @@ def chain_errors(chain: Chain | StructureChain, modes: int = 3, *, load: Load | 
         with suppress(ValueError, ArithmeticError):
             if remark := _stout(errors[: len(found)], exact.theory_error, exact.theory_assumed):
                 warnings.warn(remark, SlendernessWarning, stacklevel=2)
+    return errors
+
+
+def _errors_along(chain: AxialChain, count: int) -> Floats:
+    found = solve_modes(chain, count).angular_frequency
+    errors = np.full(count, np.nan)
+    if len(found):
+        exact = axial_modes(chain.beam, chain.boundary, len(found), motion=chain.motion)
+        errors[: len(found)] = found / exact.angular_frequency - 1
     return errors
 
 

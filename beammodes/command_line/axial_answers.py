@@ -173,7 +173,7 @@ def _springs(case: AxialCase) -> Answer:
 
 
 def _frequencies(case: AxialCase) -> Answer:
-    from beammodes.exact.axial_beam import axial_modes
+    from beammodes.exact.axial_theory import axial_modes
     from beammodes.vibration.modes import solve_modes
 
     chain = _chain(case)

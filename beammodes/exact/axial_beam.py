@@ -22,13 +22,11 @@ from numpy.typing import ArrayLike, NDArray
 from beammodes.checks import row_shown, whole_number
 from beammodes.numerics.arrays import Floats
 from beammodes.numerics.roots import increasing_root
-from beammodes.problem.axial_ends import AxialBoundary, AxialBoundaryLike
+from beammodes.problem.axial_ends import AxialBoundary
 from beammodes.problem.beam import Beam, positions_on
 from beammodes.problem.motions import MOTIONS, Motion
 
-__all__ = ["AxialModes", "axial_modes", "axial_wavenumber", "uniform_numbers"]
-
-_MOST_MODES = 100_000
+__all__ = ["AxialModes", "axial_wavenumber", "uniform_axial_modes", "uniform_numbers"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -203,48 +201,17 @@ class AxialModes:
         return f"AxialModes({self.boundary.name} in {self.boundary.motion}: {told})"
 
 
-def axial_modes(
-    beam: Beam, boundary: AxialBoundaryLike, modes: int, *, motion: str | Motion = "twist"
-) -> AxialModes:
-    """Return the exact first elastic modes of a uniform beam in twist or stretch.
-
-        ω_n = (β_n/L) √(GJ/ρIp),  or √(EA/ρA) in stretch:  β = (2n - 1) π/2 fixed-free, nπ fixed-fixed and
-        free-free,  tan β = -β J... with discs and springs (see the file's head)
-
-    Twist is Saint-Venant's: warping that an end holds stiffens open sections, which is left out; so is the
-    lateral inertia of a stretched rod, which lowers ω by ½ (ν β r/L)², r the polar radius of gyration.
-
-    Parameters
-    ----------
-    beam : Beam
-        With its torsional_stiffness and polar_inertia_per_length in twist, axial_stiffness in stretch;
-        uniform in these.
-    boundary : str, pair of words or AxialEnd, or AxialBoundary
-        "fixed-free", "fixed-free(inertia=0.5)" [kg m²], "free(stiffness=2)-free" [N m/rad]; in stretch
-        "free(mass=0.5)" [kg] and stiffness in N/m.
-    modes : int
-        How many, from the first.
-    motion : str
-        "twist" or "stretch".
-
-    Raises
-    ------
-    TypeError, ValueError
-        If an argument is not of its kind, or the beam lacks a number, which is named.
+def uniform_axial_modes(beam: Beam, boundary: AxialBoundary, modes: int) -> AxialModes:
+    """Return the exact first elastic modes of a uniform beam; `axial_modes` is the door to it.
 
     Examples
     --------
-    >>> import beammodes as bm
-    >>> rod = bm.Beam.from_section(bm.Circle(0.010), length=0.5, elastic_modulus=206e9, density=7850.0,
-    ...                            poisson_ratio=0.3)                                     # m, Pa, kg/m³
-    >>> bm.axial_modes(rod, "fixed-free", 3).frequency.round(1)                           # Hz, (2n-1) c/4L
-    array([1588.5, 4765.4, 7942.4])
-    >>> bm.axial_modes(rod, "fixed-free", 1, motion="stretch")
-    AxialModes(fixed-free in stretch: 2561 Hz)
+    >>> shaft = Beam(1.0, 1.0, 1.0, torsional_stiffness=1.0, polar_inertia_per_length=1.0)
+    >>> uniform_axial_modes(shaft, AxialBoundary.of("free-free"), 2).wavenumber / math.pi
+    array([1., 2.])
     """
-    pair = AxialBoundary.of(boundary, motion)
-    kind, count = MOTIONS[pair.motion], whole_number("modes", modes, most=_MOST_MODES)
+    kind = MOTIONS[boundary.motion]
     stiffness, inertia = uniform_numbers(beam, kind)
-    scaled = pair.scaled(stiffness / beam.length, inertia * beam.length)
-    beta = axial_wavenumber([scaled], np.asarray(0), np.arange(1, count + 1))
-    return AxialModes(beam, pair, beta, beta * kind.frequency_unit(beam))
+    scaled = boundary.scaled(stiffness / beam.length, inertia * beam.length)
+    beta = axial_wavenumber([scaled], np.asarray(0), np.arange(1, modes + 1))
+    return AxialModes(beam, boundary, beta, beta * kind.frequency_unit(beam))
