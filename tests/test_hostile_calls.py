@@ -386,6 +386,22 @@ CALLS: dict[str, Arguments] = {
         "x": [0.0, 1.0],
         "derivative": 1,
     },
+    "StructureModes.shape": lambda: {
+        "self": bm.structure_modes(structure(), 2),
+        "x": [0.0, 1.0],
+        "member": "left-right",
+    },
+    "StructureChainModes.shape": lambda: {
+        "self": bm.structure_chain_modes(bm.StructureChain(structure(), 4), 2),
+        "x": [0.0, 1.0],
+        "member": "left-right",
+    },
+    "StructureStatics.shear": lambda: {
+        "self": bm.structure_statics(structure(), [bm.LineLoad(2.0)]),
+        "x": [0.0, 1.0],
+        "member": "left-right",
+        "side": 1,
+    },
     "TimoshenkoModes.rotation": lambda: {
         "self": bm.timoshenko(bm.Beam(1, 1, 1, 0.01, shear_stiffness=30), "clamped-free", 2),
         "x": [0.0, 1.0],

@@ -295,6 +295,30 @@ def test_very_many_random_structures() -> None:
     sweep(range(500))
 
 
+def test_shapes_of_the_judge_and_of_chains() -> None:
+    # Of a single beam those of euler_bernoulli; of structures the chain's, whose segments are straight. A
+    # free bar's have unit modal mass by the trapezoid's rule.
+    x = np.linspace(0.0, 1.0, 201)
+    for pair in ("clamped-free", "free-pinned", (bm.End(3.0, 2.0, mass=0.1), "free")):
+        ours = bm.structure_modes(bm.Structure.of_beam(UNIT, pair, [bm.Station(0.37)]), 3).shape(x)
+        known = bm.euler_bernoulli(UNIT, pair, 3).shape(x)
+        np.testing.assert_allclose(ours * np.sign((ours * known).sum(axis=1))[:, None], known, atol=1e-11)
+    free = bm.Structure({"a": bm.Joint(0, 0), "b": bm.Joint(0, 1)}, [bm.Member(UNIT, "a", "b")])
+    for given in (ell(), portal(), tee(), free):
+        exact = bm.structure_modes(given, 3)
+        chain = bm.structure_chain_modes(bm.StructureChain(given, [120] * len(given.parts.stretches)), 3)
+        for stretch, member in zip(given.parts.stretches, given.members, strict=True):
+            along = x * member.beam.length
+            shape = exact.shape(along, member.name)
+            np.testing.assert_allclose(chain.shape(along, member.name), shape, atol=2e-3)
+            for at, joint in ((0, member.start), (-1, member.end)):
+                moved = exact.displacement[joint][:, :2] @ stretch.normal
+                np.testing.assert_allclose(shape[:, at], moved, atol=1e-11)
+    weight = np.full(x.size, x[1]) * np.where((x == 0.0) | (x == 1.0), 0.5, 1.0)
+    ends = exact.shape(x)
+    np.testing.assert_allclose((weight * ends) @ ends.T, np.eye(3), atol=1e-2)
+
+
 def test_segments_that_are_enough() -> None:
     exact = bm.structure_modes(ell(), 3).angular_frequency
     for rule, tolerance in (("gregory", 1e-3), ("mitiguy", 1e-2)):

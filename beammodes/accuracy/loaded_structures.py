@@ -36,7 +36,7 @@ from beammodes.accuracy.shared_loads import SharedLoads
 from beammodes.accuracy.static_system import StaticSystem
 from beammodes.chains.chain import Chain
 from beammodes.chains.structure_chain import StructureChain
-from beammodes.checks import bounded, real_numbers, shown
+from beammodes.checks import bounded, real, real_numbers, shown, whole_number
 from beammodes.problem.applied_loads import AppliedLoad, LineLoad, PointLoad
 from beammodes.problem.beam import Beam
 from beammodes.problem.ends import Boundary, BoundaryLike
@@ -137,10 +137,11 @@ class StructureStatics:
         return {name: (float(x), float(y), float(turn)) for name, (x, y, turn) in self._joints.items()}
 
     def _along(self, x: Any, member: str | None, function: Any, side: int = -1) -> Any:
-        if side not in (-1, 1):
-            raise ValueError(f"side must be -1 or 1, got {shown(side)}")
+        if not whole_number("side", side, least=-1, most=1):
+            raise ValueError("side must be -1 or 1, got 0")
         beam = self.structure.member(member)
         if isinstance(x, Fraction):
+            real("x", x)
             return self._at(x, beam.name, beam.beam.length, function, side)
         places = real_numbers("x", x)
         number = Fraction if self.exact else float

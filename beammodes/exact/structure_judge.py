@@ -22,19 +22,20 @@ is missed or doubled is told by the count on either side of each.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from beammodes.checks import positive_real, row_shown, whole_number
 from beammodes.exact.spectral_grid import section_grid
 from beammodes.numerics.arrays import Floats
-from beammodes.problem.beam import Beam
+from beammodes.problem.beam import Beam, positions_on
 from beammodes.problem.structure import Parts, Stretch, Structure, checked_structure, part_of_beam
 
-__all__ = ["MOST_MODES", "StructureModes", "modes_below", "structure_modes"]
+__all__ = ["MOST_MODES", "Curve", "StructureModes", "modes_below", "structure_modes"]
 
 #: Points of a stretch's curvature beyond those that its beam needs.
 _POINTS = 22
@@ -47,6 +48,23 @@ _RIGID = 1e-12
 _NEAR = 1e-8
 #: Roots of beams that vary must agree so well between two degrees.
 _AGREEMENT = 1e-10
+
+
+class Curve(NamedTuple):
+    """Deflections along a part of a member: positions, and a row of values for each mode [m]."""
+
+    member: str
+    x: Floats
+    values: Floats
+    smooth: bool
+
+    def __call__(self, x: Floats) -> Floats:
+        """Return the deflections at positions, shape (modes, positions)."""
+        from scipy.interpolate import BarycentricInterpolator, make_interp_spline
+
+        if self.smooth:
+            return np.asarray(BarycentricInterpolator(self.x, self.values, axis=1)(x))
+        return np.asarray(make_interp_spline(self.x, self.values, k=5, axis=1)(x))
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
@@ -62,18 +80,42 @@ class StructureModes:
         How many motions store no energy, mechanisms of pinned joints among them.
     displacement : mapping of str to ndarray, shape (modes, 3) [m, m, rad]
         Of each joint: along x, along y, and its rotation, NaN where nothing is rigidly fixed to the joint.
-        Modes have unit modal mass.
+        Modes have unit modal mass, and the sign that makes the largest displacement of a node positive.
+    curves : tuple of Curve
+        Deflections along parts of members; `shape` reads them.
     """
 
     structure: Structure
     angular_frequency: Floats
     rigid_body_modes: int
-    displacement: dict[str, Floats] = field(repr=False)
+    displacement: dict[str, Floats]
+    curves: tuple[Curve, ...]
 
     @property
     def frequency(self) -> Floats:
         """ω/(2π) [Hz]."""
         return self.angular_frequency / (2.0 * math.pi)
+
+    def shape(self, x: ArrayLike, member: str | None = None) -> Floats:
+        """Return deflections across a member, to the left of one who goes along it, shape (modes, x.shape).
+
+        Those of uniform beams to 1e-12 of the largest, of others to 1e-6.
+
+        Parameters
+        ----------
+        x : float or array [m]
+            Distances from the member's start.
+        member : str, optional
+            Its name, where there are several.
+        """
+        beam = self.structure.member(member)
+        places = positions_on(beam.beam, x)
+        curves = [curve for curve in self.curves if curve.member == beam.name]
+        own = np.searchsorted([curve.x[0] for curve in curves[1:]], places.ravel(), side="left")
+        found = np.empty((len(self.angular_frequency), places.size))
+        for k in np.unique(own).tolist():
+            found[:, own == k] = curves[k](places.ravel()[own == k])
+        return found.reshape(-1, *places.shape)
 
     def __repr__(self) -> str:
         return f"StructureModes({self.structure!r}: {row_shown(self.frequency, '{:.4g}', 'Hz')})"
@@ -123,8 +165,9 @@ def structure_modes(structure: Structure, modes: int) -> StructureModes:
             )
     omega = np.sqrt(squares)
     omega.flags.writeable = False
-    displacement = {name: model.motion(i, squares) for i, name in enumerate(structure.joints)}
-    return StructureModes(structure, omega, model.rigid, displacement)
+    shapes = model.shapes(squares)
+    displacement = {name: shapes @ model.motions[i].T for i, name in enumerate(structure.joints)}
+    return StructureModes(structure, omega, model.rigid, displacement, model.curves(squares, shapes))
 
 
 def modes_below(structure: Structure, angular_frequency: float) -> int:
@@ -156,12 +199,21 @@ class _Element(NamedTuple):
         λ_k.
     momentum : ndarray, shape (4, modes)
         c_k.
+    x : ndarray, shape (points,)
+    static, inner : ndarray, shape (points, 4), (points, modes)
+        Deflections at x by the motions of the ends, and in the modes between clamps.
+    smooth : bool
+        They are one polynomial.
     """
 
     stiffness: Floats
     inertia: Floats
     square: Floats
     momentum: Floats
+    x: Floats
+    static: Floats
+    inner: Floats
+    smooth: bool
 
 
 _DEFORMATION = np.array([[0.0, -1.0, 0.0, 1.0], [-1.0, -1.0, 1.0, 0.0]])
@@ -192,9 +244,29 @@ def _element(beam: Beam, points: int) -> _Element:
     inertia = np.vstack([carried.T + heavy @ static, turned.T + turning @ static])
     if not grid.rotary.any():
         inertia, turning = inertia[: len(grid.x)], turning[:0]
-    shape, size, _ = np.linalg.svd(np.vstack([heavy, turning]) @ bubbles, full_matrices=False)
+    shape, size, modes = np.linalg.svd(np.vstack([heavy, turning]) @ bubbles, full_matrices=False)
     known = size > 1e-13 * size[0]
-    return _Element(stiffness, inertia, size[known] ** -2.0, inertia.T @ shape[:, known])
+    return _Element(
+        stiffness,
+        inertia,
+        size[known] ** -2.0,
+        inertia.T @ shape[:, known],
+        grid.x,
+        np.array([one, grid.x, none, none]).T + deflection @ static,
+        deflection @ bubbles @ modes[known].T / size[known],
+        len(grid.sizes) == 1,
+    )
+
+
+class _Span(NamedTuple):
+    """A part of a stretch: where it is, its element, what one is there, and its ends' motions by z."""
+
+    member: str
+    start: float
+    length: float
+    element: _Element
+    heavy: float
+    ends: Floats
 
 
 class _Model(NamedTuple):
@@ -214,6 +286,8 @@ class _Model(NamedTuple):
         Of each node: its displacement and rotation.
     rigid : int
         Motions without energy.
+    spans : tuple of _Span
+        The parts, in the order of their inner modes.
     """
 
     energy: Floats
@@ -222,6 +296,7 @@ class _Model(NamedTuple):
     momentum: Floats
     motions: tuple[Floats, ...]
     rigid: int
+    spans: tuple[_Span, ...]
 
     @classmethod
     def of(cls, parts: Parts, divided: tuple[int, ...], points: int) -> _Model:
@@ -258,11 +333,24 @@ class _Model(NamedTuple):
     def shapes(self, square: Floats) -> Floats:
         """Return the shapes z of the elastic modes at their λ, of unit modal mass, a row each."""
         vectors = np.array([self._pencil(one)[1][:, self.rigid + n] for n, one in enumerate(square)])
-        return np.asarray(vectors / np.sqrt(self.quotients(square, vectors)[1])[:, None])
+        moved = np.concatenate([vectors @ motion[:2].T for motion in self.motions], axis=1)
+        largest = moved[np.arange(len(moved)), np.abs(moved).argmax(axis=1)]
+        size = np.where(largest < 0.0, -1.0, 1.0) * np.sqrt(self.quotients(square, vectors)[1])
+        return np.asarray(vectors / size[:, None])
 
-    def motion(self, node: int, square: Floats) -> Floats:
-        """Return displacement and rotation of a node in the modes, shape (modes, 3)."""
-        return self.shapes(square) @ self.motions[node].T
+    def curves(self, square: Floats, shapes: Floats) -> tuple[Curve, ...]:
+        """Return the deflections along all parts in modes z at their λ."""
+        inner = square[:, None] * (shapes @ self.momentum) / (self.square - square[:, None])
+        curves, first = [], 0
+        for span in self.spans:
+            element, ends = span.element, shapes @ span.ends.T
+            own = inner[:, first : first + len(element.square)] / span.heavy
+            first += len(element.square)
+            along = ends @ element.static.T + own @ element.inner.T
+            values = span.length * np.hstack([ends[:, :1], along, ends[:, 2:3]])
+            x = span.start + span.length * np.concatenate(([0.0], element.x, [1.0]))
+            curves.append(Curve(span.member, x, values, element.smooth))
+        return tuple(curves)
 
     def _pencil(self, square: float) -> tuple[Floats, Floats]:
         """Return ν and x of K(λ) x = ν M(λ) x, ascending.
@@ -375,6 +463,7 @@ class _Builder:
         self.energy: list[dict[int, float]] = []
         self.kinetic: list[dict[int, float]] = []
         self.inner: list[tuple[Floats, list[dict[int, float]], Floats]] = []
+        self.spans: list[_Span] = []
 
     def _new(self, count: int = 1) -> int:
         self.size += count
@@ -421,9 +510,11 @@ class _Builder:
                 _sum((over, places[k + 1])),
                 turns[k + 1],
             ]
-            self._add_part(part, x, points)
+            self._add_part(stretch.member, stretch.start + cut[0], part, x, points)
 
-    def _add_part(self, part: Beam, x: list[dict[int, float]], points: int) -> None:
+    def _add_part(
+        self, member: str, start: float, part: Beam, x: list[dict[int, float]], points: int
+    ) -> None:
         element = _element_of(part, points)
         stiff = math.sqrt(part.mean_bending_stiffness / part.length)
         heavy = math.sqrt(part.mean_mass_per_length * part.length) * part.length
@@ -432,6 +523,7 @@ class _Builder:
         for row in (heavy * element.inertia).tolist():
             self.kinetic.append(_sum(*zip(row, x, strict=True)))
         self.inner.append((element.square * (stiff / heavy) ** 2, x, heavy * element.momentum))
+        self.spans.append(_Span(member, start, part.length, element, heavy, self._matrix([])))
 
     def add_node(self, index: int) -> None:
         """Add the springs and the body of a node."""
@@ -476,7 +568,11 @@ class _Builder:
         )
         motions = tuple(self._motion(i, free, answers) for i in range(len(self.parts.nodes)))
         square = np.concatenate([square for square, _, _ in self.inner])
-        return _Model(energy, kinetic.T @ kinetic, square, coupled, motions, rigid)
+        spans = tuple(
+            span._replace(ends=self._matrix(x) @ free)
+            for span, (_, x, _) in zip(self.spans, self.inner, strict=True)
+        )
+        return _Model(energy, kinetic.T @ kinetic, square, coupled, motions, rigid, spans)
 
     def _motion(self, index: int, free: Floats, answers: Floats) -> Floats:
         rotation = self.rotation[index]

@@ -21,10 +21,12 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from beammodes.chains.structure_chain import StructureChain
 from beammodes.checks import row_shown, shown, whole_number
 from beammodes.numerics.arrays import Floats
+from beammodes.problem.beam import positions_on
 
 __all__ = ["StructureChainModes", "StructureCoordinates", "structure_chain_modes"]
 
@@ -48,7 +50,12 @@ class StructureChainModes:
     elastic_modes : int
         How many the chain has.
     displacement : dict of str to ndarray, shape (modes, 2) [m]
-        Of each joint along x and y, in modes of unit modal mass.
+        Of each joint along x and y. Modes have unit modal mass, and the sign that makes the largest
+        displacement of a node positive.
+    hinges : tuple of ndarray
+        Positions of the ends of all pieces of each stretch on its member, shape (pieces + 1,) [m].
+    deflections : tuple of ndarray
+        There, across the member, shape (modes, pieces + 1) [m].
     """
 
     chain: StructureChain
@@ -56,11 +63,31 @@ class StructureChainModes:
     rigid_body_modes: int
     elastic_modes: int
     displacement: dict[str, Floats]
+    hinges: tuple[Floats, ...]
+    deflections: tuple[Floats, ...]
 
     @property
     def frequency(self) -> Floats:
         """ω/(2π) [Hz]."""
         return self.angular_frequency / (2.0 * math.pi)
+
+    def shape(self, x: ArrayLike, member: str | None = None) -> Floats:
+        """Return deflections across a member, to the left of one who goes along it, shape (modes, x.shape).
+
+        Parameters
+        ----------
+        x : float or array [m]
+            Distances from the member's start.
+        member : str, optional
+            Its name, where there are several.
+        """
+        beam = self.chain.structure.member(member)
+        places = positions_on(beam.beam, x)
+        own = [i for i, stretch in enumerate(self.chain.parts.stretches) if stretch.member == beam.name]
+        nodes = np.concatenate([self.hinges[i] for i in own])
+        rows = np.concatenate([self.deflections[i] for i in own], axis=1)
+        found = np.array([np.interp(places.ravel(), nodes, row) for row in rows])
+        return found.reshape(-1, *places.shape)
 
     def __repr__(self) -> str:
         return f"StructureChainModes({self.chain!r}: {row_shown(self.frequency, '{:.4g}', 'Hz')})"
@@ -101,9 +128,35 @@ def structure_chain_modes(chain: StructureChain, modes: int | None = None) -> St
         raise ValueError(f"modes must be at most {has}, as many as the chain has, got {count}")
     omega = 1.0 / size[:count]
     omega.flags.writeable = False
-    places = coordinates.nodes(shape[:count].T * omega)
+    motions = shape[:count].T * omega
+    places, turns = coordinates.seen(motions)
+    largest = places.reshape(count, -1)[np.arange(count), np.abs(places).reshape(count, -1).argmax(axis=1)]
+    sign = np.where(largest < 0.0, -1.0, 1.0)
+    places, turns = places * sign[:, None, None], turns * sign
     displacement = {name: places[:, i] for i, name in enumerate(chain.structure.joints)}
-    return StructureChainModes(chain, omega, coordinates.rigid.shape[1], has, displacement)
+    return StructureChainModes(
+        chain,
+        omega,
+        coordinates.rigid.shape[1],
+        has,
+        displacement,
+        tuple(
+            stretch.start + np.append(0.0, np.cumsum(pieces.length))
+            for stretch, pieces in zip(chain.parts.stretches, chain.chains, strict=True)
+        ),
+        tuple(
+            np.cumsum(
+                np.hstack(
+                    [
+                        places[:, stretch.nodes[0]] @ np.array(stretch.normal)[:, None],
+                        pieces.length * turns[list(bodies)].T,
+                    ]
+                ),
+                axis=1,
+            )
+            for stretch, pieces, bodies in zip(chain.parts.stretches, chain.chains, chain.bodies, strict=True)
+        ),
+    )
 
 
 class StructureCoordinates(NamedTuple):
@@ -163,10 +216,21 @@ class StructureCoordinates(NamedTuple):
         turned: Floats = self.angles @ given[: self.angles.shape[1]] + self.free_angles @ following[nodes:]
         return turned
 
-    def nodes(self, y: Floats) -> Floats:
-        """Return displacements of nodes, shape (columns of y, nodes, 2) [m]."""
-        count = len(self.chain.parts.nodes)
-        return (self.unit * self.follow[: 2 * count] @ y).T.reshape(-1, count, 2)
+    def seen(self, y: Floats) -> tuple[Floats, Floats]:
+        """Return displacements of nodes, shape (columns of y, nodes, 2) [m], and angles of bodies [rad].
+
+        Less what of rigid motions they have, so that they are orthogonal to these.
+        """
+        count, following = len(self.chain.parts.nodes), self.follow @ y
+        given = self.give @ y
+        if self.rigid.shape[1]:
+            none = np.zeros((len(self.give), self.rigid.shape[1]))
+            share = np.linalg.lstsq(
+                self._speeds(none, self.rigid), self._speeds(given, following), rcond=None
+            )
+            following = following - self.rigid @ share[0]
+        places = (self.unit * following[: 2 * count]).T.reshape(-1, count, 2)
+        return places, self.turns(given, following)
 
     def momentum(self) -> Floats:
         """Return G: speeds of masses times the roots of these for unit y', rigid motions taken out."""
