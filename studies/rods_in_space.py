@@ -133,7 +133,7 @@ STUDY = Study(
     draw=draw,
     sheets={
         ".csv": Sheet(("rod", "rule", "segments", "relative_error"), {"relative_error": Kind(decimals=11)}),
-        "_joints.csv": Sheet(("joints", "segments", "buckling_error"), {"buckling_error": Kind(decimals=9)}),
+        "_joints.csv": Sheet(("joints", "segments", "buckling_error"), {"buckling_error": Kind(decimals=6)}),
     },
     size=(9.0, 6.6),
     seconds=6.0,
