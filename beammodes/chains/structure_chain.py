@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from fractions import Fraction
 from typing import NamedTuple
 
@@ -133,8 +133,8 @@ class StructureChain:
         )
         joining = _Joining.of(parts, bends, chains)
         values = (structure, counts, record, chains, *joining.joined())
-        for name, value in zip(self.__annotations__, values, strict=True):
-            object.__setattr__(self, name, value)
+        for each, value in zip(fields(self), values, strict=True):
+            object.__setattr__(self, each.name, value)
 
     @property
     def parts(self) -> Parts:

@@ -56,6 +56,8 @@ _MOST = 1000
 class Station:
     """What is at a place inside a beam: a support, an attached rigid body, or a hinge.
 
+    A station with nothing but x is a node of chains, such as one under a force.
+
     Parameters
     ----------
     x : float [m]
