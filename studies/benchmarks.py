@@ -239,6 +239,11 @@ def lookups(count: int = 1_000_000) -> str:
         f"one after another, {alone:,} that differ": (_one_after_another(generator, by_size[:alone]), alone),
         f"{count:,} in one call, N evenly from 1 to 10⁶": (_mixed(generator, even), count),
         f"{count:,} in one call, log N evenly": (_mixed(generator, by_size), count),
+        f"{alone:,} with bodies and springs, one after another": (
+            _loaded_alone(generator, by_size[:alone]),
+            alone,
+        ),
+        f"{count:,} with bodies and springs, log N evenly": (_loaded(generator, by_size), count),
         "instead of one: K, M and `scipy.linalg.eigh`, N = 100": (_one_by_matrices, 1),
     }
     rows = []
@@ -263,6 +268,37 @@ def _mixed(generator: np.random.Generator, segments: NDArray[np.int64]) -> Calla
     """Return one call that looks up a random boundary, mode and rule of equal springs for each N."""
     ends, rules, mode = _drawn(generator, len(segments))
     return lambda: bm.frequency_error(ends, segments=segments, mode=mode, rule=rules)
+
+
+def _loaded(generator: np.random.Generator, segments: NDArray[np.int64]) -> Callable[[], Any]:
+    """Return one call that looks up random ends, within a decade and a half of one, for each N."""
+    _, rules, mode = _drawn(generator, len(segments))
+    pair = (_random_ends(generator, len(segments)), _random_ends(generator, len(segments)))
+    return lambda: bm.frequency_error(pair, segments=segments, mode=mode, rule=rules)
+
+
+def _loaded_alone(generator: np.random.Generator, segments: NDArray[np.int64]) -> Callable[[], Any]:
+    """Return as many single calls as there are N, each with a body of its own on the tip."""
+    _, rules, mode = _drawn(generator, len(segments))
+    tips = [bm.End(mass=float(mass)) for mass in generator.uniform(0.0, 2.0, len(segments))]
+    cases = list(zip(tips, segments.tolist(), mode.tolist(), rules.tolist(), strict=True))
+    return lambda: [
+        bm.frequency_error(("clamped", tip), segments=n, mode=m, rule=rule) for tip, n, m, rule in cases
+    ]
+
+
+def _random_ends(generator: np.random.Generator, count: int) -> bm.Ends:
+    """Return ends of which a quarter hold, and of the others most have a spring, half a body."""
+
+    def sizes(share: float) -> NDArray[np.float64]:
+        there = generator.random(count) < share
+        return np.where(there, 10 ** generator.uniform(-1.5, 1.5, count), 0.0)
+
+    def springs() -> NDArray[np.float64]:
+        return np.where(generator.random(count) < 0.25, np.inf, sizes(0.6))
+
+    offset = generator.uniform(-0.3, 0.3, count)
+    return bm.Ends(springs(), springs(), sizes(0.5), 0.01 * sizes(0.4), offset)
 
 
 def _drawn(

@@ -227,14 +227,22 @@ def error_dataset(
     sizes = tuple(map(len, between.values()))
     exact = np.empty((len(grid.boundaries), *sizes, len(mode)))
     error = np.empty((len(grid.rules), len(grid.boundaries), *sizes, len(counts), len(mode)))
+    alike: dict[tuple[Load, bool], list[tuple[Any, tuple[int, ...]]]] = {}
     for p, *index in np.ndindex(exact.shape[:-1]):
         chosen = {name: values[i] for (name, values), i in zip(between.items(), index, strict=True)}
         ends, force = how.with_numbers(grid.boundaries[p], pull, chosen)
         if beam is not None:
             ends, force = how.in_multiples(ends, force, beam)
         exact[p, *index] = how.exact(ends, mode, force)
+        alike.setdefault((force, how.is_plain(ends)), []).append((ends, (p, *index)))
+    for (force, _), members in alike.items():
+        # One call answers all ends under one load.
+        pairs = np.empty((len(members), 1, 1), dtype=object)
+        pairs[:, 0, 0] = [ends for ends, _ in members]
         for r, record in enumerate(grid.rules):
-            error[r, p, *index] = how.errors(ends, counts[:, None], mode, record, force)
+            found = how.errors(pairs, counts[:, None], mode, record, force)
+            for (_, place), each in zip(members, found, strict=True):
+                error[(r, *place)] = each
     own = grid.beam == Beam.unit()
     exact *= 1.0 if own else how.frequency_unit(grid.beam)
     omega = exact[None, ..., None, :] * (1 + error)

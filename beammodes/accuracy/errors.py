@@ -31,6 +31,7 @@ from beammodes.problem.ends import (
     NotPlain,
     boundary_codes,
     has_many,
+    is_pair,
     with_pairs_read,
 )
 from beammodes.problem.loading import NO_LOAD, Load
@@ -165,7 +166,10 @@ def errors_in_multiples(boundary: Any, segments: Any, mode: Any, rule: Any, load
     >>> round(errors_in_multiples("clamped-free", 10, 1, "mitiguy", Load(axial_force=3.0)), 6)
     -0.00265
     """
-    if (load is NO_LOAD or load == NO_LOAD) and not has_many(boundary):
+    if is_pair(boundary):
+        boundary = Boundary.of(boundary)
+    rooted = has_many(boundary) or (isinstance(boundary, Boundary) and not boundary.is_plain)
+    if (load is NO_LOAD or load == NO_LOAD) and not rooted:
         try:
             known = isinstance(rule, (str, Rule))
             if not known and isinstance(rule, RuleMaker):

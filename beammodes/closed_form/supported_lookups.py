@@ -187,7 +187,7 @@ def _solved_one(chain: OneChain, mode: int, tension: float, near: float | None) 
     rows, number = chain.rows, mode + chain.rigid
 
     def evaluate(place: float) -> tuple[float, float]:
-        return sample(rows, place, long=True, of=FLOATS)
+        return sample(rows, place, long=chain.long, of=FLOATS)
 
     start, reach = max(1.5, (number - 1.0) * math.pi), 1.5
     if near:
@@ -198,7 +198,7 @@ def _solved_one(chain: OneChain, mode: int, tension: float, near: float | None) 
     if not found.proved or (tension < 0.0 and evaluate(_FLOOR)[1] != chain.rigid):
         return math.nan, math.inf
     root, slope, bent = _closed_in(*found[:5], evaluate(found.root)[0])
-    size = sizes(rows, found.root, long=True, of=FLOATS)
+    size = sizes(rows, found.root, long=chain.long, of=FLOATS)
     return root * root, np.finfo(np.float64).eps * _rounded(size, root, slope) + bent
 
 

@@ -252,16 +252,17 @@ def _rods(size: Any, stub: Any, own: Any, section: Any, depth: int) -> list[Any]
 
 
 class OneChain(NamedTuple):
-    """A long chain's rows of single floats, and its rigid modes."""
+    """A chain's rows of single floats, its rigid modes, and whether these are the rows of a long chain."""
 
     rows: list[float]
     rigid: int
+    long: bool
 
 
 def one_chain(
     pair: Boundary, segments: int, mode: int, rule: Rule, tension: float, section: float
 ) -> OneChain | None:
-    """Return one chain without the cost of arrays; None where it is short or may not have such a mode.
+    """Return one chain as single floats, a long one without the cost of arrays; None if it has no such mode.
 
     Examples
     --------
@@ -276,8 +277,13 @@ def one_chain(
     kinds = [_KIND[end.statics] for end in ends]
     depth = max(int(weights.depth[0, kind]) for kind in kinds)
     rods = _rods(size, float(rule.stub), float(inertia[0]), section, depth)
-    if rods[0] < 2.0 or mode > segments - 4:
-        return None
+    long = rods[0] >= 2.0
+    if not long or mode > segments - 4:
+        chains = ChainColumns.single(pair, segments, rule, tension, section)
+        if mode > chains.modes[0] - chains.rigid_modes[0] or not chains.have_springs()[0]:
+            return None
+        if not long:
+            return OneChain(chains.short_table()[:, 0].tolist(), int(chains.rigid_modes[0]), long)
     rows = [size, tension / (size * size)]
     for end in ends:
         rows += _in_segments(end, size)
@@ -293,7 +299,7 @@ def one_chain(
     rigid = pair.rigid_body_modes
     if tension:
         rigid = int(not any(end.translational_stiffness for end in ends))
-    return OneChain(rows, rigid)
+    return OneChain(rows, rigid, long)
 
 
 def _in_segments(end: End, size: float) -> list[float]:
@@ -376,7 +382,7 @@ def _short(rows: Any, square: Any, scale: Any) -> tuple[Any, Any, Any]:
     value = _closed(plane, last)
     # The sequence of d goes on with the right end's rotation let go, and then its deflection.
     held, free = plane.d < 0.0, end.give * end.turn > 0.0
-    turned = np.where(free, plane.tt + plane.d * last.tt < 0.0, held)
+    turned = (free & (plane.tt + plane.d * last.tt < 0.0)) | ((free ^ True) & held)
     below = below + (1.0 * (held ^ turned) + (turned ^ (value < 0.0)))
     return value, below, _size(plane, scale) * _size(last, scale)
 

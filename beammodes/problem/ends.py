@@ -504,8 +504,12 @@ def _end(part: object, whole: object) -> End:
         return part
     if not isinstance(part, str):
         return ENDS[choice("each end of boundary", part, ENDS)]
-    end = end_from_text(part)
+    end = _end_of_text(part)
     return end if end is not None else _refuse(whole)
+
+
+# Ends are values: what a text stands for is read once.
+_end_of_text = lru_cache(maxsize=1024)(end_from_text)
 
 
 def _refuse(value: object) -> NoReturn:
