@@ -113,7 +113,7 @@ def test_failures_are_told_and_not_raised(monkeypatch: pytest.MonkeyPatch) -> No
 def test_lookups_and_derivation_print_tables(monkeypatch: pytest.MonkeyPatch) -> None:
     real = benchmarks.timed
     monkeypatch.setattr(benchmarks, "timed", lambda call, **_: real(call, budget=0.0))
-    assert benchmarks.lookups(100).count("\n| ") == 6
+    assert benchmarks.lookups(100).count("\n| ") == 8
     table = benchmarks.unequal([8, 2000])
     assert table.count("\n| ") == 3
     assert table.rstrip().endswith("| not tried |")
