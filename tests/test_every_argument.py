@@ -17,6 +17,8 @@ import beammodes as bm
 
 BEAM = bm.Beam(1.0, 20.0, 0.5)
 SHAFT = bm.Beam(1.0, 20.0, 0.5, torsional_stiffness=8.0, polar_inertia_per_length=1e-4)
+ROD = bm.Rod(1.0, 20.0, 15.0, 0.5, 1e-3, curvature=(0.5, 0.0, 1.0))
+SPATIAL = bm.SpatialChain(ROD, "clamped-free", 3)
 BAR = bm.Rectangle(width=0.06, height=0.02)
 CHAIN = bm.Chain(BEAM, "clamped-free", 4)
 PIECES = {
@@ -159,6 +161,33 @@ GOOD: dict[str, dict[str, Any]] = {
     "mode_tuned": {"mode": 1},
     "published_time_step": {"beam": BEAM, "modes": 2},
     "recommend": {"boundary": "clamped-free", "tolerance": 0.01, "modes": 1, "rules": ["mitiguy", "gregory"]},
+    "critical_factor": {
+        "chain": SPATIAL,
+        "load": bm.SpatialLoad(force=(-10.0, 0.0, 0.0)),
+        "most": 100.0,
+        "start": 5.0,
+    },
+    "rod_error_dataset": {
+        "rod": ROD,
+        "boundary": "clamped-free",
+        "segments": [2, 3],
+        "modes": 1,
+        "rule": "naive",
+    },
+    "rod_errors": {"chain": SPATIAL, "modes": 2},
+    "rod_modes": {"rod": ROD, "boundary": "clamped-free", "modes": 2},
+    "spatial_equilibrium": {"chain": SPATIAL, "load": bm.SpatialLoad(torque=1.0), "joints": "xyz"},
+    "spatial_modes": {"chain": SPATIAL, "modes": 2},
+    "Rod": {
+        "length": 1.0,
+        "bending_stiffness": 20.0,
+        "torsional_stiffness": 15.0,
+        "mass_per_length": 0.5,
+        "polar_inertia_per_length": 0.01,
+    },
+    "RodEnd": {"translational_stiffness": 1.0, "mass": 0.5, "rotary_inertia": 0.1, "offset": (0.1, 0.0, 0.0)},
+    "SpatialChain": {"rod": ROD, "boundary": "clamped-free", "segments": 3, "rule": "mitiguy"},
+    "SpatialLoad": {"force": (0.0, 0.0, 1.0), "torque": 0.1, "gravity": (0.0, 0.0, -9.81)},
     "segments_needed": {"boundary": "clamped-free", "tolerance": 0.01, "modes": 1, "rule": "mitiguy"},
     "segments_within_spread": {"spread": SPREAD, "rule": "mitiguy", "fraction": 0.3},
     "shape_dataset": {"boundary": ["clamped-free"], "segments": [2, 3], "modes": 2, "rule": ["mitiguy"]},

@@ -19,6 +19,9 @@ __all__ = ["SpatialModes", "scaled_tree", "spatial_modes"]
 #: all modes are wanted; else by block iteration, which gives the lowest.
 _DENSE, _MOST_DENSE = 150, 3000
 
+#: That can be asked for, of whatever chain.
+_MOST_MODES = 100_000
+
 #: Blocks of one cycle of the iteration, spare vectors, and cycles at most.
 _BLOCKS, _SPARE, _CYCLES = 4, 6, 60
 
@@ -81,7 +84,7 @@ def spatial_modes(chain: SpatialChain, modes: int = 6) -> SpatialModes:
     """
     if not isinstance(chain, SpatialChain):
         raise TypeError(f"chain must be a SpatialChain, got {shown(chain)}")
-    count = whole_number("modes", modes)
+    count = whole_number("modes", modes, most=_MOST_MODES)
     length, stiffness, mass = chain.rod.units
     form = tree_form(scaled_tree(chain.tree, length, stiffness, mass))
     inverse, x = _lowest(form, count)
