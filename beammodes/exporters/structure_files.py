@@ -10,6 +10,7 @@ from beammodes.accuracy.structure_errors import errors_of_structure
 from beammodes.chains.structure_chain import StructureChain
 from beammodes.checks import percent
 from beammodes.exporters.structure_tree import TreeBody, structure_tree
+from beammodes.vibration.stability import stable_time_step
 from beammodes.vibration.structure_vibration import structure_chain_modes
 
 __all__ = ["STRUCTURE_FORMATS", "structure_texts"]
@@ -40,7 +41,8 @@ def structure_texts(chain: StructureChain, format: str, name: str) -> list[str]:
         f"first frequencies without gravity: {frequencies} Hz; against the exact structure: {errors}",
         "x and y of the structure are x and z here; twist, stretch and shear are not modelled",
     )
-    step = 1.0 / float(modes.angular_frequency[-1])
+    # Half of the largest stable one, as of other files.
+    step = 0.5 * stable_time_step(chain, "rk4" if format == "mjcf" else "Drake discrete")
     return [f"{text}\n" for text in STRUCTURE_FORMATS[format](name, bodies, facts, step)]
 
 
@@ -87,7 +89,7 @@ def _mjcf(name: str, bodies: list[TreeBody], facts: tuple[str, ...], step: float
             [
                 *_comment(*facts, "gravity is off; timestep: half of what RK4 is stable to"),
                 f'<mujoco model="{name}">',
-                f' <option timestep="{math.sqrt(2.0) * step!r}" integrator="RK4" gravity="0 0 0"/>',
+                f' <option timestep="{step!r}" integrator="RK4" gravity="0 0 0"/>',
                 " <worldbody>",
                 *(line for body in children.get("world", []) for line in lines(body, 2)),
                 " </worldbody>",

@@ -15,6 +15,7 @@ import numpy as np
 
 from beammodes.chains.axial_chain import AxialChain
 from beammodes.chains.chain import Chain
+from beammodes.chains.structure_chain import StructureChain
 from beammodes.checks import shown, whole_number
 from beammodes.equations.mechanics import axial_pull
 from beammodes.numerics.arrays import Floats
@@ -30,6 +31,7 @@ from beammodes.vibration.integrators import (
 from beammodes.vibration.linear import linearize
 from beammodes.vibration.modes import MAX_DENSE, solve_modes
 from beammodes.vibration.spectrum import is_turned
+from beammodes.vibration.structure_vibration import structure_chain_modes
 
 __all__ = [
     "GRAVITY",
@@ -89,7 +91,7 @@ def published_time_step(beam: Beam, modes: int) -> float:
 
 
 def stable_time_step(
-    chain: Chain | AxialChain,
+    chain: Chain | AxialChain | StructureChain,
     integrator: str = "rk4",
     *,
     load: Load | None = None,
@@ -109,9 +111,10 @@ def stable_time_step(
 
     Parameters
     ----------
-    chain : Chain or AxialChain
-        In twist and stretch without load and damping: ω_max ≤ (2N/L) √(GJ/ρIp), with equality between fixed
-        ends; a light disc behind a hinge of its own, or a stiff spring on a stub, takes it beyond any bound.
+    chain : Chain, AxialChain or StructureChain
+        A structure is taken without load and damping, and so is a chain in twist or stretch, of which
+        ω_max ≤ (2N/L) √(GJ/ρIp), with equality between fixed ends; a light disc behind a hinge of its own, or a
+        stiff spring on a stub, takes it beyond any bound.
         Its own highest frequency decides, not the modes that one wants to see. Of more than 500 hinges the
         answer is a lower bound: within a few percent without damping or without a load, else less close.
     integrator : str
@@ -149,13 +152,15 @@ def stable_time_step(
     0.0066
     """
     record = fixed_step_integrator(integrator)
-    if isinstance(chain, AxialChain):
+    if isinstance(chain, AxialChain | StructureChain):
+        what = "in twist or stretch" if isinstance(chain, AxialChain) else "of a structure"
         for name, given in (("load", load), ("damping", damping)):
             if given is not None:
-                raise ValueError(
-                    f"{name} must be left out for a chain in twist or stretch, got {shown(given)}"
-                )
-        highest = highest_axial_frequency(chain)
+                raise ValueError(f"{name} must be left out for a chain {what}, got {shown(given)}")
+        if isinstance(chain, AxialChain):
+            highest = highest_axial_frequency(chain)
+        else:
+            highest = float(structure_chain_modes(chain).angular_frequency[-1:].sum())
         return stability_limit(record.name) / highest if highest else math.inf
     if not isinstance(chain, Chain):
         raise TypeError(f"chain must be a Chain, got {shown(chain)}")
