@@ -40,8 +40,8 @@ __all__ = ["MOST_ROD_MODES", "RodModes", "rod_modes"]
 #: Of one rod; each is a root of its own.
 MOST_ROD_MODES = 100
 
-#: Gauss points of a step of a rod that varies: order 12.
-_STAGES = 6
+#: Gauss points of a step of a rod that varies: order 8.
+_STAGES = 4
 
 #: Steps at least between two breaks; refinements of them; the change that ends these.
 _LEAST_STEPS, _REFINED, _SETTLED = 8, 5, 1e-11
@@ -292,7 +292,7 @@ class _Problem:
         return list(np.moveaxis(self._collocated(square, scale, steps), 1, 0))
 
     def _collocated(self, square: Floats, scale: Floats, steps: int) -> Floats:
-        """Return the matrices of Gauss's collocation, of order 12, shape (squares, steps, 12, 12)."""
+        """Return the matrices of Gauss's collocation, of order 8, shape (squares, steps, 12, 12)."""
         if steps not in self._steps:
             parts = np.diff(self._edges)
             shares = np.maximum(1, np.ceil(parts * steps)).astype(int)
