@@ -25,6 +25,7 @@ __all__ = [
     "BoundaryLike",
     "End",
     "ManyEnds",
+    "ManyPairs",
     "NotPlain",
     "boundary_code",
     "boundary_codes",
@@ -260,6 +261,10 @@ def end_from_text(text: str) -> End | None:
 
 class ManyEnds:
     """What stands for many ends of a beam at once; `end_columns.Ends` is one."""
+
+
+#: A pair of ends of which either may stand for many.
+ManyPairs = tuple[str | End | ManyEnds, str | End | ManyEnds]
 
 
 def has_many(boundary: object) -> bool:
