@@ -231,6 +231,23 @@ def test_short_chains_and_every_mode_are_solved() -> None:
                 assert errors[: len(omega)] == pytest.approx(omega / exact[: len(omega)] - 1, abs=1e-13)
 
 
+def test_high_modes_of_long_chains() -> None:
+    # δ follows waves up to q = 2.5; singular values of the chain's own springs and inertias, in 400 pieces.
+    random = np.random.default_rng(4)
+    for rule in CLOSED[:-1]:
+        pair, segments = random_ends(random, 1.0), 400
+        modes = np.arange(1, segments - 2, 9)
+        omega = solve_axial_modes(AxialChain(UNIT, pair, segments, rule)).angular_frequency
+        exact = axial_wavenumber([pair], np.zeros(len(modes), dtype=np.intp), modes)
+        errors = frequency_error(pair, segments=segments, mode=modes, rule=rule, motion="twist")
+        assert errors == pytest.approx(omega[modes - 1] / exact - 1, abs=1e-12), (rule.name, pair)
+    high = frequency_error("fixed-free", segments=10**9, mode=10**8, rule="naive", motion="twist")
+    x = math.pi * 0.1 / 2
+    assert high == pytest.approx(math.sin(x) / x - 1, abs=1e-9)  # the wall costs 1/2N more
+    with pytest.raises(ValueError, match="segments must be at most 100000 for mode 999999"):
+        frequency_error("fixed-free", segments=10**6, mode=999_999, rule="naive", motion="twist")
+
+
 def test_long_chains_keep_their_digits() -> None:
     # κ = β of an exact mirror: ω = 2N sin(β/2N); shapes are the beam's at the pieces' middles.
     segments, beta = 20_000, np.pi / 2 * np.array([1.0, 3.0, 5.0])

@@ -24,9 +24,8 @@ with k = K/N and μ = J N. Errors are the root δ = κ - β of the difference of
 nothing is subtracted that is nearly equal: M - 1 has exact rational coefficients in sin²(q/2) and 1/N, and
 what trigonometric functions leave is summed as series.
 
-So e = (1 + δ/β) sinc(β + δ)/2N - 1 holds at any N. Where an end's weights overlap the other's, or waves of
-half the band are asked for at ends of corrected weights, the chain's own frequencies are solved for instead,
-and e is within 1e-13.
+So e = (1 + δ/β) sinc(β + δ)/2N - 1 holds at any N. Where an end's weights overlap the other's, and for the
+highest modes, the chain's own frequencies are solved for instead, and e is within 1e-13.
 """
 
 from __future__ import annotations
@@ -40,6 +39,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from beammodes.chains.axial_chain import AxialChain
+from beammodes.chains.pieces import MAX_PIECES
 from beammodes.chains.rules import Rule, Weight
 from beammodes.exact.axial_beam import axial_wavenumber
 from beammodes.numerics.arrays import Floats
@@ -49,15 +49,14 @@ from beammodes.vibration.axial_spectrum import solve_axial_modes
 
 __all__ = ["EndWaves", "axial_errors", "axial_frequencies", "end_waves", "existing"]
 
-# Largest β/N for which δ is solved for at ends whose weights are corrected.
-_LARGEST_Q = 0.5
+# Largest β/N for which δ is solved for at ends whose weights are corrected, in short chains and in long ones,
+# and what those corrections may be in all: of more the wave's phase may turn further than δ follows.
+_LARGEST_Q, _LARGEST_LONG_Q = 0.5, 2.5
+_LARGEST_CORRECTION, _LARGEST_LONG_CORRECTION = 2.5, 2.0
 
-# Of weights that differ more, in all, the wave's phase may turn further than δ follows.
-_LARGEST_CORRECTION = 2.5
-
-# Cases that are computed at a time; chains of which all modes are solved for at once; modes kept of a longer
-# one.
-_BLOCK, _SHORT, _KEPT = 100_000, 100, 8
+# Cases that are computed at a time; chains of which all modes are kept, and solved for; modes kept of a
+# longer one, and the longest whose high modes are solved for.
+_BLOCK, _SHORT, _WHOLE, _KEPT, _LONGEST = 100_000, 200, 1000, 8, 100_000
 
 Poly = dict[tuple[int, int], Fraction]
 
@@ -396,10 +395,12 @@ def _smooth(
     """Return where δ is solved for: at plain mirrors everywhere, else where it can be followed."""
     if all(wave.is_mirror and kind != "clamped" for wave, kind in zip(waves, kinds, strict=True)):
         return np.ones(count.shape, dtype=bool)
-    if max(wave.correction for wave in waves) > _LARGEST_CORRECTION:
+    correction = max(wave.correction for wave in waves)
+    if correction > _LARGEST_CORRECTION:
         return np.zeros(count.shape, dtype=bool)
     changed = sum(len(wave.weights) + 1 for wave in waves)
-    return np.asarray((beta <= _LARGEST_Q * count) & (count > changed))
+    long = (count > _SHORT) & (correction <= _LARGEST_LONG_CORRECTION)
+    return np.asarray((beta <= np.where(long, _LARGEST_LONG_Q, _LARGEST_Q) * count) & (count > changed))
 
 
 @lru_cache(maxsize=4096)
@@ -429,15 +430,22 @@ def axial_frequencies(record: Any, pair: AxialBoundary, segments: int, mode: NDA
     >>> axial_frequencies(RULES["simpson"], AxialBoundary.of("fixed-free"), 10, np.array([1])).round(6)
     array([1.568639])
     """
+    most = max(_KEPT, int(mode.max()))
+    low = 10 * most <= segments
+    if segments > (MAX_PIECES if low else _LONGEST):
+        raise ValueError(
+            f"segments must be at most {MAX_PIECES if low else _LONGEST} for mode {most} of rule "
+            f"{record.name} with {pair.name}, whose chain has to be solved, got {segments}"
+        )
     try:
         if segments <= _SHORT:
             found = _all_frequencies(record, pair, segments)
+        elif low:
+            found = _low_frequencies(record, pair, segments, most)
+        elif segments <= _WHOLE:
+            found = solve_axial_modes(_chain(record, pair, segments)).angular_frequency
         else:
-            most = max(_KEPT, int(mode.max()))
-            if 10 * most <= segments:
-                found = _low_frequencies(record, pair, segments, most)
-            else:
-                return _selected(_chain(record, pair, segments), mode)
+            return _selected(_chain(record, pair, segments), mode)
     except ValueError:
         # No positive springs for this boundary and N, or a pattern that does not fit N.
         return np.full(mode.shape, np.nan)
@@ -446,7 +454,7 @@ def axial_frequencies(record: Any, pair: AxialBoundary, segments: int, mode: NDA
 
 
 def _selected(chain: AxialChain, mode: NDArray[np.int64]) -> Floats:
-    """Return ω of some modes of a long chain, not the lowest, from the squares."""
+    """Return ω of some modes of a long chain from the squares: right to 1e-16 N²/mode²."""
     from scipy.linalg import eigvalsh_tridiagonal
 
     _, inertia, springs = chain.moving
