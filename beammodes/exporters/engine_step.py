@@ -1,7 +1,7 @@
 """The time step that an engine needs for an exported chain: stable, and accurate for its first mode.
 
 Where a constraint holds the far end, MuJoCo finds its force with the plain inertia M, and then divides all
-forces by M + h D: hard dampers weaken the constraint. With the row J of the held deflection,
+forces by M + h D: hard dampers weaken the constraint. With the rows J of the held deflection,
 
     M a = -K q - D_all v + Jᵀ λ,   J a = -J v/h - J q/(4 h²),   v' = v + h (M + h D)⁻¹ M a,   q' = q + h v'.
 
@@ -11,7 +11,7 @@ The chain's own matrices hold that end by construction, so `stable_time_step` do
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -20,16 +20,17 @@ from beammodes.chains.chain import Chain
 from beammodes.checks import positive_real, shown
 from beammodes.equations.mechanics import axial_pull
 from beammodes.exporters.export_facts import damped_modes, one_line
-from beammodes.exporters.planar_tree import AXES, Tree
+from beammodes.exporters.model_tree import Tree
+from beammodes.exporters.planar_tree import AXES
+from beammodes.exporters.tree_matrices import TreeMatrices, tree_matrices
 from beammodes.exporters.unit_systems import UNIT_SYSTEMS
-from beammodes.numerics.arrays import Floats
 from beammodes.problem.loading import Load
 from beammodes.vibration.damping import Damping
 from beammodes.vibration.integrators import accuracy_limit, find_integrator
 from beammodes.vibration.linear import linearize
 from beammodes.vibration.stability import GRAVITY, stable_time_step, taut_load
 
-__all__ = ["engine_step"]
+__all__ = ["chosen_step", "engine_step", "held_step", "load_cases"]
 
 #: Relative error that the default step may add to the first frequency, or this share of its damping ratio if
 #: that is more: what a tenth of the half width of a resonance is.
@@ -84,14 +85,8 @@ def engine_step(
     0.0021
     """
     record = find_integrator(engine)
-    given = None if timestep is None else positive_real("timestep", timestep)
-    system = UNIT_SYSTEMS[units or "SI"]
-    gravity = GRAVITY / system.metres
     # Across the beam, so that no direction is preferred: see `taut_load`.
-    cases = {
-        "with gravity off": Load(),
-        f"with gravity {gravity:.4g} {system.length}/s2 in any direction": Load(gravity=gravity),
-    }
+    cases = {case: Load(gravity=gravity) for case, gravity in load_cases(units).items()}
     if load is not None:
         cases = {"without load" if load == Load() else f"under {load}": load}
     if tree.turned:
@@ -106,32 +101,23 @@ def engine_step(
         )
 
     limits = {case: least_of(engine, [each]) for case, each in cases.items()}
-    name = engine.partition(" ")[2]
-    least, first = min(limits.values()), next(iter(limits.values()))
-    if given is not None and given >= first:
-        raise ValueError(
-            f"timestep must be less than {first:.3g}, where {name} becomes unstable, got {shown(timestep)}"
-        )
-    best = least / 2
-    for chain in chains:
-        for each in cases.values():
-            model = linearize(chain, load=taut_load(chain, each))
-            for omega, ratio in damped_modes(chain, damping, model, 1):
-                best = min(best, _accurate_step(engine, omega, ratio))
-    size = given or (_rounded_down(best) if math.isfinite(best) else _STEP_WITHOUT_MODES)
-    if not math.isfinite(first):
+    least = min(limits.values())
+    modes = [
+        mode
+        for chain in chains
+        for each in cases.values()
+        for mode in damped_modes(chain, damping, linearize(chain, load=taut_load(chain, each)), 1)
+    ]
+    size, lines = chosen_step(engine, limits, modes, timestep)
+    if not lines:
         return size, []
-    said = ", ".join(f"{limit:.4g} s {case}" for case, limit in limits.items())
-    lines = [f"largest stable timestep in {engine}: {said}"]
-    if size >= least:
-        lines.append(f"WARNING: the timestep given, {size!r}, is stable with gravity off only")
     if damping not in (None, Damping()) and record.damping == "implicit":
         explicit = min(
             stable_time_step(chain, "semi_implicit_euler", load=each, damping=damping)
             for chain in chains
             for each in cases.values()
         )
-        flag = ", with the flag eulerdamp that is on by default" if name == "Euler" else ""
+        flag = ", with the flag eulerdamp that is on by default" if engine.endswith(" Euler") else ""
         lines.append(f"dampers of joints are taken implicitly{flag}; taken explicitly: {explicit:.4g} s")
     if damping not in (None, Damping()) and engine == _EXPLICIT:
         limit = least_of(_IMPLICIT, cases.values())
@@ -142,6 +128,52 @@ def engine_step(
     if load is not None and (any(load.tip) or load.tip_moment or load.axial_force or load.spin_rate):
         lines.append("this file holds gravity only: the other loads are yours to apply")
     return size, [*map(one_line, lines)]
+
+
+def load_cases(units: str | None) -> dict[str, float]:
+    """Return gravities that a step is held against where no load is given, by their words."""
+    system = UNIT_SYSTEMS[units or "SI"]
+    gravity = GRAVITY / system.metres
+    return {
+        "with gravity off": 0.0,
+        f"with gravity {gravity:.4g} {system.length}/s2 in any direction": gravity,
+    }
+
+
+def chosen_step(
+    engine: str,
+    limits: Mapping[str, float],
+    modes: Iterable[tuple[float, float]],
+    timestep: float | None = None,
+) -> tuple[float, list[str]]:
+    """Return the step of a file and lines on it, or none where nothing limits it.
+
+    Parameters
+    ----------
+    engine : str
+    limits : mapping
+        The stable step of each case [s], the one without gravity first.
+    modes : pairs of angular frequency [rad/s] and damping ratio
+        Those which the step is to keep.
+    timestep : float, optional
+        The one that is asked for.
+    """
+    given = None if timestep is None else positive_real("timestep", timestep)
+    name = engine.partition(" ")[2]
+    least, first = min(limits.values()), next(iter(limits.values()))
+    if given is not None and given >= first:
+        raise ValueError(
+            f"timestep must be less than {first:.3g}, where {name} becomes unstable, got {shown(timestep)}"
+        )
+    best = min([least / 2, *(_accurate_step(engine, omega, ratio) for omega, ratio in modes)])
+    size = given or (_rounded_down(best) if math.isfinite(best) else _STEP_WITHOUT_MODES)
+    if not math.isfinite(first):
+        return size, []
+    said = ", ".join(f"{limit:.4g} s {case}" for case, limit in limits.items())
+    lines = [f"largest stable timestep in {engine}: {said}"]
+    if size >= least:
+        lines.append(f"WARNING: the timestep given, {size!r}, is stable with gravity off only")
+    return size, lines
 
 
 def _across(load: Load) -> Load:
@@ -177,26 +209,29 @@ def _stable_step(
     if chain.held_angles[0 if tree.turned else -1]:
         pull = pull[:-1]
     own = pull[len(pull) - len(tree.bodies) :]
-    return _held_step(tree, letter, step, own, tendons=not record.tendon_damping)
+    found = tree_matrices(tree, own, plane=AXES[letter])
+    return held_step(found, step, tendons=not record.tendon_damping)
 
 
-def _held_step(tree: Tree, letter: str, longest: float, pull: Floats, *, tendons: bool) -> float:
-    """Return the largest step up to `longest` [s] below which a tree's motion in one plane does not grow.
+def held_step(found: TreeMatrices, longest: float, *, tendons: bool) -> float:
+    """Return the largest step up to `longest` [s] below which the motion of a held tree does not grow.
 
-    `pull` [N m] is what a load adds to ∂²V/∂θ² of each body's angle. `tendons` tells that dampers of ties are
-    taken implicitly, as those of joints are.
+    `tendons` tells that dampers of ties are taken implicitly, as those of joints are.
     """
-    inertia, stiffness, joints, ties, held = _matrices(tree, letter, pull)
-    if held is None or not math.isfinite(longest):
+    if not len(found.held) or not math.isfinite(longest):
         return longest
+    held, inertia, stiffness = found.held, found.inertia, found.stiffness
+    joints, ties = found.joint_damping, found.tie_damping
     implicit = joints + ties if tendons else joints
-    lift, size = np.linalg.solve(inertia, held), len(inertia)
+    lift, size = np.linalg.solve(inertia, held.T), len(inertia)
+    # Rows may depend on each other.
+    pushed = lift @ np.linalg.pinv(held @ lift)
     # Accelerations of (q, v) without the constraint.
     free = -np.linalg.solve(inertia, np.hstack([stiffness, joints + ties]))
 
     def grows(step: float) -> bool:
-        wanted = -np.concatenate([held / (4 * step**2), held / step])
-        bound = free + np.outer(lift, (wanted - held @ free)) / (held @ lift)
+        wanted = -np.hstack([held / (4 * step**2), held / step])
+        bound = free + pushed @ (wanted - held @ free)
         kick = step * np.linalg.solve(inertia + step * implicit, inertia @ bound)
         speed = kick + np.hstack([np.zeros((size, size)), np.eye(size)])
         place = step * speed + np.hstack([np.eye(size), np.zeros((size, size))])
@@ -211,39 +246,3 @@ def _held_step(tree: Tree, letter: str, longest: float, pull: Floats, *, tendons
         middle = (below + above) / 2
         below, above = (below, middle) if grows(middle) else (middle, above)
     return below
-
-
-def _matrices(tree: Tree, letter: str, pull: Floats) -> tuple[Floats, Floats, Floats, Floats, Floats | None]:
-    """Return M, K, D of the joints, D of the ties and the row that is held, in the joints of one plane."""
-    slide, hinge = AXES[letter]
-    starts = np.cumsum([body.position for body in tree.bodies])
-    own = [
-        (i, joint)
-        for i, body in enumerate(tree.bodies)
-        for joint in body.joints
-        if joint.axis in (slide, hinge)
-    ]
-    carrier = np.array([i for i, _ in own], dtype=int)
-    turns = np.array([joint.axis == hinge for _, joint in own], dtype=bool)
-    # Bodies by joints: what a joint moves are its own body and those beyond.
-    moves = carrier <= np.arange(len(starts))[:, None]
-    turn = (moves & turns).astype(float)
-    centre = starts + np.array([body.centre for body in tree.bodies])
-    arm = moves * np.where(turns, centre[:, None] - starts[carrier], 1.0)
-    mass = np.array([body.mass for body in tree.bodies])
-    moment = np.array([body.inertia[1 if letter == "z" else 2] for body in tree.bodies])
-    inertia = arm.T @ (mass[:, None] * arm) + turn.T @ (moment[:, None] * turn)
-    stiffness = np.diag([joint.stiffness for _, joint in own]) + turn.T @ (pull[:, None] * turn)
-    joints, ties, held = np.diag([joint.damping for _, joint in own]), np.zeros_like(inertia), None
-    names = [joint.name for _, joint in own]
-    for tie in tree.ties:
-        arms = dict(tie.terms)
-        if not set(arms) <= set(names):
-            continue
-        row = np.array([arms.get(name, 0.0) for name in names])
-        if tie.stiffness == math.inf:
-            held = row
-        else:
-            stiffness += tie.stiffness * np.outer(row, row)
-            ties += tie.damping * np.outer(row, row)
-    return inertia, stiffness, joints, ties, held

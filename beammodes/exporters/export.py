@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from functools import partial
 from pathlib import Path
 from typing import BinaryIO
@@ -15,16 +15,20 @@ from beammodes.chains.structure_chain import StructureChain
 from beammodes.checks import choice, flag, shown
 from beammodes.equations.joint_laws import JointLaw, joint_law
 from beammodes.exporters.engine_step import engine_step
-from beammodes.exporters.export_facts import facts_about
+from beammodes.exporters.engine_step_in_space import engine_step_in_space
+from beammodes.exporters.export_facts import facts_about, facts_about_rod
 from beammodes.exporters.formats import FORMATS, Format, Model
-from beammodes.exporters.planar_tree import Tree, Vector, planar_tree
-from beammodes.exporters.spatial_files import spatial_texts
+from beammodes.exporters.model_tree import Tree, Vector
+from beammodes.exporters.planar_tree import planar_tree
+from beammodes.exporters.spatial_tree import spatial_tree
 from beammodes.exporters.structure_files import STRUCTURE_FORMATS, structure_texts
 from beammodes.exporters.unit_systems import UNIT_SYSTEMS
 from beammodes.files import file_target, write_atomically
+from beammodes.problem.load_in_space import SpatialLoad
 from beammodes.problem.loading import Load
 from beammodes.vibration.damping import Damping
 from beammodes.vibration.integrators import INTEGRATORS
+from beammodes.vibration.modes_in_space import spatial_modes
 
 __all__ = ["MUJOCO_INTEGRATORS", "export_chain"]
 
@@ -35,6 +39,10 @@ MUJOCO_INTEGRATORS = tuple(
     for alias in record.engines
     if alias.startswith("MuJoCo ") and alias.count(" ") == 1 and record.springs == "explicit"
 )
+
+
+#: Formats of bodies and joints, which hold a chain in space.
+SPATIAL_FORMATS = tuple(name for name, kind in FORMATS.items() if kind.most_bodies is not None)
 
 
 def export_chain(
@@ -48,14 +56,16 @@ def export_chain(
     damping: Damping | None = None,
     timestep: float | None = None,
     integrator: str = "RK4",
-    load: Load | None = None,
+    load: Load | SpatialLoad | None = None,
     units: str | None = None,
     joints: str | JointLaw = "yzx_alternating",
     force: bool = False,
 ) -> tuple[Path, ...]:
     """Write a chain as a model for a multibody program, with the frequencies to expect in its head.
 
-    The beam runs along x from its firmer end and deflects along z. A supported far end needs "mjcf".
+    A beam runs along x from its firmer end and deflects along z. A rod in space keeps the axes of its section
+    at s = 0; each node has three hinges, or a ball joint, and each piece its whole inertia and its place at
+    rest, where all angles are zero. A supported far end needs "mjcf", there for small deflections.
     Tests read files back with MuJoCo (MJCF), Drake (SDFormat, URDF) and Pinocchio (URDF), and find the
     chain's frequencies to 1e-8. Springs come along in MJCF (which Drake reads without them) and in SDFormat.
 
@@ -64,8 +74,7 @@ def export_chain(
     chain : Chain, StructureChain or SpatialChain
         A structure must be a tree, supported at one joint, for "mjcf", "sdf" or "urdf"; its x and y are x and
         z in the file, and it takes none of the options from `fragment` to `units`.
-        A chain in space must be clamped or free at s = 0 and free at s = L, for "mjcf", "sdf" or "urdf", and
-        takes none of these options either; x, y and z in its file are the section's axes at s = 0.
+        A chain in space is for "mjcf", "sdf" or "urdf".
     path : str or Path
     format : str, optional
         "mjcf" for MuJoCo 3 and 4, "sdf" for Gazebo and Drake, "urdf" (with the springs in a YAML file beside
@@ -79,9 +88,10 @@ def export_chain(
         Not for "csv": the same pieces with the springs of bending along y, for hinges about both axes. They
         come in turns, about y first at every other node and about z first between them: in one fixed order a
         chain that bends out of both planes would twist by an angle of first order in 1/N, so by second order
-        only. In "sdf" and "urdf" a nearly massless link stands between the two. Twist is not modelled.
+        only. In "sdf" and "urdf" a nearly massless link stands between the two. Twist is not modelled: a
+        `SpatialChain` has it, and needs no second one.
     damping : Damping, optional
-        Of joints and supports; not for "csv".
+        Of joints and supports; not for "csv". In space in proportion to stiffness only.
     timestep : float [s], optional
         For "mjcf" and "sdf". By default half the largest stable one (`stable_time_step`, with the engine's
         way of taking dampers), less where the integrator would shift the first frequency by more than 0.1 %
@@ -94,14 +104,16 @@ def export_chain(
         under it and its forces (which the file cannot carry: apply them yourself). Without one the file has
         no gravity, and its step holds without gravity and with 9.81 m/s² in any direction, also for a chain
         that then hangs, which its weight and body stiffen. With one, the head also has the frequencies, and
-        with `damping` the ratios, about the shape at rest under it.
+        with `damping` the ratios, about the shape at rest under it. For a chain in space a `SpatialLoad`,
+        along the axes at s = 0; the limit that the file then says is a lower bound.
     units : str, optional
         What the beam's numbers are in, "SI", "mm-N-t" or "in-lbf-s": for words in the head, and for the
         gravity that the step holds for. The file's numbers stay as they are.
     joints : str or JointLaw
-        Of a chain in space: in which order a node's three hinges turn, or "ball" where GJ and both EI are
-        equal (see `equations.joint_laws`). In one order at all nodes a rod that bends and twists is wrong at
-        first order in 1/N.
+        Of a chain in space: in which order a node's three hinges turn, from s = 0 on, or "ball" where GJ and
+        both EI are equal, for "mjcf" (see `equations.joint_laws`). In one order at all nodes a rod that bends
+        and twists is wrong at first order in 1/N. In "sdf" and "urdf" nearly massless links stand between
+        hinges; the file says how light.
     force : bool
         Overwrite files that exist. Without it, one of two exports to the same path at the same time succeeds.
         Only ordinary files are overwritten; a symbolic link to one stands for it.
@@ -142,7 +154,8 @@ def export_chain(
         if value is not None and what not in kind.takes:
             takers = ", ".join(each.name for each in FORMATS.values() if what in each.takes)
             raise ValueError(f"{what} must be left out for {kind.name} files: it is for {takers}")
-    for what, known in (("second", Chain), ("damping", Damping), ("load", Load)):
+    loads = SpatialLoad if isinstance(chain, SpatialChain) else Load
+    for what, known in (("second", Chain), ("damping", Damping), ("load", loads)):
         if not isinstance(given[what], known | None):
             raise TypeError(f"{what} must be a {known.__name__} or None, got {shown(given[what])}")
     if not isinstance(name, str) or not re.fullmatch(r"[A-Za-z_][A-Za-z0-9_]{0,59}", name):
@@ -152,24 +165,43 @@ def export_chain(
         file_target(each, new=not force)
     if isinstance(chain, StructureChain):
         return _write(paths, force, *_structure(chain, kind, name, {**given, "units": units}))
-    if isinstance(chain, SpatialChain):
-        _alone("chains in space", {**given, "units": units})
-        return _write(paths, force, *[(text,) for text in spatial_texts(chain, kind.name, name, law)])
-    tree = _tree(kind, chain, name, second, damping)
-    facts = facts_about(chain, damping, load, units, turned=tree.turned)
-    if second is not None:
-        # Not about a shape bent in the other plane, which is not a motion in one plane.
-        straight = load if load is not None and not load.bends else None
-        facts += [f"along y: {line}" for line in facts_about(second, damping, straight, units)[1:-1]]
+    engine = kind.engine
+    if engine and "integrator" in kind.takes:
+        engine += f" {choice('integrator', integrator, MUJOCO_INTEGRATORS)}"
     step = 0.0
-    if kind.engine:
-        engine = kind.engine
-        if "integrator" in kind.takes:
-            engine += f" {choice('integrator', integrator, MUJOCO_INTEGRATORS)}"
-        chains = [chain] if second is None else [chain, second]
-        step, lines = engine_step(chains, engine, tree, damping, timestep, load, units)
-        facts += lines
-    gravity = _gravity(load, tree.turned)
+    if isinstance(chain, SpatialChain):
+        dead = load if isinstance(load, SpatialLoad) else None
+        choice("format of a chain in space", kind.name, SPATIAL_FORMATS)
+        if second is not None:
+            raise ValueError("second must be left out for a chain in space, which bends in both planes")
+        if not law.orders and not kind.balls:
+            able = ", ".join(each.name for each in FORMATS.values() if each.balls)
+            raise ValueError(
+                f"joints must be hinges, such as yzx_alternating, in {kind.name} files, got {law.name}, "
+                f"which is for {able}"
+            )
+        build = partial(spatial_tree, chain, name, law, damping, balls=kind.balls)
+        tree = _tree(kind, chain.tree.pieces, chain.ends, build)
+        facts = facts_about_rod(chain, damping, units)
+        if engine:
+            first = float(spatial_modes(chain, 1).angular_frequency.max(initial=0.0))
+            step, lines = engine_step_in_space(first, engine, tree, damping, timestep, dead, units)
+            facts += lines
+        gravity = dead.gravity if dead is not None else (0.0, 0.0, 0.0)
+    else:
+        plain = load if isinstance(load, Load) else None
+        build = partial(planar_tree, chain, name, second=second, damping=damping)
+        tree = _tree(kind, chain.pieces, chain.boundary.name, build)
+        facts = facts_about(chain, damping, plain, units, turned=tree.turned)
+        if second is not None:
+            # Not about a shape bent in the other plane, which is not a motion in one plane.
+            straight = plain if plain is not None and not plain.bends else None
+            facts += [f"along y: {line}" for line in facts_about(second, damping, straight, units)[1:-1]]
+        if engine:
+            chains = [chain] if second is None else [chain, second]
+            step, lines = engine_step(chains, engine, tree, damping, timestep, plain, units)
+            facts += lines
+        gravity = _gravity(plain, tree.turned)
     model = Model(chain, tree, tuple(facts), name, paths, fragment, step, integrator, gravity)
     return _write(paths, force, *kind.write(model))
 
@@ -204,23 +236,23 @@ def _place_and_format(path: object, format: str | None) -> tuple[Path, Format]:
     return place, kinds[choice("suffix of path, without format,", place.suffix.lower(), kinds)]
 
 
-def _tree(kind: Format, chain: Chain, name: str, second: Chain | None, damping: Damping | None) -> Tree:
+def _tree(kind: Format, pieces: int, ends: object, build: Callable[[], Tree]) -> Tree:
     """Return the bodies and joints of a chain, as far as a format has them and can hold them."""
     most = kind.most_bodies
     if most is None:
-        return Tree((), (), False)
+        return Tree()
     # An outer piece without mass becomes no body.
-    too_long = chain.pieces - 2 > most
-    tree = Tree((), (), False) if too_long else planar_tree(chain, name, second=second, damping=damping)
+    too_long = pieces - 2 > most
+    tree = Tree() if too_long else build()
     if too_long or len(tree.bodies) > most:
         raise ValueError(
-            f"chain must have at most {most} pieces for {kind.name} files, got {chain.pieces}{kind.because}"
+            f"chain must have at most {most} pieces for {kind.name} files, got {pieces}{kind.because}"
         )
     if tree.ties and not kind.ties:
         able = ", ".join(each.name for each in FORMATS.values() if each.ties)
         raise ValueError(
             f"chain must be supported at one end only for {kind.name} files, which are trees, got "
-            f"{chain.boundary.name}; {able} files can support both"
+            f"{ends}; {able} files can support both"
         )
     return tree
 

@@ -9,7 +9,9 @@ from collections.abc import Iterable
 import numpy as np
 
 from beammodes.accuracy.chain_against_beam import SlendernessWarning, chain_errors, stout_remark
+from beammodes.accuracy.chain_against_rod import rod_errors
 from beammodes.chains.chain import Chain
+from beammodes.chains.spatial_chain import SpatialChain
 from beammodes.checks import percent
 from beammodes.equations.equilibria import EquilibriumNotFound, find_equilibrium
 from beammodes.exporters.unit_systems import UNIT_SYSTEMS
@@ -18,8 +20,9 @@ from beammodes.version import SOURCE
 from beammodes.vibration.damping import Damping
 from beammodes.vibration.linear import BentModel, LinearModel, linearize
 from beammodes.vibration.modes import solve_modes
+from beammodes.vibration.modes_in_space import spatial_modes
 
-__all__ = ["damped_modes", "facts_about", "one_line"]
+__all__ = ["damped_modes", "facts_about", "facts_about_rod", "one_line"]
 
 _REPORTED = 3
 #: Longer chains take more than some seconds to find their shape at rest.
@@ -77,9 +80,51 @@ def facts_about(
         lines += [f"damping ratios of these modes, without load: {_few(ratios, '.4g')}"] if ratios else []
     if load not in (None, Load()):
         lines += _under(chain, damping, load)
+    return _headed(lines, units)
+
+
+def facts_about_rod(
+    chain: SpatialChain, damping: Damping | None = None, units: str | None = None
+) -> list[str]:
+    """Return lines on a chain in space: its rod, ends and rule, its first frequencies and their errors.
+
+    Examples
+    --------
+    >>> from beammodes.problem.rod import Rod
+    >>> print(facts_about_rod(SpatialChain(Rod(1.0, 1.0, 0.8, 1.0, 1e-4), "clamped-free", 6, "gregory"))[1])
+    rod: length 1 m, EI 1 N m2 about z and 1 about y, GJ 0.8, 1 kg/m, if it was given in SI units
+    """
+    rod, system = chain.rod, UNIT_SYSTEMS[units or "SI"]
+    twist, across, bend = (rod.planar(axis).mean_bending_stiffness for axis in range(3))
+    varies = "" if rod.is_uniform else ", on average where they vary"
+    lines = [
+        f"rod: length {rod.length:.6g} {system.length}, EI {bend:.6g} {system.bending_stiffness} about z and "
+        f"{across:.6g} about y, GJ {twist:.6g}, {rod.planar(0).mean_mass_per_length:.6g} "
+        f"{system.mass_per_length}{varies}{'' if units else ', if it was given in SI units'}",
+        f"ends: {chain.ends}",
+        f"rule: {chain.rule.name}, {chain.segments} segments",
+    ]
+    omega = spatial_modes(chain, _REPORTED).angular_frequency
+    hertz = _few((omega / (2 * math.pi)).tolist(), ".8g")
+    lines.append(f"natural frequencies of the chain: {hertz or 'none'} Hz, undamped, without load")
+    if len(omega):
+        try:
+            errors = ", ".join(
+                percent(error, 5, rounding=1e-10) for error in rod_errors(chain, len(omega)).tolist()
+            )
+        except (ArithmeticError, ValueError) as error:
+            errors = f"not known here: {error}"
+        lines.append(f"their errors against the exact rod: {errors}")
+    if damping not in (None, Damping()):
+        ratios = (damping.stiffness * omega / 2).tolist()
+        lines += [f"damping ratios of these modes, without load: {_few(ratios, '.4g')}"] if ratios else []
+    return _headed(lines, units)
+
+
+def _headed(lines: Iterable[str], units: str | None) -> list[str]:
     usual = "m, kg, s and rad, if the beam was given in them; else the consistent set it was in"
-    lines.append(f"units: {UNIT_SYSTEMS[units].all if units else usual}")
-    return [f"written by {SOURCE}", *map(one_line, lines)]
+    units_line = f"units: {UNIT_SYSTEMS[units].all if units else usual}"
+    return [f"written by {SOURCE}", *map(one_line, [*lines, units_line])]
 
 
 def _under(chain: Chain, damping: Damping | None, load: Load | None) -> tuple[str, ...]:

@@ -20,10 +20,25 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
+import numpy as np
+
 from beammodes.chains.chain import Chain
+from beammodes.chains.spatial_chain import SpatialChain
 from beammodes.exporters.chain_csv import csv_lines
 from beammodes.exporters.export_facts import one_line
-from beammodes.exporters.planar_tree import Body, Joint, Tie, Tree, Vector, bending_planes, links
+from beammodes.exporters.model_tree import (
+    IDENTITY,
+    NEARLY_NOTHING,
+    Body,
+    Joint,
+    Rows,
+    Tie,
+    Tree,
+    Vector,
+    links,
+)
+from beammodes.numerics.arrays import Floats
+from beammodes.numerics.rotations import quaternion
 
 __all__ = ["FORMATS", "MAX_NESTED", "Format", "Model"]
 
@@ -34,7 +49,7 @@ class Model:
 
     Attributes
     ----------
-    chain : Chain
+    chain : Chain or SpatialChain
     tree : Tree
         Of no bodies for formats that take the chain itself.
     facts : tuple of str
@@ -50,7 +65,7 @@ class Model:
     gravity : triple [m/s²]
     """
 
-    chain: Chain
+    chain: Chain | SpatialChain
     tree: Tree
     facts: tuple[str, ...]
     name: str
@@ -87,6 +102,8 @@ class Format:
         The reason for that limit.
     ties : bool
         It can support both ends.
+    balls : bool
+        It has ball joints with springs.
     """
 
     name: str
@@ -98,6 +115,7 @@ class Format:
     most_bodies: int | None = None
     because: str = ""
     ties: bool = False
+    balls: bool = False
 
     def paths(self, path: Path) -> tuple[Path, ...]:
         """Return the path of each file."""
@@ -133,14 +151,27 @@ def _n(*values: float) -> str:
 
 
 def _comment(model: Model, *notes: str) -> list[str]:
-    if model.tree.bodies:
-        notes = (
-            f"x runs along the beam; it bends in {bending_planes(model.tree)}",
-            "twist, stretch and shear are not modelled",
-            *notes,
-        )
-    lines = (f"{model.name}: a flexible beam", *model.facts, *notes)
+    lines = (f"{model.name}: a flexible beam", *model.facts, *model.tree.notes, *notes)
     return ["<!--", *(f"  {line}" for line in lines), "-->"]
+
+
+def _carriers(tree: Tree) -> Iterator[str]:
+    """Yield what the head says on links between two joints of a node."""
+    if any(len(body.joints) > 1 for body in tree.bodies):
+        yield f"links *_carrier are between two joints; they have {NEARLY_NOTHING:g} of the mass and of the"
+        yield "least moment of inertia of the body that they carry: no frequency shifts by more than 1e-8"
+
+
+def _check_bodies(model: Model) -> None:
+    """Refuse bodies that MuJoCo, Drake and Gazebo refuse: no matter has such moments of inertia."""
+    for body in model.tree.bodies:
+        moments = _principal(body)[0]
+        if sum(moments) < 2 * max(moments) * (1 - 1e-12):
+            raise ValueError(
+                "chain must have pieces whose inertias a body can have, each moment at most the sum of the "
+                "two others (a section's inertias about y and z add up to its polar one: give those too), "
+                f"got {body.name} with {', '.join(f'{value:.4g}' for value in moments)}"
+            )
 
 
 def _thickness(tree: Tree) -> float:
@@ -156,15 +187,17 @@ def _thickness(tree: Tree) -> float:
     most_bodies=MAX_NESTED,
     because=": MuJoCo's XML reader refuses elements nested 500 deep",
     ties=True,
+    balls=True,
 )
 def _mjcf(model: Model) -> Sequence[Iterable[str]]:
     tree = model.tree
-    least = min((value for body in tree.bodies for value in (body.mass, *body.inertia)), default=1.0)
+    least = min((value for body in tree.bodies for value in (body.mass, *_principal(body)[0])), default=1.0)
     if least <= _LEAST:
         raise ValueError(
             f"chain must be in units in which masses and inertias are above 1e-15, the least that MuJoCo "
             f"takes (such as mm and g), got {least:.3g}"
         )
+    _check_bodies(model)
     # A fragment is bodies for <worldbody> or a body; with ties it is whole sections for the top of a model.
     whole = not model.fragment or bool(tree.ties)
     lines = [*_comment(model, *_mjcf_notes(model))]
@@ -184,7 +217,6 @@ def _mjcf(model: Model) -> Sequence[Iterable[str]]:
 
 def _mjcf_notes(model: Model) -> Iterator[str]:
     ties = model.tree.ties
-    yield "the small inertia about x stands for nothing"
     if model.fragment:
         where = "at the top of a model" if ties else "in <worldbody> or a body"
         yield f"include {where}; it needs timestep {model.timestep!r} or less with {model.integrator}"
@@ -194,7 +226,8 @@ def _mjcf_notes(model: Model) -> Iterator[str]:
     else:
         yield "gravity is off: with it the beam sags and rings at other frequencies"
     if ties:
-        yield "tendons support the far end, linear in the joints, for small deflections; it slides along x"
+        slides = "" if any(tie.name.endswith("deflection_x") for tie in ties) else "; it slides along x"
+        yield f"tendons support the far end, linear in the joints, for small deflections{slides}"
     if any(tie.stiffness == math.inf for tie in ties):
         yield "its deflection is held by a constraint, which is soft in MuJoCo: frequencies are within 0.02 %"
         yield "for that, solref is twice the timestep and solimp 0.9999; give the solver tolerance 1e-14"
@@ -204,18 +237,55 @@ def _mjcf_bodies(tree: Tree, depth: int) -> list[str]:
     radius, lines = _thickness(tree) / 2, []
     for i, body in enumerate(tree.bodies):
         pad = " " * (depth + i)
-        lines.append(f'{pad}<body name="{body.name}" pos="{_n(body.position)} 0 0">')
-        mass = f'pos="{_n(body.centre)} 0 0" mass="{_n(body.mass)}" diaginertia="{_n(*body.inertia)}"'
+        lines.append(f'{pad}<body name="{body.name}" pos="{_n(*body.position)}"{_quat(body.rotation)}>')
+        moments, axes = _principal(body)
+        mass = f'pos="{_n(*body.centre)}" mass="{_n(body.mass)}" diaginertia="{_n(*moments)}"{_quat(axes)}'
         lines.append(f"{pad} <inertial {mass}/>")
         for joint in body.joints:
             forces = {"stiffness": joint.stiffness, "damping": joint.damping}
             given = "".join(f' {what}="{_n(value)}"' for what, value in forces.items() if value)
-            axis = " ".join(map(str, joint.axis))
-            lines.append(f'{pad} <joint name="{joint.name}" type="{joint.kind}" axis="{axis}"{given}/>')
+            axis = f' axis="{" ".join(map(str, joint.axis))}"' if joint.kind in _KINDS else ""
+            lines.append(f'{pad} <joint name="{joint.name}" type="{joint.kind}"{axis}{given}/>')
         if body.length > radius / 10:
-            size = f'fromto="0 0 0 {_n(body.length)} 0 0" size="{_n(radius)}" mass="0"'
+            size = f'fromto="0 0 0 {_n(*body.tip)}" size="{_n(radius)}" mass="0"'
             lines.append(f'{pad} <geom type="capsule" {size} contype="0" conaffinity="0"/>')
     return lines + [f"{' ' * (depth + i)}</body>" for i in reversed(range(len(tree.bodies)))]
+
+
+def _principal(body: Body) -> tuple[Vector, Rows]:
+    """Return a body's principal moments of inertia and their axes, as columns."""
+    (xx, xy, xz), (_, yy, yz), (_, _, zz) = body.inertia
+    if not (xy or xz or yz):
+        return (xx, yy, zz), IDENTITY
+    moments, axes = np.linalg.eigh(np.array(body.inertia))
+    axes[:, 0] *= np.sign(np.linalg.det(axes))
+    x, y, z = moments.tolist()
+    one, two, three = map(tuple, axes.tolist())
+    return (x, y, z), (one, two, three)
+
+
+def _quat(rotation: Rows) -> str:
+    if rotation == IDENTITY:
+        return ""
+    return f' quat="{_n(*(quaternion(np.array(rotation)) + 0.0))}"'
+
+
+def _rpy(rotation: Floats) -> Vector:
+    """Return roll, pitch and yaw about fixed axes, which turn as the matrix to the last digits."""
+    yaw = math.atan2(rotation[1, 0], rotation[0, 0])
+    cos, sin = math.cos(yaw), math.sin(yaw)
+    # Of what is left when the yaw is taken back: right at a pitch of a quarter turn, too.
+    pitch = math.atan2(-rotation[2, 0], cos * rotation[0, 0] + sin * rotation[1, 0])
+    roll = math.atan2(
+        sin * rotation[0, 2] - cos * rotation[1, 2], cos * rotation[1, 1] - sin * rotation[0, 1]
+    )
+    return roll + 0.0, pitch + 0.0, yaw + 0.0
+
+
+def _along(tip: Vector) -> tuple[Vector, Vector]:
+    """Return the middle of a piece, and the angles that turn x into its direction."""
+    x, y, z = tip
+    return (x / 2, y / 2, z / 2), (0.0, -math.atan2(z, math.hypot(x, y)) + 0.0, math.atan2(y, x) + 0.0)
 
 
 def _mjcf_ties(ties: Sequence[Tie], timestep: float) -> Iterator[str]:
@@ -241,7 +311,8 @@ _KINDS = {"hinge": "revolute", "slide": "prismatic"}
 
 
 def _moments(body: Body) -> Iterator[tuple[str, float]]:
-    return zip(("ixx", "iyy", "izz", "ixy", "ixz", "iyz"), (*body.inertia, 0.0, 0.0, 0.0), strict=True)
+    (xx, xy, xz), (_, yy, yz), (_, _, zz) = body.inertia
+    return zip(("ixx", "iyy", "izz", "ixy", "ixz", "iyz"), (xx, yy, zz, xy, xz, yz), strict=True)
 
 
 def _joint_of(body: Body, joint: Joint | None) -> tuple[str, str]:
@@ -264,11 +335,16 @@ def _sdf(model: Model) -> Sequence[Iterable[str]]:
         "implicitly: stable at any step, it adds a damping ratio of half the step times angular frequency",
         f"gravity is {'on' if any(gravity) else 'off'} in the world here, which Drake ignores; with it the",
         "beam sags and rings at other frequencies than without load",
+        *_carriers(model.tree),
     )
-    inner, place, thickness = [], 0.0, _thickness(model.tree)
+    _check_bodies(model)
+    inner, thickness = [], _thickness(model.tree)
+    place, frame = np.zeros(3), np.eye(3)
     for link in links(model.tree):
-        place += link.position
-        inner += [*_sdf_link(link.body, place, thickness), *_sdf_joint(link.parent, link.body, link.joint)]
+        place, frame = place + frame @ link.position, frame @ np.array(link.rotation)
+        inner += [*_sdf_link(link.body, place, frame, thickness)]
+        if link.joint is None or link.joint.kind != "free":
+            inner += [*_sdf_joint(link.parent, link.body, link.joint)]
     inner = [f'<model name="{model.name}">', *(f" {line}" for line in inner), "</model>"]
     if not model.fragment:
         inner = [
@@ -285,17 +361,18 @@ def _sdf(model: Model) -> Sequence[Iterable[str]]:
     return (["\n".join([*head, *(f" {line}" for line in inner), "</sdf>", ""])],)
 
 
-def _sdf_link(body: Body, place: float, thickness: float) -> Iterator[str]:
+def _sdf_link(body: Body, place: Floats, frame: Floats, thickness: float) -> Iterator[str]:
     yield f'<link name="{body.name}">'
-    yield f" <pose>{_n(place)} 0 0 0 0 0</pose>"
+    yield f" <pose>{_n(*place, *_rpy(frame))}</pose>"
     yield " <inertial>"
-    yield f"  <pose>{_n(body.centre)} 0 0 0 0 0</pose>"
+    yield f"  <pose>{_n(*body.centre)} 0 0 0</pose>"
     yield f"  <mass>{_n(body.mass)}</mass>"
     yield f"  <inertia>{''.join(f'<{key}>{_n(value)}</{key}>' for key, value in _moments(body))}</inertia>"
     yield " </inertial>"
     if body.length > thickness / 10:
         yield f' <visual name="{body.name}_visual">'
-        yield f"  <pose>{_n(body.length / 2)} 0 0 0 0 0</pose>"
+        middle, turned = _along(body.tip)
+        yield f"  <pose>{_n(*middle, *turned)}</pose>"
         yield f"  <geometry><box><size>{_n(body.length, thickness, thickness)}</size></box></geometry>"
         yield " </visual>"
     yield "</link>"
@@ -332,17 +409,22 @@ def _urdf(model: Model) -> Sequence[Iterable[str]]:
     notes = (
         f"URDF knows no springs: without those in {one_line(model.paths[1].name)} this is a loose chain",
         "gravity is not part of a URDF file: with it the beam sags and rings at other frequencies",
+        *_carriers(model.tree),
     )
-    lines = [_XML, *_comment(model, *notes), f'<robot name="{model.name}">', ' <link name="world"/>']
+    lines = [_XML, *_comment(model, *notes), f'<robot name="{model.name}">']
+    if not any(joint.kind == "free" for body in model.tree.bodies for joint in body.joints):
+        lines.append(' <link name="world"/>')
     thickness = _thickness(model.tree)
     for link in links(model.tree):
         lines += _urdf_link(link.body, thickness)
+        if link.joint is not None and link.joint.kind == "free":
+            continue
         name, kind = _joint_of(link.body, link.joint)
         lines += [
             f' <joint name="{name}" type="{kind}">',
             f'  <parent link="{link.parent}"/>',
             f'  <child link="{link.body.name}"/>',
-            f'  <origin xyz="{_n(link.position)} 0 0" rpy="0 0 0"/>',
+            f'  <origin xyz="{_n(*link.position)}" rpy="{_n(*_rpy(np.array(link.rotation)))}"/>',
         ]
         if link.joint is not None:
             lines += [
@@ -358,13 +440,14 @@ def _urdf_link(body: Body, thickness: float) -> Iterator[str]:
     inertia = " ".join(f'{key}="{_n(value)}"' for key, value in _moments(body))
     yield f' <link name="{body.name}">'
     yield "  <inertial>"
-    yield f'   <origin xyz="{_n(body.centre)} 0 0" rpy="0 0 0"/>'
+    yield f'   <origin xyz="{_n(*body.centre)}" rpy="0 0 0"/>'
     yield f'   <mass value="{_n(body.mass)}"/>'
     yield f"   <inertia {inertia}/>"
     yield "  </inertial>"
     if body.length > thickness / 10:
         yield "  <visual>"
-        yield f'   <origin xyz="{_n(body.length / 2)} 0 0" rpy="0 0 0"/>'
+        middle, turned = _along(body.tip)
+        yield f'   <origin xyz="{_n(*middle)}" rpy="{_n(*turned)}"/>'
         yield f'   <geometry><box size="{_n(body.length, thickness, thickness)}"/></geometry>'
         yield "  </visual>"
     yield " </link>"
@@ -385,4 +468,5 @@ def _springs_yaml(model: Model) -> Iterator[str]:
 
 @_format("csv", ".csv")
 def _csv(model: Model) -> Sequence[Iterable[str]]:
+    assert isinstance(model.chain, Chain)
     return (csv_lines(model.chain, model.facts),)

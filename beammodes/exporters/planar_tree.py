@@ -1,13 +1,7 @@
-"""A chain as multibody tools take it: a row of bodies and joints from the ground, and ties at the far end.
+"""A planar chain as a row of bodies and joints: x runs along the beam from the ground, z is the deflection.
 
-::
-
-      ground --joints-- body --hinge-- body --hinge-- body -- ties (only where the far end is supported)
-        x runs along the beam, z is the deflection; a positive angle lifts the far tip
-
-The row starts at the firmer end, so a chain with one supported end is a tree. What holds or springs the other
-end acts on sums of joint coordinates: its deflection,  z₀ + Σ (distance from hinge to tip) × (joint angle),
-or its rotation,  Σ (joint angle).
+A positive angle lifts the far tip. What holds or springs the far end acts on its deflection,
+z₀ + Σ (distance from hinge to tip) × (joint angle),  or on its rotation,  Σ (joint angle).
 """
 
 from __future__ import annotations
@@ -18,21 +12,18 @@ from dataclasses import dataclass, replace
 from types import MappingProxyType
 
 from beammodes.chains.chain import Chain
+from beammodes.exporters.model_tree import IDENTITY, NEARLY_NOTHING, Body, Joint, Tie, Tree
 from beammodes.numerics.arrays import Floats
 from beammodes.vibration.damping import Damping
 from beammodes.vibration.spectrum import is_turned
 
-__all__ = ["AXES", "Body", "Joint", "Link", "Tie", "Tree", "Vector", "bending_planes", "links", "planar_tree"]
+__all__ = ["AXES", "planar_tree"]
 
 #: Stiffness and damping.
 Spring = tuple[float, float]
-Vector = tuple[float, float, float]
 
 #: For each direction of deflection, the axes of a slide along it and of a hinge that lifts the far tip.
 AXES = MappingProxyType({"z": ((0, 0, 1), (0, -1, 0)), "y": ((0, 1, 0), (0, 0, 1))})
-#: What a body that cannot do without mass or inertia gets, over what it moves with. Heavy bodies at both ends
-#: of a short chain make ten times that of it in a frequency: still below 1e-8.
-_TRACE = 1e-10
 
 
 @dataclass(frozen=True)
@@ -110,59 +101,6 @@ def _bending_plane(chain: Chain, damping: Damping, turned: bool) -> _Plane:
     return _Plane(length, mass, middle, inertia, tuple(springs), near, far)
 
 
-@dataclass(frozen=True)
-class Joint:
-    """One coordinate of a body relative to the one before, "slide" or "hinge", with a spring and a damper."""
-
-    name: str
-    kind: str
-    axis: tuple[int, int, int]
-    stiffness: float = 0.0
-    damping: float = 0.0
-
-
-@dataclass(frozen=True)
-class Body:
-    """A rigid piece; `position` is that of its near tip on the body before, `inertia` about x, y and z."""
-
-    name: str
-    position: float
-    length: float
-    mass: float
-    centre: float
-    inertia: tuple[float, float, float]
-    joints: tuple[Joint, ...]
-
-
-@dataclass(frozen=True)
-class Tie:
-    """A sum of joint coordinates that a spring resists, or that is held at zero where `stiffness` is inf."""
-
-    name: str
-    terms: tuple[tuple[str, float], ...]
-    stiffness: float
-    damping: float
-
-
-@dataclass(frozen=True)
-class Tree:
-    """Bodies in a row from the ground, and what supports the far end; `turned` if that is the left one."""
-
-    bodies: tuple[Body, ...]
-    ties: tuple[Tie, ...]
-    turned: bool
-
-
-@dataclass(frozen=True)
-class Link:
-    """A body with its one joint to its parent, None for a weld; a nearly massless one between two joints."""
-
-    parent: str
-    position: float
-    body: Body
-    joint: Joint | None
-
-
 def planar_tree(
     chain: Chain, name: str = "chain", *, second: Chain | None = None, damping: Damping | None = None
 ) -> Tree:
@@ -193,27 +131,12 @@ def planar_tree(
     planes = [plane.without_held_far_piece() for plane in planes]
     grounded = any(end.is_grounded for each in chains for end in (each.boundary.left, each.boundary.right))
     joints = [_joints(planes, i, name, grounded) for i in range(len(planes[0].length))]
-    return Tree(tuple(_bodies(planes, joints, name)), tuple(_ties(planes, name)), turned)
-
-
-def bending_planes(tree: Tree) -> str:
-    """Return the planes in which a tree bends, in words."""
-    about = {joint.axis for body in tree.bodies for joint in body.joints if joint.kind == "hinge"}
-    return "the x-z and x-y planes" if len(about) == 2 else "the x-z plane only"
-
-
-def links(tree: Tree) -> Iterator[Link]:
-    """Yield every joint with a link of its own, as URDF and SDFormat want it; the first parent is "world"."""
-    parent = "world"
-    for body in tree.bodies:
-        position = body.position
-        trace = (_TRACE * max(body.inertia),) * 3
-        for joint in body.joints[:-1]:
-            carrier = Body(f"{joint.name}_carrier", position, 0.0, _TRACE * body.mass, 0.0, trace, (joint,))
-            yield Link(parent, position, carrier, joint)
-            parent, position = carrier.name, 0.0
-        yield Link(parent, position, body, body.joints[-1] if body.joints else None)
-        parent = body.name
+    both = "the x-z and x-y planes" if len(planes) == 2 else "the x-z plane only"
+    notes = (
+        f"x runs along the beam; it bends in {both}",
+        "twist, stretch and shear are not modelled; the small inertia about x stands for nothing",
+    )
+    return Tree(tuple(_bodies(planes, joints, name)), tuple(_ties(planes, name)), turned, notes)
 
 
 def _check_alike(planes: Sequence[_Plane]) -> None:
@@ -254,10 +177,12 @@ def _bodies(planes: Sequence[_Plane], joints: Sequence[tuple[Joint, ...]], name:
             continue
         if i == 1 and fixed and not plane.length[0] and (not root or not plane.mass[0]):
             own = (*root, *own)
-        inertia = _inertia([each.inertia[i] for each in planes], plane, i)
-        mass = plane.mass[i] or _TRACE * math.fsum(plane.mass)
+        x, y, z = _inertia([each.inertia[i] for each in planes], plane, i)
+        inertia = ((x, 0.0, 0.0), (0.0, y, 0.0), (0.0, 0.0, z))
+        mass = plane.mass[i] or NEARLY_NOTHING * math.fsum(plane.mass)
         number = i if fixed else i + 1
-        yield Body(f"{name}_piece_{number}", before, length, mass, plane.centre[i], inertia, own)
+        position, tip, centre = ((along, 0.0, 0.0) for along in (before, length, plane.centre[i]))
+        yield Body(f"{name}_piece_{number}", position, IDENTITY, tip, mass, centre, inertia, own)
         before = length
 
 
@@ -266,7 +191,8 @@ def _inertia(about: Sequence[float], plane: _Plane, i: int) -> tuple[float, floa
     mass, centre = plane.mass[i], plane.centre[i]
     # A piece that turns has inertia or a mass off its hinge; one that does not may have any inertia.
     floor = (
-        _TRACE * max(*about, mass * centre**2) or mass * (math.fsum(plane.length) / len(plane.length)) ** 2
+        NEARLY_NOTHING * max(*about, mass * centre**2)
+        or mass * (math.fsum(plane.length) / len(plane.length)) ** 2
     )
     y, z = (max(own, floor) for own in (about[0], about[-1]))
     return abs(y - z) + max(0.01 * min(y, z), floor), y, z

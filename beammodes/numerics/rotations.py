@@ -8,7 +8,7 @@ import numpy as np
 
 from beammodes.numerics.arrays import Floats
 
-__all__ = ["accumulated", "carried", "cross_matrix", "rotation", "rotation_vector", "screw"]
+__all__ = ["accumulated", "carried", "cross_matrix", "quaternion", "rotation", "rotation_vector", "screw"]
 
 #: Below this angle series are exact to the last digit with five terms.
 _SMALL = 0.25
@@ -58,15 +58,15 @@ def rotation(vector: Floats) -> Floats:
     return turned
 
 
-def rotation_vector(matrix: Floats) -> Floats:
-    """Return the vectors about and by which matrices turn, of length up to π; the inverse of `rotation`.
+def quaternion(matrix: Floats) -> Floats:
+    """Return unit quaternions (w, x, y, z) of rotations, w ≥ 0, shape (..., 4).
 
     Examples
     --------
-    >>> rotation_vector(rotation(np.array([0.1, -3.0, 0.2]))).round(12).tolist()
-    [0.1, -3.0, 0.2]
+    >>> quaternion(rotation(np.array([0.0, 0.0, np.pi / 2]))).round(6).tolist()
+    [0.707107, 0.0, 0.0, 0.707107]
     """
-    # The quaternion by its largest component (Shepperd 1978): right to the last digits at every angle.
+    # By its largest component (Shepperd 1978): right to the last digits at every angle.
     m = matrix
     trace = np.trace(m, axis1=-2, axis2=-1)
     diagonal = np.diagonal(m, axis1=-2, axis2=-1)
@@ -82,7 +82,19 @@ def rotation_vector(matrix: Floats) -> Floats:
     largest = squares.argmax(axis=-1)
     row = np.take_along_axis(outer, largest[..., None, None], axis=-2)[..., 0, :]
     row = row / np.sqrt((row**2).sum(axis=-1, keepdims=True))
-    row = np.where(row[..., :1] < 0, -row, row)
+    unit: Floats = np.where(row[..., :1] < 0, -row, row)
+    return unit
+
+
+def rotation_vector(matrix: Floats) -> Floats:
+    """Return the vectors about and by which matrices turn, of length up to π; the inverse of `rotation`.
+
+    Examples
+    --------
+    >>> rotation_vector(rotation(np.array([0.1, -3.0, 0.2]))).round(12).tolist()
+    [0.1, -3.0, 0.2]
+    """
+    row = quaternion(matrix)
     half = np.sqrt((row[..., 1:] ** 2).sum(axis=-1))
     angle = 2 * np.arctan2(half, row[..., 0])
     share = np.where(half > 0, angle / np.where(half > 0, half, 1.0), 2.0)
