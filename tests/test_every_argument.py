@@ -36,6 +36,8 @@ MATERIAL = {"elastic_modulus": 207e9, "density": 7850.0, "length": 1.0}
 STUDY = {"boundary": "clamped-free", "segments": [2, 3], "mode": [1, 2], "compute": "relative_error"}
 SPREAD = bm.frequency_spread(BAR, "clamped-free", {"height": 0.02}, 2, **MATERIAL, samples=100)
 
+FRAME = bm.Structure.of_beam(BEAM, "clamped-free", [bm.Station(0.4, mass=0.1)])
+
 #: By name: a call that works. Each of its arguments is then replaced.
 GOOD: dict[str, dict[str, Any]] = {
     "AxialChain": {"beam": SHAFT, "boundary": "fixed-free", "segments": 3, "rule": "mitiguy"},
@@ -76,8 +78,11 @@ GOOD: dict[str, dict[str, Any]] = {
     },
     "GivenSection": {"area": 1e-3, "second_moment": 1e-8, "weak_second_moment": 1e-9},
     "ISection": {"width": 0.05, "height": 0.1, "flange": 0.01, "web": 0.005},
+    "Joint": {"x": 0.0, "y": 1.0, "support": "pinned", "mass": 0.1, "rotary_inertia": 0.1},
+    "LineLoad": {"per_length": 2.0, "start": 0.1, "stop": 0.5},
     "Load": {"axial_force": 1.0, "gravity": (0.0, -9.81), "tip_force": (0.0, 1.0), "tip_moment": 1.0},
     "Normal": {"mean": 1.0, "standard_deviation": 0.1, "within": 6.0},
+    "PointLoad": {"x": 0.5, "force": 1.0, "moment": 0.1},
     "Rectangle": {"width": 0.02, "height": 0.01},
     "Rule.hinge_weights": {
         "self": bm.RULES["mitiguy"],
@@ -97,6 +102,9 @@ GOOD: dict[str, dict[str, Any]] = {
         "chunk": 2,
     },
     "Study.sampled": {**STUDY, "count": 5, "seed": 1, "right_mass": bm.Uniform(0.0, 1.0), "chunk": 5},
+    "Station": {"x": 0.5, "mass": 0.1, "hinge": 2.0},
+    "Structure.of_beam": {"beam": BEAM, "boundary": "clamped-free", "stations": [bm.Station(0.5)]},
+    "StructureChain": {"structure": FRAME, "segments": 4, "rule": "gregory", "corrected": True},
     "Table": {"x": [0.0, 0.5, 1.0], "value": [1.0, 1.5, 2.0]},
     "Tolerance": {"size": 0.01, "distribution": "uniform"},
     "Tube": {"outer": 0.02, "wall": 0.002},
@@ -219,6 +227,10 @@ GOOD: dict[str, dict[str, Any]] = {
         "mass_per_length": 0.5,
         "mode": 1,
     },
+    "structure_chain_modes": {"chain": bm.StructureChain(FRAME, 4), "modes": 2},
+    "structure_chain_statics": {"chain": bm.StructureChain(FRAME, 4), "load": bm.PointLoad(0.5, force=1.0)},
+    "structure_modes": {"structure": FRAME, "modes": 2},
+    "structure_statics": {"structure": FRAME, "load": bm.PointLoad(0.5, force=1.0)},
     "symbolic_energies": {"chain": bm.Chain(BEAM, "clamped-free", 1), "symbols": False},
     "equations_of_motion": {"chain": bm.Chain(BEAM, "clamped-free", 1), "symbols": False},
     "theory_errors": {

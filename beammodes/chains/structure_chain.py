@@ -15,10 +15,12 @@ from dataclasses import dataclass, fields
 from fractions import Fraction
 from typing import NamedTuple
 
+import numpy as np
+
 from beammodes.chains.chain import Chain
 from beammodes.chains.pieces import MAX_PIECES
 from beammodes.chains.rules import AnyRule, Layout, Rule, fits_of, layout_of
-from beammodes.checks import flag, shown, whole_number
+from beammodes.checks import bounded, flag, shown, whole_number
 from beammodes.problem.ends import ENDS, Boundary
 from beammodes.problem.structure import Node, Parts, Structure, checked_structure
 
@@ -166,12 +168,13 @@ def shared_segments(parts: Parts, segments: int | Sequence[int], rule: Layout) -
     (8, 2)
     """
     lengths, fits = [stretch.beam.length for stretch in parts.stretches], fits_of(rule) or (lambda _: True)
-    if isinstance(segments, Sequence) and not isinstance(segments, str):
-        if len(segments) != len(lengths):
+    if isinstance(segments, Sequence | np.ndarray) and not isinstance(segments, str):
+        listed = bounded("segments", segments)
+        if len(listed) != len(lengths):
             raise ValueError(
                 f"segments must be one number, or {len(lengths)}, one for each stretch, got {shown(segments)}"
             )
-        return tuple(whole_number("segments", n, most=MAX_PIECES) for n in segments)
+        return tuple(whole_number("segments", n, most=MAX_PIECES) for n in listed)
     total = whole_number("segments", segments, most=MAX_PIECES)
     least = [next(n for n in range(1, 1000) if fits(n)) for _ in lengths]
     if total < sum(least):

@@ -63,9 +63,10 @@ class PointLoad:
             object.__setattr__(self, "x", _place("x", self.x))
         pair = self.force
         if isinstance(pair, Sequence) and not isinstance(pair, str):
-            if len(pair) != 2:
+            items = bounded("force", pair, most=2)
+            if len(items) != 2:
                 raise ValueError(f"force must be a number or two components, got {shown(pair)}")
-            pair = (_kept("force", pair[0]), _kept("force", pair[1]))
+            pair = (_kept("force", items[0]), _kept("force", items[1]))
         elif self.joint is not None and _kept("force", pair):
             raise ValueError(f"force must be two components (F_x, F_y) at a joint, got {shown(pair)}")
         else:

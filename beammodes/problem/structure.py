@@ -543,6 +543,7 @@ def _stiffness(name: str, value: object) -> float:
 
 
 def _row(name: str, value: object, count: int) -> list[Any]:
-    if not isinstance(value, Sequence) or isinstance(value, str | bytes) or len(value) != count:
+    items = bounded(name, value, most=count) if isinstance(value, Iterable) else []
+    if len(items) != count:
         raise TypeError(f"{name} must be {count} numbers, got {shown(value)}")
-    return list(value)
+    return items
