@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from decimal import Decimal, localcontext
 from itertools import pairwise
 from typing import Any, NamedTuple
 
@@ -43,8 +44,8 @@ def carried(state: Any, section: Section, square: Any, tension: Any, terms: int 
 
     Term by term (EI y'')'' - T y'' + ω² (ρI y')' - ω² ρA y = 0, with Q = (T - ω² ρI) y' - M'.
     """
-    stiff, mass, rotary = ([mp.mpf(c) for c in row] for row in section[1:])
-    h, (y, slope, moment, shear) = mp.mpf(section.length), state
+    stiff, mass, rotary = ([Decimal(c) for c in row] for row in section[1:])
+    h, (y, slope, moment, shear) = Decimal(section.length), state
     bend = [moment, (tension - square * rotary[0]) * slope - shear]
     a = [y, slope, moment / stiff[0] / 2]
     a.append((bend[1] - sum(2 * c * a[2] for c in stiff[1:2])) / stiff[0] / 6)
@@ -57,14 +58,21 @@ def carried(state: Any, section: Section, square: Any, tension: Any, terms: int 
             c * (n + 4 - k) * (n + 3 - k) * a[n + 4 - k] for k, c in enumerate(stiff) if 0 < k <= n + 2
         )
         a.append((bend[n + 2] - known) / (stiff[0] * (n + 4) * (n + 3)))
-        if n % 10 == 9 and max(abs(c * h**k) for k, c in enumerate(a[-6:], n - 1)) < mp.mpf(10) ** -40 * abs(
-            a[2]
-        ):
+        late = n % 10 == 9 and max(abs(c * h**k) for k, c in enumerate(a[-6:], n - 1))
+        if n % 10 == 9 and late < Decimal("1e-40") * abs(a[2]):
             break
-    y, slope = mp.polyval(a[::-1], h, derivative=True)
-    moment, rate = mp.polyval(bend[::-1], h, derivative=True)
-    assert abs(a[-1] * h ** len(a)) < mp.mpf(10) ** -32 * max(abs(c * h**k) for k, c in enumerate(a))
-    return y, slope, moment, (tension - square * mp.polyval(rotary[::-1], h)) * slope - rate
+    (y, slope), (moment, rate), (turning, _) = (polynomial(row, h) for row in (a, bend, rotary))
+    assert abs(a[-1] * h ** len(a)) < Decimal("1e-32") * max(abs(c * h**k) for k, c in enumerate(a))
+    return y, slope, moment, (tension - square * turning) * slope - rate
+
+
+def polynomial(coefficients: Sequence[Decimal], x: Decimal) -> tuple[Decimal, Decimal]:
+    """Return its value and its derivative; constant first."""
+    value = rate = Decimal(0)
+    for c in reversed(coefficients):
+        rate = rate * x + value
+        value = value * x + c
+    return value, rate
 
 
 def determinant(omega: Any, sections: Sequence[Section], pair: Boundary, tension: float) -> Any:
@@ -72,8 +80,8 @@ def determinant(omega: Any, sections: Sequence[Section], pair: Boundary, tension
     square = omega**2
 
     def resisting(end: End) -> tuple[Any, Any, Any]:
-        mass, inertia, offset = (mp.mpf(float(number)) for number in end.moving_body)
-        across, turning = (mp.mpf(float(k)) for k in (end.translational_stiffness, end.rotational_stiffness))
+        mass, inertia, offset = (Decimal(float(number)) for number in end.moving_body)
+        across, turning = (Decimal(float(k)) for k in (end.translational_stiffness, end.rotational_stiffness))
         return across - square * mass, turning - square * (inertia + mass * offset**2), square * mass * offset
 
     left, right = pair.left, pair.right
@@ -84,7 +92,7 @@ def determinant(omega: Any, sections: Sequence[Section], pair: Boundary, tension
     conditions = []
     for state in (one, other):
         for section in sections:
-            state = carried([mp.mpf(value) for value in state], section, square, mp.mpf(tension))
+            state = carried([Decimal(value) for value in state], section, square, Decimal(tension))
         y, slope, moment, shear = state
         force = y if right.holds_deflection else shear + across * y - both * slope
         couple = slope if right.holds_rotation else moment + turning * slope - both * y
@@ -95,8 +103,8 @@ def determinant(omega: Any, sections: Sequence[Section], pair: Boundary, tension
 
 def error(omega: float, sections: Sequence[Section], pair: Boundary, tension: float = 0.0) -> float:
     """Return the relative distance to the nearest root: the step of Newton's from `omega`."""
-    with mp.workdps(40):
-        place, small = mp.mpf(omega), mp.mpf(10) ** -16
+    with localcontext(prec=40):
+        place, small = Decimal(omega), Decimal("1e-16")
         here = determinant(place, sections, pair, tension)
         rise = determinant(place * (1 + small), sections, pair, tension) - here
         return abs(float(small * here / rise)) if here else 0.0
@@ -104,18 +112,18 @@ def error(omega: float, sections: Sequence[Section], pair: Boundary, tension: fl
 
 def nearer_than(bound: float, omega: float, sections: Sequence[Section], pair: Boundary) -> bool:
     """Return whether the determinant changes sign within a relative distance of `omega`."""
-    with mp.workdps(40):
+    with localcontext(prec=40):
         below, above = (
-            determinant(mp.mpf(omega) * (1 + d), sections, pair, 0.0) for d in (-mp.mpf(bound), mp.mpf(bound))
+            determinant(Decimal(omega) * (1 + d), sections, pair, 0.0) for d in (-Decimal(bound), Decimal(bound))
         )
         return bool(below * above < 0)
 
 
 def sign_changes(highest: float, sections: Sequence[Section], pair: Boundary) -> int:
     """Return how many roots lie between a tenth of the unit and `highest`, on a grid of 24 in √ω."""
-    with mp.workdps(40):
+    with localcontext(prec=40):
         grid = np.linspace(0.4, math.sqrt(highest), 24)
-        signs = [mp.sign(determinant(mp.mpf(b) ** 2, sections, pair, 0.0)) for b in grid.tolist()]
+        signs = [determinant(Decimal(b) ** 2, sections, pair, 0.0) > 0 for b in grid.tolist()]
     return sum(a != b for a, b in pairwise(signs))
 
 

@@ -261,8 +261,8 @@ def ritz_count(boundary: Boundary, tension: float, rotary: float, square: float,
     The Gauss elimination of K - ω² M, bordered by the held quantities, has one negative pivot for each
     frequency below and one for each border.
     """
-    power, one, none = range(terms), mp.mpf(1), mp.mpf(0)
-    t, r, w = mp.mpf(tension), mp.mpf(rotary), mp.mpf(square)
+    power, one, none = range(terms), decimal.Decimal(1), decimal.Decimal(0)
+    t, r, w = (decimal.Decimal(number) for number in (tension, rotary, square))
     matrix = [
         [
             (i * (i - 1) * j * (j - 1) * one / (i + j - 3) if min(i, j) > 1 else none)
@@ -277,7 +277,7 @@ def ritz_count(boundary: Boundary, tension: float, rotary: float, square: float,
         (boundary.left, -1, [int(i == 0) for i in power], [int(i == 1) for i in power]),
         (boundary.right, 1, [1 for _ in power], list(power)),
     ):
-        mass, inertia, offset = (mp.mpf(float(number)) for number in end.moving_body)
+        mass, inertia, offset = (decimal.Decimal(float(number)) for number in end.moving_body)
         centre = [y + side * offset * slope for y, slope in zip(values, slopes, strict=True)]
         terms_of_end = [(-w * mass, centre), (-w * inertia, slopes)]
         for held, spring, vector in (
@@ -287,7 +287,7 @@ def ritz_count(boundary: Boundary, tension: float, rotary: float, square: float,
             if held:
                 borders.append(vector)
             else:
-                terms_of_end.append((mp.mpf(float(spring)), vector))
+                terms_of_end.append((decimal.Decimal(float(spring)), vector))
         for factor, vector in terms_of_end:
             for i in power:
                 for j in power:
@@ -335,7 +335,7 @@ def test_every_mode_is_found_once(left: End, right: End, tension: float, rotary:
     squares = modes.angular_frequency**2
     assert np.all(np.diff(squares) > 0.0) and squares[0] > 0.0
     assert np.all(np.isfinite([modes.shape([0.0, 0.3, 1.0], order) for order in range(4)]))
-    with mp.workdps(100):
+    with decimal.localcontext(prec=100):
         counts = [
             ritz_count(boundary, tension, rotary, math.sqrt(squares[n]) * math.sqrt(squares[n + 1]))
             for n in range(3)
