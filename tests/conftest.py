@@ -63,7 +63,9 @@ def exact_frequencies(chain: Chain, digits: int = 50) -> list[mpmath.mpf]:
     )
     rough = [np.array(rows, dtype=float) for rows in matrices]
     with localcontext(prec=digits + 40):
-        mass, stiffness = ([[Decimal(v.numerator) / v.denominator for v in row] for row in m] for m in matrices)
+        mass, stiffness = (
+            [[Decimal(v.numerator) / v.denominator for v in row] for row in m] for m in matrices
+        )
 
         def times(rows: Rows, x: list[Decimal]) -> list[Decimal]:
             near = ((i, slice(max(0, i - band), i + band + 1)) for i in range(size))
@@ -75,7 +77,9 @@ def exact_frequencies(chain: Chain, digits: int = 50) -> list[mpmath.mpf]:
             x, last = [Decimal(value) for value in shape], Decimal(-1)
             for _ in range(8):
                 right = times(mass, x)
-                square = sum(map(Decimal.__mul__, x, times(stiffness, x))) / sum(map(Decimal.__mul__, x, right))
+                square = sum(map(Decimal.__mul__, x, times(stiffness, x))) / sum(
+                    map(Decimal.__mul__, x, right)
+                )
                 if abs(square - last) <= small * abs(square) or abs(square) <= small * trace:
                     break
                 # A shift that is the root itself leaves nothing to divide by.
@@ -90,7 +94,7 @@ def exact_frequencies(chain: Chain, digits: int = 50) -> list[mpmath.mpf]:
             else:
                 raise AssertionError("the iteration has no end")
             squares.append(square)
-        assert abs(sum(squares) - trace) < 100 * small * trace
+        assert abs(sum(squares) - trace) <= 100 * small * trace
     with mpmath.workdps(digits):
         return [mpmath.sqrt(max(mpmath.mpf(str(square)), 0)) for square in sorted(squares)]
 

@@ -9,6 +9,7 @@ import casadi
 import numpy as np
 import pytest
 import sympy
+from turns import in_turns
 
 from beammodes.chains.chain import Chain
 from beammodes.chains.rules import RULES
@@ -101,8 +102,9 @@ def test_recursion_equals_the_dense_equations(boundary: str) -> None:
             assert_recursion_is_dense(chain, load, segments)
 
 
-@pytest.mark.parametrize("rule", RULES)
-@pytest.mark.parametrize("boundary", ["clamped-free", "guided-clamped", "pinned-guided"])
+@pytest.mark.parametrize(
+    ("boundary", "rule"), in_turns(["clamped-free", "guided-clamped", "pinned-guided"], RULES, every=3)
+)
 def test_recursion_equals_the_dense_equations_for_every_layout(boundary: str, rule: str) -> None:
     # Rules differ in their stubs at the walls: none, of no length, of half a segment or of a whole one.
     assert_recursion_is_dense(Chain(BEAM, boundary, 4, rule), LOAD)
@@ -193,12 +195,14 @@ def lagrange(
 @pytest.mark.parametrize(
     ("boundary", "springs", "turns", "damped"),
     [
-        ("clamped-free", (0.0, 0.0), True, False),
+        pytest.param("clamped-free", (0.0, 0.0), True, False, marks=pytest.mark.slow),
         ("clamped-free", (0.0, 0.0), True, True),
         ("pinned(rotational_stiffness=3)-free", (0.0, 3.0), True, True),
-        ("guided(translational_stiffness=4)-free", (4.0, 0.0), False, True),
+        pytest.param(
+            "guided(translational_stiffness=4)-free", (4.0, 0.0), False, True, marks=pytest.mark.slow
+        ),
         ("free(translational_stiffness=4, rotational_stiffness=2)-free", (4.0, 2.0), False, True),
-        ("free-free", (0.0, 0.0), False, True),
+        pytest.param("free-free", (0.0, 0.0), False, True, marks=pytest.mark.slow),
     ],
 )
 def test_moving_base_equals_lagranges_equations(
@@ -274,7 +278,7 @@ def on_closure(chain: Chain, q: Array, u: Array) -> tuple[Array, Array]:
     return q, u - np.linalg.pinv(slope) @ (slope @ u) if len(slope) else u
 
 
-@pytest.mark.parametrize("boundary", PLAIN + SPRUNG)
+@pytest.mark.parametrize("boundary", in_turns(PLAIN + SPRUNG, every=2))
 def test_damping_takes_the_power_of_rayleighs_function(boundary: str) -> None:
     # dE/dt = -q'ᵀ C q' with q'ᵀ M q' = 2 T and q'ᵀ K q' = 2 V of springs and supports at the rates q'.
     chain = Chain(BEAM, boundary, 4)

@@ -752,11 +752,11 @@ def target(name: str) -> Any:
 def combinations(name: str, pairs: int) -> Iterator[dict[str, str]]:
     """Every argument by every value, then so many draws of two arguments by two values.
 
-    Without draws it is every third value, in turns: the next argument has the next ones.
+    Without draws it is every fifth value, in turns: the next argument has the next ones.
     """
     arguments = [argument for argument in CALLS[name]() if argument != "self"]
     for (i, argument), (k, value) in itertools.product(enumerate(arguments), enumerate(HOSTILE)):
-        if (pairs or (i + k) % 3 == 0) and not (argument == "progress" and value in OWN_FUNCTIONS):
+        if (pairs or (i + k) % 5 == 0) and not (argument == "progress" and value in OWN_FUNCTIONS):
             yield {argument: value}
     draw = random.Random(name)
     for _ in range(pairs if len(arguments) > 1 else 0):

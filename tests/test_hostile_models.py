@@ -85,7 +85,7 @@ FILES: dict[str, tuple[str | bytes | Callable[[], str | bytes], str, str]] = {
         "printable name of at most 200",
         ".xml",
     ),
-    "a huge number": (lambda: GOOD.replace("200", "9" * 8_000_000), "at most 1e+30", ".xml"),
+    "a huge number": (lambda: GOOD.replace("200", "9" * 1_000_000), "at most 1e+30", ".xml"),
     "a million numbers": (lambda: GOOD.replace("200", "1 " * 10**6), "1 or 2 or 3 numbers", ".xml"),
     "a name of two lines": (GOOD.replace("<body>", '<body name="a&#10;b">'), "printable name", ".xml"),
     "a name that writes to terminals": (
@@ -173,7 +173,13 @@ def model(folder: Path, case: str) -> tuple[Path, str]:
     return path, message
 
 
-@pytest.mark.parametrize("case", FILES)
+#: Of two files that end at the same bound one is in the plain suite; the other's is peak memory below, too.
+AGAIN = {"a million links", "many attributes", "a huge class", "a huge comment"}
+
+
+@pytest.mark.parametrize(
+    "case", [pytest.param(case, marks=[pytest.mark.slow] if case in AGAIN else []) for case in FILES]
+)
 def test_refused_in_one_line_and_in_bounds(case: str, tmp_path: Path) -> None:
     path, message = model(tmp_path, case)
     large = callable(FILES[case][0])
@@ -363,7 +369,7 @@ EXTREMES = st.sampled_from(
 @pytest.mark.filterwarnings("error")
 @pytest.mark.parametrize("suffix", [".xml", ".urdf", ".sdf", ".csv"])
 @given(st.lists(st.tuples(st.floats(0, 1, exclude_max=True), EXTREMES), min_size=1, max_size=3))
-@settings(max_examples=40)
+@settings(max_examples=20)
 def test_extreme_numbers_end_in_an_answer_or_one_line(
     tmp_path_factory: pytest.TempPathFactory, suffix: str, changes: list[tuple[float, str]]
 ) -> None:

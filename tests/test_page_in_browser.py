@@ -111,7 +111,8 @@ def _check(page: Any, left: str, right: str, rule: str, n: int, modes: int, tole
             same(law, 100 * float(bm.error_law(pair, mode, rule).at(np.array(n))))
 
 
-def test_every_picture_loads_and_nothing_is_wider_than_the_screen(page: Any) -> None:
+@pytest.mark.parametrize("widths", [(320,), pytest.param((1280, 768, 375), marks=pytest.mark.slow)])
+def test_every_picture_loads_and_nothing_is_wider_than_the_screen(page: Any, widths: tuple[int, ...]) -> None:
     pictures = page.evaluate("[...document.images].map((i) => i.complete && i.naturalWidth)")
     assert len(pictures) > 15 and all(width and width > 100 for width in pictures)
     # Asked of the page in one go: it draws the plot again when its width changes.
@@ -120,12 +121,12 @@ def test_every_picture_loads_and_nothing_is_wider_than_the_screen(page: Any) -> 
     )
     assert len(boxes) == 2
     assert all(box["width"] > 200 and box["height"] > 150 for box in boxes)
-    for width in (1280, 768, 375, 320):
+    for width in widths:
         page.set_viewport_size({"width": width, "height": 800})
         # The plot is drawn again a moment after its width has changed.
         page.wait_for_function("width => document.documentElement.scrollWidth <= width", arg=width)
     plot = "document.querySelector('#atlas-plot svg').getBoundingClientRect().width"
-    page.wait_for_function(f"{plot} <= 320")
+    page.wait_for_function(f"{plot} <= {widths[-1]}")
 
 
 def test_the_atlas_shows_what_the_library_returns(page: Any, address: str) -> None:
@@ -202,5 +203,9 @@ def test_on_paper(page: Any) -> None:
     page.emulate_media(media="print")
     assert not page.locator("#atlas-form").is_visible()
     assert page.locator("#atlas-plot svg").is_visible() and page.locator("#atlas-state").is_visible()
+
+
+@pytest.mark.slow
+def test_printed(page: Any) -> None:
     printed = page.pdf(prefer_css_page_size=True)
     assert printed.startswith(b"%PDF") and 15 <= printed.count(b"/Type /Page\n") <= 40

@@ -7,7 +7,9 @@ import signal
 import subprocess
 import sys
 import time
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
+from queue import SimpleQueue
 
 import pytest
 
@@ -29,7 +31,12 @@ def test_at_once_as_one_after_another(tmp_path: Path) -> None:
         assert sum(text.startswith(f"\r{name}: {name}.csv") for text in heard) == 2
 
 
-def test_a_failure_reaches_the_caller(tmp_path: Path) -> None:
+@pytest.mark.parametrize("threads", [True, pytest.param(False, marks=pytest.mark.slow)])
+def test_a_failure_reaches_the_caller(threads: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    if threads:
+        # Instead of processes, which take a second each to begin.
+        monkeypatch.setattr("studies.runner.ProcessPoolExecutor", lambda count, *_: ThreadPoolExecutor(count))
+        monkeypatch.setattr("studies.runner._channel", [SimpleQueue()])
     (tmp_path / "c_table.svg").mkdir()  # no file can take its place
     with pytest.raises(ValueError, match=r"path must be an ordinary file.*c_table\.svg"):
         run_all(QUICK, tmp_path, 2, lambda _: None)

@@ -17,6 +17,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from turns import in_turns
 
 import beammodes
 from beammodes.__main__ import main
@@ -74,7 +75,7 @@ def one_line(text: bytes) -> str:
     return said
 
 
-@pytest.mark.parametrize("name", ENCODINGS)
+@pytest.mark.parametrize("name", in_turns(ENCODINGS, every=2))
 def test_help_and_errors_in_every_encoding(name: str, tmp_path: Path) -> None:
     for arguments in (["--help"], ["springs", "--help"]):
         ran = process(arguments, tmp_path, settings=ENCODINGS[name])
@@ -228,19 +229,22 @@ def interrupted(ran: subprocess.CompletedProcess[bytes]) -> None:
 
 
 @POSIX
-@pytest.mark.parametrize("times", [1, 2])
 @pytest.mark.parametrize(
-    "module",
-    [
-        "beammodes.command_line.shell",
-        "beammodes.command_line.options",
-        "beammodes.command_line.commands",
-        "argparse",
-        "numpy",
-        "numpy.linalg",
-        "beammodes.closed_form.uniform_chains",
-        "beammodes.problem.ends",
-    ],
+    ("module", "times"),
+    in_turns(
+        [
+            "beammodes.command_line.shell",
+            "beammodes.command_line.options",
+            "beammodes.command_line.commands",
+            "argparse",
+            "numpy",
+            "numpy.linalg",
+            "beammodes.closed_form.uniform_chains",
+            "beammodes.problem.ends",
+        ],
+        [1, 2],
+        every=2,
+    ),
 )
 def test_an_interrupt_during_imports(module: str, times: int, tmp_path: Path) -> None:
     call = ["error", "clamped-free", "--segments", "6"]
@@ -250,8 +254,7 @@ def test_an_interrupt_during_imports(module: str, times: int, tmp_path: Path) ->
 
 
 @POSIX
-@pytest.mark.parametrize("times", [1, 2, 3])
-@pytest.mark.parametrize("swallowed", ["no", "error", "yes"])
+@pytest.mark.parametrize(("swallowed", "times"), in_turns(["no", "error", "yes"], [1, 2, 3], every=2))
 def test_an_interrupt_however_a_library_takes_it(swallowed: str, times: int, tmp_path: Path) -> None:
     place = "beammodes.chains.chain.Chain"
     before = INSIDE.format(place=place, times=times, swallowed=swallowed)
@@ -455,8 +458,8 @@ def test_every_numeric_option_over_hostile_values(
     command: Any, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     assert set(SOME) <= set(HOSTILE)
-    # Of the slowest command every option takes every other value, in turns.
-    over_values(SOME, command, tmp_path, capsys, monkeypatch, every=2 if command.name == "segments" else 1)
+    # In turns: an option takes every other value, of the slowest command every fourth.
+    over_values(SOME, command, tmp_path, capsys, monkeypatch, every=4 if command.name == "segments" else 2)
 
 
 @pytest.mark.slow

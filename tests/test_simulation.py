@@ -279,7 +279,9 @@ def test_midpoint_keeps_closures_too(boundary: str) -> None:
     base = BaseMotion(y=harmonic(0.03, 4.0))
     step = stable_time_step(chain) / 8
     start = mode_start(chain, 1, 0.2)
-    motion = simulate(chain, duration=1.2e3 * step, step=step, integrator="midpoint", initial=start, base=base)
+    motion = simulate(
+        chain, duration=1.2e3 * step, step=step, integrator="midpoint", initial=start, base=base
+    )
     assert np.abs(motion.y[:, -1] - base.at(motion.time)[1, 0]).max() < 1e-12
     rates = np.asarray(np.cos(motion.angle) * motion.angular_velocity)
     left = motion.u.sel(coordinate="y_0") if "y_0" in motion.coordinate else base.at(motion.time)[1, 1]

@@ -114,7 +114,8 @@ def nearer_than(bound: float, omega: float, sections: Sequence[Section], pair: B
     """Return whether the determinant changes sign within a relative distance of `omega`."""
     with localcontext(prec=40):
         below, above = (
-            determinant(Decimal(omega) * (1 + d), sections, pair, 0.0) for d in (-Decimal(bound), Decimal(bound))
+            determinant(Decimal(omega) * (1 + d), sections, pair, 0.0)
+            for d in (-Decimal(bound), Decimal(bound))
         )
         return bool(below * above < 0)
 

@@ -69,10 +69,14 @@ def test_processes_give_the_same_bits(tmp_path: Path, serial: tuple[Path, xarray
 
 
 @pytest.mark.filterwarnings("default")  # of Dask, not ours
-def test_a_dask_cluster_gives_the_same_bits(tmp_path: Path, serial: tuple[Path, xarray.Dataset]) -> None:
+@pytest.mark.parametrize("processes", [False, pytest.param(True, marks=pytest.mark.slow)])
+def test_a_dask_cluster_gives_the_same_bits(
+    processes: bool, tmp_path: Path, serial: tuple[Path, xarray.Dataset]
+) -> None:
     distributed = pytest.importorskip("distributed")
+    options = {"n_workers": 2, "threads_per_worker": 1, "dashboard_address": None}
     with (
-        distributed.LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster,
+        distributed.LocalCluster(**options, processes=processes) as cluster,
         distributed.Client(cluster) as client,
     ):
         same(tmp_path, study().run(store=tmp_path, engine=client), serial)
@@ -192,7 +196,9 @@ print(many.own.values.tolist(), many.closed.values.tolist(), many.reasons)
 """
 
 
-@pytest.mark.parametrize("typed", [True, False], ids=["notebook", "script"])
+@pytest.mark.parametrize(
+    "typed", [pytest.param(True, id="notebook"), pytest.param(False, id="script", marks=pytest.mark.slow)]
+)
 def test_functions_of_a_notebook_or_script_reach_the_workers(tmp_path: Path, typed: bool) -> None:
     # Typed: a program that no file holds. In neither case is there a guard of the main module.
     (tmp_path / "script.py").write_text(NOTEBOOK)

@@ -6,6 +6,7 @@ import errno
 import json
 import os
 import random
+import shutil
 import signal
 import subprocess
 import sys
@@ -64,10 +65,27 @@ def calls(monkeypatch: pytest.MonkeyPatch) -> list[tuple[Any, ...]]:
     return seen
 
 
-@pytest.mark.parametrize("error", [KeyboardInterrupt, SystemExit, MemoryError])
-def test_an_interrupted_study_goes_on(tmp_path: Path, calls: list[Any], error: type[BaseException]) -> None:
-    whole = study().run()
-    calls.clear()
+@pytest.fixture(scope="module")
+def kept(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Any]:
+    """A store of the whole study, and its dataset: made once, not to be changed."""
+    folder = tmp_path_factory.mktemp("kept")
+    return folder, study().run(store=folder)
+
+
+@pytest.fixture
+def whole(kept: tuple[Path, Any], tmp_path: Path) -> Any:
+    """The study's dataset, a copy of whose store is the test's own folder."""
+    shutil.copytree(kept[0], tmp_path, dirs_exist_ok=True)
+    return kept[1]
+
+
+@pytest.mark.parametrize(
+    "error", [KeyboardInterrupt, MemoryError, pytest.param(SystemExit, marks=pytest.mark.slow)]
+)
+def test_an_interrupted_study_goes_on(
+    kept: tuple[Path, Any], tmp_path: Path, calls: list[Any], error: type[BaseException]
+) -> None:
+    whole = kept[1]
     stop = Stop(3, error)
     with pytest.raises(error) as caught:
         study().run(store=tmp_path, progress=stop)
@@ -122,8 +140,7 @@ def test_a_full_disk_loses_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPat
     assert bm.open_study(tmp_path).complete == 1
 
 
-def test_what_was_half_written_is_ignored_and_removed(tmp_path: Path) -> None:
-    study().run(store=tmp_path / "whole")
+def test_what_was_half_written_is_ignored_and_removed(kept: tuple[Path, Any], tmp_path: Path) -> None:
     folder = tmp_path / "store"
     folder.mkdir()
     # As a kill leaves them: of the definition, and of a chunk.
@@ -133,12 +150,11 @@ def test_what_was_half_written_is_ignored_and_removed(tmp_path: Path) -> None:
     assert bm.open_study(folder).complete == 1
     study().run(store=folder)
     assert not list(folder.glob(".*"))
-    assert names(folder) == names(tmp_path / "whole")
+    assert names(folder) == names(kept[0])
 
 
 @pytest.mark.parametrize("damage", ["cut", "flipped", "emptied", "removed"])
-def test_a_damaged_chunk_is_computed_again(tmp_path: Path, calls: list[Any], damage: str) -> None:
-    whole = study().run(store=tmp_path)
+def test_a_damaged_chunk_is_computed_again(whole: Any, tmp_path: Path, calls: list[Any], damage: str) -> None:
     before = names(tmp_path)
     path = tmp_path / before[6]
     data = bytearray(path.read_bytes())
@@ -166,9 +182,8 @@ def slow(case: bm.Case) -> float:
     return float(case.segments)
 
 
-@pytest.mark.parametrize(
-    ("changes", "message"),
-    [
+def test_a_changed_definition_is_refused(whole: Any, tmp_path: Path) -> None:
+    changed: list[tuple[dict[str, Any], str]] = [
         (
             {"segments": range(1, 22)},
             r"axes, segments, values is .* \(20 of them\) there, .* \(21 of them\) here",
@@ -181,13 +196,11 @@ def slow(case: bm.Case) -> float:
         ({"chunk": 5}, "chunk is 4 there, 5 here"),
         ({"compute": "relative_error"}, "compute, angular_frequency is there, not here"),
         ({"compute": [*GRID["compute"], slow]}, "compute, slow is here, not there"),
-    ],
-)
-def test_a_changed_definition_is_refused(tmp_path: Path, changes: dict[str, Any], message: str) -> None:
-    first = study().run(store=tmp_path)
-    with pytest.raises(ValueError, match=f"store must be of this study, .* whose {message}"):
-        study(**changes).run(store=tmp_path)
-    assert study().run(store=tmp_path).identical(first)
+    ]
+    for changes, message in changed:
+        with pytest.raises(ValueError, match=f"store must be of this study, .* whose {message}"):
+            study(**changes).run(store=tmp_path)
+    assert study().run(store=tmp_path).identical(whole)
 
 
 def test_another_order_or_version_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -207,11 +220,20 @@ def other(folder: Path, **changes: Any) -> list[Path]:
 
 
 @pytest.mark.parametrize(
-    "changes", [{"rule": "gregory"}, {"segments": range(2, 22)}, {"mode": [2, 3]}, {"chunk": 5}], ids=str
+    "changes",
+    [
+        {"rule": "gregory"},
+        {"chunk": 5},
+        pytest.param({"segments": range(2, 22)}, marks=pytest.mark.slow),
+        pytest.param({"mode": [2, 3]}, marks=pytest.mark.slow),
+    ],
+    ids=str,
 )
-def test_a_chunk_of_another_study_is_not_read(tmp_path: Path, calls: list[Any], changes: Any) -> None:
-    folder = tmp_path / "store"
-    whole = study().run(store=folder)
+def test_a_chunk_of_another_study_is_not_read(
+    kept: tuple[Path, Any], tmp_path: Path, calls: list[Any], changes: Any
+) -> None:
+    folder, whole = tmp_path / "store", kept[1]
+    shutil.copytree(kept[0], folder)
     before = names(folder)
     foreign = other(tmp_path / "other", **changes)[6]
     (folder / before[6]).unlink()
@@ -229,8 +251,7 @@ def test_a_chunk_of_another_study_is_not_read(tmp_path: Path, calls: list[Any], 
     assert study().run(store=folder).identical(whole)  # without a warning
 
 
-def test_two_chunks_that_were_swapped_are_not_read(tmp_path: Path) -> None:
-    whole = study().run(store=tmp_path)
+def test_two_chunks_that_were_swapped_are_not_read(whole: Any, tmp_path: Path) -> None:
     before = names(tmp_path)
     old = [tmp_path / before[k] for k in (2, 5)]
     data = [path.read_bytes() for path in old]
@@ -250,8 +271,8 @@ def test_two_chunks_that_were_swapped_are_not_read(tmp_path: Path) -> None:
     assert names(tmp_path) == before
 
 
+@pytest.mark.usefixtures("whole")
 def test_a_changed_definition_file_is_found_out(tmp_path: Path) -> None:
-    study().run(store=tmp_path)
     path = tmp_path / "study.json"
     text = path.read_text()
     for old, new in (("mitiguy", "gregory"), ('"chunk": 4', '"chunk": 5'), ("clamped-free", "free-free")):
@@ -429,7 +450,9 @@ def test_two_runs_do_not_share_a_store(tmp_path: Path) -> None:
     study().run(store=tmp_path)  # the lock is given back
 
 
-def test_two_runs_without_locks_do_no_harm(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_two_runs_without_locks_do_no_harm(
+    kept: tuple[Path, Any], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     # Each finds the other's chunks appear while it is at work, and writes them again.
     def no_locks(*_: object, **__: object) -> None:
         raise OSError(errno.ENOLCK, os.strerror(errno.ENOLCK))
@@ -441,7 +464,7 @@ def test_two_runs_without_locks_do_no_harm(tmp_path: Path, monkeypatch: pytest.M
             study().run(store=tmp_path)
 
     both = study().run(store=tmp_path, progress=meanwhile)
-    assert both.identical(study().run()) and len(names(tmp_path)) == 10
+    assert both.identical(kept[1]) and len(names(tmp_path)) == 10
 
 
 def test_a_sampled_study_is_read_back(tmp_path: Path) -> None:
@@ -487,20 +510,26 @@ bm.Study.grid(
 """
 
 
-def start(folder: Path, chunks: int, *more: str) -> subprocess.Popen[bytes]:
-    pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE} if more else {}
-    return subprocess.Popen([sys.executable, "-c", PROGRAM, str(folder), str(chunks), *more], **pipes)
+def start(folder: Path, chunks: int) -> subprocess.Popen[bytes]:
+    command = [sys.executable, "-c", PROGRAM, str(folder), str(chunks), "in lockstep"]
+    return subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE)
 
 
 @pytest.mark.parametrize(("times", "chunks"), [(1, 20), pytest.param(10, 200, marks=pytest.mark.slow)])
 @pytest.mark.skipif(sys.platform == "win32", reason="no SIGKILL there")
-def test_killed_many_times_the_store_is_the_same(times: int, chunks: int, tmp_path: Path) -> None:
+def test_killed_many_times_the_store_is_the_same(
+    times: int, chunks: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     # Killed at random moments of a chunk's computing and writing, once it has written others.
-    assert start(tmp_path / "whole", chunks).wait() == 0
+    def run_here(folder: Path) -> None:
+        monkeypatch.setattr(sys, "argv", ["", str(folder), str(chunks)])
+        exec(PROGRAM, {})
+
+    run_here(tmp_path / "whole")
     folder, moments = tmp_path / "killed", random.Random(8)
     counts = []
     for _ in range(times):
-        with start(folder, chunks, "in lockstep") as process:
+        with start(folder, chunks) as process:
             assert process.stdin is not None and process.stdout is not None
             for _ in range(moments.randint(2, 12)):
                 assert process.stdout.readline()
@@ -511,7 +540,7 @@ def test_killed_many_times_the_store_is_the_same(times: int, chunks: int, tmp_pa
         assert process.returncode == -signal.SIGKILL
         counts.append(len(names(folder)))
     assert counts == sorted(set(counts)) and counts[-1] < chunks  # each had done more, none all
-    assert start(folder, chunks).wait() == 0
+    run_here(folder)
     assert names(folder) == names(tmp_path / "whole") and len(names(folder)) == chunks
     files = [(path.name, path.read_bytes()) for path in sorted((tmp_path / "whole").iterdir())]
     assert files == [(path.name, path.read_bytes()) for path in sorted(folder.iterdir())]

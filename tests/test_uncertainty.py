@@ -32,7 +32,8 @@ def spread_of(tolerances: Any, **arguments: Any) -> xarray.Dataset:
 
 
 @pytest.mark.parametrize(
-    ("boundary", "distribution"), in_turns(["clamped-free", "clamped-clamped"], ["uniform", "normal"], every=2)
+    ("boundary", "distribution"),
+    in_turns(["clamped-free", "clamped-clamped"], ["uniform", "normal"], every=2),
 )
 def test_monte_carlo_is_the_first_order_law_of_a_rectangle(boundary: str, distribution: str) -> None:
     sizes = {"elastic_modulus": 0.02, "density": 0.01, "height": 0.015, "length": 0.004, "width": 0.03}
