@@ -24,7 +24,10 @@ from beammodes.chains.chain import Chain
 from beammodes.vibration.linear import nodal_matrices
 
 # A loaded machine is slow, not wrong; a continuous check should fail for the change it checks only.
-hypothesis.settings.register_profile("beammodes", deadline=None, derandomize=bool(os.environ.get("CI")))
+checked = bool(os.environ.get("CI"))
+hypothesis.settings.register_profile(
+    "beammodes", deadline=None, derandomize=checked, max_examples=100 if checked else 40
+)
 hypothesis.settings.load_profile("beammodes")
 
 

@@ -17,6 +17,7 @@ from drawn_ends import ENDS
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
+from turns import in_turns
 
 from beammodes.accuracy.chain_against_beam import chain_errors
 from beammodes.auditing.audit_model import audit_file
@@ -120,8 +121,7 @@ def elastic_frequencies(mass: Array, stiffness: Array, count: int) -> Array:
     return np.asarray(np.sqrt(squares[len(squares) - count :]))
 
 
-@pytest.mark.parametrize("rule", RULES)
-@pytest.mark.parametrize("case", ALL)
+@pytest.mark.parametrize(("case", "rule"), in_turns(ALL, RULES, every=3))
 def test_mujocos_own_matrices_have_the_chains_frequencies(case: str, rule: str, tmp_path: Path) -> None:
     chain = Chain(BEAM, ALL[case], segments=5, rule=rule)
     known = frequencies(chain)
@@ -198,9 +198,11 @@ RINGING = {
 }
 
 
-@pytest.mark.parametrize("integrator", ["RK4", "Euler", "implicit", "implicitfast"])
-@pytest.mark.parametrize(("case", "rigid"), RINGING.items())
-def test_it_rings_at_the_predicted_frequency(case: str, rigid: int, integrator: str, tmp_path: Path) -> None:
+@pytest.mark.parametrize(
+    ("case", "integrator"), in_turns(RINGING, ["RK4", "Euler", "implicit", "implicitfast"], every=2)
+)
+def test_it_rings_at_the_predicted_frequency(case: str, integrator: str, tmp_path: Path) -> None:
+    rigid = RINGING[case]
     chain = Chain(BEAM, ALL[case], segments=8)
     engine = mujoco_model(chain, tmp_path, integrator=integrator)
     motion = record(engine, 20, rigid)
@@ -211,9 +213,15 @@ def test_it_rings_at_the_predicted_frequency(case: str, rigid: int, integrator: 
     assert np.abs(motion[-len(motion) // 20 :]).max() > 0.995
 
 
-@pytest.mark.parametrize("integrator", ["RK4", "implicitfast"])
-@pytest.mark.parametrize("amplitude", [1e-3, 1e-9])
-@pytest.mark.parametrize("case", ["clamped-clamped", "clamped-pinned", "pinned-pinned"])
+@pytest.mark.parametrize(
+    ("case", "amplitude", "integrator"),
+    in_turns(
+        ["clamped-clamped", "clamped-pinned", "pinned-pinned"],
+        [1e-3, 1e-9],
+        ["RK4", "implicitfast"],
+        every=2,
+    ),
+)
 def test_a_held_far_end_is_within_two_parts_in_ten_thousand(
     case: str, amplitude: float, integrator: str, tmp_path: Path
 ) -> None:
@@ -307,8 +315,7 @@ def pinocchio_matrices(pinocchio: Any, model: Any, springs: dict[str, float]) ->
     return mass + np.triu(mass, 1).T, np.diag(stiffness)
 
 
-@pytest.mark.parametrize("rule", RULES)
-@pytest.mark.parametrize("case", OPEN)
+@pytest.mark.parametrize(("case", "rule"), in_turns(OPEN, RULES, every=3))
 def test_urdf_and_its_springs_in_pinocchio(case: str, rule: str, tmp_path: Path) -> None:
     pinocchio = pytest.importorskip("pinocchio")
     chain = Chain(BEAM, OPEN[case], segments=5, rule=rule)
@@ -354,8 +361,7 @@ def model_from_sdf(pinocchio: Any, path: Path) -> tuple[Any, dict[str, float]]:
     return model, springs
 
 
-@pytest.mark.parametrize("rule", ["mitiguy", "half_stub"])
-@pytest.mark.parametrize("case", OPEN)
+@pytest.mark.parametrize(("case", "rule"), in_turns(OPEN, ["mitiguy", "half_stub"], every=2))
 def test_sdformat_links_and_springs_make_the_chain(case: str, rule: str, tmp_path: Path) -> None:
     pinocchio = pytest.importorskip("pinocchio")
     chain = Chain(BEAM, OPEN[case], segments=5, rule=rule)
@@ -392,8 +398,7 @@ def drake_matrices(path: Path, springs: dict[str, float]) -> tuple[Array, Array]
     return mass, stiffness
 
 
-@pytest.mark.parametrize("suffix", [".sdf", ".urdf"])
-@pytest.mark.parametrize("case", OPEN)
+@pytest.mark.parametrize(("case", "suffix"), in_turns(OPEN, [".sdf", ".urdf"], every=2))
 @pytest.mark.filterwarnings("ignore")
 def test_drake_reads_both(case: str, suffix: str, tmp_path: Path) -> None:
     pytest.importorskip("pydrake")
@@ -429,9 +434,10 @@ def test_drake_and_pinocchio_read_both_axes(case: str, suffix: str, tmp_path: Pa
     assert found == pytest.approx(known, rel=1e-8)
 
 
-@pytest.mark.parametrize("suffix", [".xml", ".sdf", ".urdf"])
-@pytest.mark.parametrize("case", ["clamped-free", "free-clamped", "pinned-free"])
-@pytest.mark.parametrize("segments", [2, 3, 6])
+@pytest.mark.parametrize(
+    ("segments", "case", "suffix"),
+    in_turns([2, 3, 6], ["clamped-free", "free-clamped", "pinned-free"], [".xml", ".sdf", ".urdf"], every=3),
+)
 def test_the_audit_reads_hinges_that_come_in_turns(
     segments: int, case: str, suffix: str, tmp_path: Path
 ) -> None:

@@ -54,8 +54,9 @@ def reduced(found: Equilibrium, matrix: np.ndarray) -> np.ndarray:
     return found.basis.T @ matrix @ found.basis
 
 
-@pytest.mark.parametrize("rule", ["double_wall", "mitiguy", "naive", "hencky"])
-@pytest.mark.parametrize("segments", [3, 10, 64])
+@pytest.mark.parametrize(
+    ("rule", "segments"), in_turns(["double_wall", "mitiguy", "naive", "hencky"], [3, 10, 64], every=3)
+)
 def test_a_tip_moment_rolls_a_cantilever_into_a_circle(rule: str, segments: int) -> None:
     # Inner hinges turn by M ell/EI = 2π/N alike, so N equal rods close whatever the wall's hinge turns by.
     chain = Chain(Beam(2.5, 3.0, 1.0), "clamped-free", segments, rule)
@@ -79,8 +80,14 @@ def test_unequal_hinges_near_the_wall_leave_a_gap_that_falls_with_n() -> None:
 @pytest.mark.parametrize(
     ("rule", "force", "angle", "deflection", "retreat"),
     [
-        # Every force with one rule, the largest with all.
-        pytest.param(rule, *row, marks=[] if rule == "mitiguy" or row == ELASTICA[-1] else [pytest.mark.slow])
+        # Forces with one rule, the largest with three more.
+        pytest.param(
+            rule,
+            *row,
+            marks=[]
+            if row == ELASTICA[-1] or (rule, row) == ("mitiguy", ELASTICA[1])
+            else [pytest.mark.slow],
+        )
         for rule in ("mitiguy", "double_wall", "half_stub", "gregory")
         for row in ELASTICA
     ],
@@ -95,8 +102,7 @@ def test_a_tip_force_bends_a_cantilever_into_the_elastica(
     np.testing.assert_allclose((4 * fine - coarse) / 3, exact, rtol=2e-6)
 
 
-@pytest.mark.parametrize("force", [0.2, 5.0])
-@pytest.mark.parametrize("rule", ["naive", "rigid_stub"])
+@pytest.mark.parametrize(("rule", "force"), in_turns(["naive", "rigid_stub"], [0.2, 5.0], every=2))
 def test_rules_of_order_one_bend_at_order_one(rule: str, force: float) -> None:
     exact = next(np.array(row[1:]) for row in ELASTICA if row[0] == force)
     errors = [
@@ -114,7 +120,7 @@ def test_beyond_buckling_a_cantilever_stands_on_its_first_branch() -> None:
     exact = np.array([2 * math.asin(k), 2 * k / length, 2 - 2 * ellipe(square) / length])
     np.testing.assert_allclose(np.degrees(exact[0]), 176.806, atol=5e-4)
     np.testing.assert_allclose([1 - exact[2], exact[1]], [-0.596668, 0.402477], atol=1e-6)
-    found = [find_equilibrium(unit_chain(n), load) for n in (40, 80, 160)]
+    found = [find_equilibrium(unit_chain(n), load) for n in (30, 60, 120)]
     assert all(f.is_stable for f in found)
     values = np.array([tip(f) for f in found])
     errors = values - exact
@@ -238,7 +244,7 @@ LOADS_ALONG = [
 
 @pytest.mark.parametrize(
     ("boundary", "load", "segments"),
-    in_turns([pair.name for pair in BOUNDARIES if not pair.rigid_body_modes], LOADS_ALONG, [6, 40], every=2),
+    in_turns([pair.name for pair in BOUNDARIES if not pair.rigid_body_modes], LOADS_ALONG, [6, 40], every=4),
     ids=str,
 )
 def test_about_the_straight_shape_modes_are_those_of_the_linear_model(
@@ -272,7 +278,7 @@ def test_a_hanging_chain_swings_alike_whichever_way_is_down() -> None:
     ],
     ids=str,
 )
-@pytest.mark.parametrize("rule", ["mitiguy", "double_wall"])
+@pytest.mark.parametrize("rule", ["mitiguy", pytest.param("double_wall", marks=pytest.mark.slow)])
 def test_heavy_and_turning_cantilevers_tend_to_the_beams_own_equation(rule: str, load: Load) -> None:
     # θ'' = F_x sin θ - F_y cos θ with F the force of all that lies beyond, by collocation.
     square, outward = load.spin_rate**2, float(load.plane == "lag")
@@ -353,6 +359,7 @@ def test_a_chain_that_cannot_move_stays(boundary: str, rule: str) -> None:
 
 
 def test_a_long_chain() -> None:
-    fine = find_equilibrium(unit_chain(1000), Load(tip_force=10.0))
-    np.testing.assert_allclose(tip(fine), ELASTICA[-1][1:], rtol=1e-6)
+    # Errors of order two: 1e-6 at N = 1000.
+    fine = find_equilibrium(unit_chain(500), Load(tip_force=10.0))
+    np.testing.assert_allclose(tip(fine), ELASTICA[-1][1:], rtol=4e-6)
     assert fine.is_stable

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import warnings
 
 import numpy as np
 import pytest
@@ -25,15 +24,6 @@ ORDERS = {"mitiguy": 2, "gregory": 4}
 @pytest.fixture(scope="module")
 def tables() -> dict[str, xarray.Dataset]:
     return {name: computed(name) for name in (*BLOCKS, "truck")}
-
-
-@pytest.mark.parametrize("name", [*BLOCKS, "truck"])
-def test_drawn_without_warnings(tables: dict[str, xarray.Dataset], name: str) -> None:
-    with warnings.catch_warnings():
-        warnings.simplefilter("error")
-        figure = every_study()[name].picture(tables[name])
-        figure.draw_without_rendering()
-    assert len(figure.axes) == (8 if name == "truck" else 7)
 
 
 def test_blocks_are_square_and_as_heavy_as_the_beam() -> None:

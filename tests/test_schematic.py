@@ -96,7 +96,7 @@ def made(left: bm.End, right: bm.End, rule: str, segments: int, length: float = 
         return None
 
 
-@settings(max_examples=60, suppress_health_check=list(HealthCheck))
+@settings(max_examples=25, suppress_health_check=list(HealthCheck))
 @given(ends, ends, st.sampled_from(RULES_DRAWN), st.integers(1, 12), st.sampled_from([1e-3, 1.0, 40.0]))
 def test_any_chain_is_drawn_whole(
     left: bm.End, right: bm.End, rule: str, segments: int, length: float
@@ -116,7 +116,7 @@ def test_any_chain_is_drawn_whole(
     assert len(words(ax, GROUND_SPRING)) == len(elastic)
 
 
-@settings(max_examples=40, suppress_health_check=list(HealthCheck))
+@settings(max_examples=20, suppress_health_check=list(HealthCheck))
 @given(ends, ends, st.sampled_from(RULES_DRAWN), st.integers(1, 12), st.integers(1, 12))
 def test_any_mode_is_drawn_whole(left: bm.End, right: bm.End, rule: str, segments: int, mode: int) -> None:
     chain = made(left, right, rule, segments)

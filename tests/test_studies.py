@@ -74,10 +74,13 @@ def test_the_command_writes_the_same_bytes_again(tmp_path: Path) -> None:
         assert (tmp_path / "once" / file).read_bytes() == (tmp_path / "again" / file).read_bytes()
 
 
+#: Those whose code another study runs too: figure_7 is figure_6, and figure_5 is figure_3, of other ends.
+TWINS = {"figure_7", "figure_5"}
+
 EVERY_STUDY = pytest.mark.parametrize(
     "name",
     [
-        pytest.param(name, marks=pytest.mark.slow if study.seconds > SLOW else ())
+        pytest.param(name, marks=pytest.mark.slow if study.seconds > SLOW or name in TWINS else ())
         for name, study in every_study().items()
     ],
 )
@@ -89,7 +92,8 @@ def test_its_tables_are_those_committed_and_its_picture_is_drawn_without_warning
     figure = every_study()[name].picture(computed(name))
     figure.draw_without_rendering()
     assert figure.get_suptitle() == every_study()[name].title
-    assert figure.axes
+    # Panels and bars: of the system and its chains, seven or eight.
+    assert len(figure.axes) >= {"figure_3": 7, "figure_5": 7, "truck": 8}.get(name, 1)
 
 
 @pytest.mark.parametrize("name", every_study())
