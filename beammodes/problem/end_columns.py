@@ -194,8 +194,9 @@ class Ends(ManyEnds):
         try:
             *columns, flags = np.broadcast_arrays(*numbers, flags)
         except ValueError:
-            shapes = ", ".join(str(each.shape) for each in (*numbers, flags))
-            raise ValueError(f"numbers of ends must broadcast together, got shapes {shapes}") from None
+            shapes = zip((*NUMBERS_OF_END, "on_segment"), (*numbers, flags), strict=True)
+            got = ", ".join(f"{name} {each.shape}" for name, each in shapes)
+            raise ValueError(f"numbers of ends must broadcast together, got the shapes {got}") from None
         if (flags & np.isinf(columns[1])).any():
             raise ValueError("on_segment must be False where the end holds the rotation, got True")
         k_t, k_r, body, inertia, arm = columns

@@ -181,9 +181,9 @@ class Rod:
         """
         wide, number = positive_real("radius", radius), positive_real("turns", turns)
         rise = real("pitch", pitch) / (2.0 * math.pi)
-        square = wide**2 + rise**2
-        length = 2.0 * math.pi * number * math.sqrt(square)
-        return cls(length, curvature=(rise / square, 0.0, wide / square), **properties)
+        slant = math.hypot(wide, rise)
+        turning = (rise / slant / slant, 0.0, wide / slant / slant)
+        return cls(2.0 * math.pi * number * slant, curvature=turning, **properties)
 
     @classmethod
     def hook(cls, *, straight: float, radius: float, angle: float, **properties: Any) -> Rod:
