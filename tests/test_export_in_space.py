@@ -252,6 +252,18 @@ def test_the_step_is_that_of_the_highest_mode(tmp_path: Path) -> None:
             r"largest stable timestep in MuJoCo implicitfast: (\S+) s with gravity off", path.read_text()
         )
         assert said is not None and float(said[1]) == pytest.approx(known, rel=1e-3)
+    # A rope that hangs is the planar one, whose limits come from modes under load.
+    rope = bm.Rod(4.0, 1e-3, 1e-3, 0.026, 2e-6, rotary_inertia_per_length=1e-6)
+    own, plane = (bm.RodEnd(mass=0.75), bm.Beam(4.0, 1e-3, 0.026, rotary_inertia_per_length=1e-6))
+    chain = bm.SpatialChain(rope, ("clamped", own), 8, "gregory")
+    (path,) = bm.export_chain(chain, tmp_path / "rope.xml", load=bm.SpatialLoad(gravity=(9.81, 0, 0)))
+    text = path.read_text(encoding="utf-8")
+    said = re.search(r"largest stable timestep in MuJoCo RK4: (\S+) s under", text)
+    hung = bm.stable_time_step(
+        bm.Chain(plane, ("clamped", bm.End(mass=0.75)), 8, "gregory"), load=bm.Load(gravity=(9.81, 0))
+    )
+    assert said is not None and float(said[1]) == pytest.approx(hung, rel=1e-3)
+    assert 'gravity="9.81 0.0 0.0"' in text
     # The bound that long chains have: within some percent of what is solved for.
     for rod in RODS.values():
         tree = spatial_tree(

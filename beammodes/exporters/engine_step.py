@@ -209,7 +209,7 @@ def _stable_step(
     if chain.held_angles[0 if tree.turned else -1]:
         pull = pull[:-1]
     own = pull[len(pull) - len(tree.bodies) :]
-    found = tree_matrices(tree, own, plane=AXES[letter])
+    found = tree_matrices(tree, own[:, None, None] * np.eye(3), plane=AXES[letter])
     return held_step(found, step, tendons=not record.tendon_damping)
 
 

@@ -41,8 +41,8 @@ def engine_step_in_space(
 ) -> tuple[float, list[str]]:
     """Return the time step of a file [s], and lines that say which cases it holds for; as `engine_step`.
 
-    Weight and tip force stiffen a chain at most as if they pulled along every piece: with them the stable
-    steps are lower bounds.
+    Under weight and a force on the tip the steps are those of a chain that hangs: no shape at rest is pulled
+    harder.
 
     Parameters
     ----------
@@ -65,17 +65,25 @@ def engine_step_in_space(
 
 
 def _pull(tree: Tree, gravity: float, force: float) -> Floats | None:
-    """Return the most that loads add to ∂²V/∂θ² of each body's rotation [N m]."""
+    """Return what loads add to ∂²V/∂θ² of each body's rotation where they pull along it [N m]."""
     if not gravity and not force:
         return None
     mass = np.array([body.mass for body in tree.bodies])
     beyond = np.cumsum(mass[::-1])[::-1] - mass
     if tree.ties:
         beyond = np.full_like(mass, mass.sum())
-    length = np.array([body.length for body in tree.bodies])
-    arm = np.array([math.hypot(*body.centre) for body in tree.bodies])
-    pull: Floats = gravity * (beyond * length + mass * arm) + force * length
-    return pull
+    tip, centre = (np.array([getattr(body, at) for body in tree.bodies]) for at in ("tip", "centre"))
+    return _across(tip, gravity * beyond + force) + _across(centre, gravity * mass)
+
+
+def _across(arm: Floats, force: Floats) -> Floats:
+    """Return what a force that pulls along each arm resists: turns across it, not about it."""
+    square = (arm**2).sum(axis=1)[:, None, None]
+    length = np.sqrt(np.where(square > 0.0, square, 1.0))
+    resisted: Floats = (
+        force[:, None, None] / length * (square * np.eye(3) - arm[:, :, None] * arm[:, None, :])
+    )
+    return resisted
 
 
 def _stable_step(tree: Tree, engine: str, beta: float, pull: Floats | None) -> float:
@@ -146,6 +154,6 @@ def bounded_frequency(tree: Tree, pull: Floats | None = None) -> float:
             frame = np.array(tree.bodies[i + 1].rotation)
             own = own + 2.0 * frame @ springs[i + 1] @ frame.T
         if pull is not None:
-            own = own + pull[i] * np.eye(3)
+            own = own + pull[i]
         squares.append(float(np.linalg.eigvals(np.linalg.solve(np.array(body.inertia), own)).real.max()))
     return math.sqrt(max(squares) + extra)

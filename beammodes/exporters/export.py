@@ -105,7 +105,7 @@ def export_chain(
         no gravity, and its step holds without gravity and with 9.81 m/s² in any direction, also for a chain
         that then hangs, which its weight and body stiffen. With one, the head also has the frequencies, and
         with `damping` the ratios, about the shape at rest under it. For a chain in space a `SpatialLoad`,
-        along the axes at s = 0; the limit that the file then says is a lower bound.
+        along the axes at s = 0; the limit that the file then says is that of a chain which hangs.
     units : str, optional
         What the beam's numbers are in, "SI", "mm-N-t" or "in-lbf-s": for words in the head, and for the
         gravity that the step holds for. The file's numbers stay as they are.

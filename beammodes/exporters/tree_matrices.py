@@ -43,8 +43,8 @@ def tree_matrices(
     Parameters
     ----------
     tree : Tree
-    pull : ndarray, shape (bodies,), optional [N m]
-        What a load adds to ∂²V/∂θ² of each body's rotation.
+    pull : ndarray, shape (bodies, 3, 3), optional [N m]
+        What a load adds to ∂²V/∂θ² of each body's rotation, in its own axes.
     plane : pair of axes, optional
         Only the slides along the first and the hinges about the second.
 
@@ -57,7 +57,8 @@ def tree_matrices(
     [[2.0, 0.0], [0.0, 2.0]]
     """
     place, frame = np.zeros(3), np.eye(3)
-    starts, centres, moments = (np.zeros((len(tree.bodies), *shape)) for shape in ((3,), (3,), (3, 3)))
+    starts, centres = np.zeros((2, len(tree.bodies), 3))
+    moments, frames = np.zeros((2, len(tree.bodies), 3, 3))
     names: list[str] = []
     carrier, slides, hinges, springs, dampers = [], [], [], [], []
     still = np.zeros(3)
@@ -65,6 +66,7 @@ def tree_matrices(
         place, frame = place + frame @ body.position, frame @ np.array(body.rotation)
         starts[i], centres[i] = place, place + frame @ body.centre
         moments[i] = frame @ np.array(body.inertia) @ frame.T
+        frames[i] = frame
         for joint in body.joints:
             if plane is not None and joint.axis != plane[joint.kind == "hinge"]:
                 continue
@@ -92,7 +94,7 @@ def tree_matrices(
     inertia = _summed(arm, heavy) + _summed(turn, turned)
     stiffness, joints, ties = np.diag(springs), np.diag(dampers), np.zeros((count, count))
     if pull is not None:
-        stiffness = stiffness + _summed(turn, pull[:, None, None] * turn)
+        stiffness = stiffness + _summed(turn, frames @ pull @ np.swapaxes(frames, 1, 2) @ turn)
     held = []
     for tie in tree.ties:
         arms = dict(tie.terms)
