@@ -512,7 +512,7 @@ def test_ends_with_numbers_and_an_axial_force(capsys: pytest.CaptureFixture[str]
     assert found["relative_error"] == expected and found["axial_force"] == 2.0
     Ran(["error", "clamped-free(mas=1)", "--segments", "6"], capsys).refused('did you mean "mass"?')
     Ran(["error", "clamped-free", "--segments", "6", "--axial-force=-9"], capsys).refused(
-        "--axial-force must not"
+        "--axial-force must be above the compression at which"
     )
     call = ["springs", "pinned(rotational_stiffness=3)-free", "--segments", "3", "--json"]
     spring = Ran(call, capsys).json

@@ -24,6 +24,7 @@ BAR = bm.Beam(1.0, 1.0, 1.0, axial_stiffness=2.0)
 TAPERED = bm.Beam(1.0, bm.Table([0.0, 0.5, 1.0], [1.0, 0.8, 0.7]), 1.0)
 CHAIN = bm.Chain(UNIT, "clamped-free", 3)
 WIRE = {"bending_stiffness": 1.0, "torsional_stiffness": 0.8, "mass_per_length": 1.0}
+SPAN = bm.Structure.of_beam(UNIT, "clamped-pinned")
 BODY = bm.Boundary.of(("clamped", bm.End(mass=0.5)))
 
 #: Made from equal parts by each call.
@@ -60,6 +61,12 @@ MADE: dict[str, Callable[[], Any]] = {
     "SpatialLoad": lambda: bm.SpatialLoad(force=(0.0, 0.0, 1.0)),
     "RodEnd": lambda: bm.RodEnd(mass=0.5, rotary_inertia=(0.1, 0.2, 0.3)),
     "RodEnds": lambda: bm.RodEnds.of("clamped-pinned"),
+    "Joint": lambda: bm.Joint(0, 1, "pinned", mass=0.5),
+    "LineLoad": lambda: bm.LineLoad(2.0),
+    "Member": lambda: bm.Member(bm.Beam.unit(), "foot", "tip"),
+    "PointLoad": lambda: bm.PointLoad(0.5, -2.0),
+    "Station": lambda: bm.Station(0.5, mass=0.1),
+    "Structure": lambda: bm.Structure.of_beam(bm.Beam.unit(), "clamped-free", [bm.Station(0.5, mass=0.1)]),
     "Rule": lambda: bm.RULES["gregory"],
     "axially_corrected": lambda: bm.axially_corrected("mitiguy", bm.Load(axial_force=0.1), UNIT),
     "mode_tuned": lambda: bm.mode_tuned(1),
@@ -102,6 +109,10 @@ FOUND: dict[str, Callable[[], Any]] = {
         bm.SpatialChain(bm.Rod(1.0, **WIRE), "clamped-free", 3)
     ),
     "SpatialModes": lambda: bm.spatial_modes(bm.SpatialChain(bm.Rod(1.0, **WIRE), "clamped-free", 3)),
+    "StructureChain": lambda: bm.StructureChain(SPAN, 4),
+    "StructureChainModes": lambda: bm.structure_chain_modes(bm.StructureChain(SPAN, 4), 2),
+    "StructureModes": lambda: bm.structure_modes(SPAN, 2),
+    "StructureStatics": lambda: bm.structure_statics(SPAN, [bm.PointLoad(0.5, -2.0)]),
     "match_springs": lambda: bm.match_springs("clamped-free", 3, 2),
     "recommend": lambda: bm.recommend("clamped-free", 0.01, 2)[0],
 }
@@ -143,6 +154,8 @@ def alike(a: Any, b: Any) -> bool:
         return all(alike(getattr(a, f.name), getattr(b, f.name)) for f in dataclasses.fields(a))
     if isinstance(a, tuple | list):
         return len(a) == len(b) and all(map(alike, a, b))
+    if isinstance(a, dict):
+        return isinstance(b, dict) and list(a) == list(b) and all(alike(a[key], b[key]) for key in a)
     return type(a) is type(b) and (a == b or a is b or repr(a) == repr(b))
 
 

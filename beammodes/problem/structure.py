@@ -352,6 +352,13 @@ class Structure:
         object.__setattr__(self, "joints", MappingProxyType(dict(joints)))
         object.__setattr__(self, "members", kept)
 
+    def __hash__(self) -> int:
+        return hash((frozenset(self.joints.items()), self.members))
+
+    def __reduce__(self) -> tuple[type[Structure], tuple[dict[str, Joint], tuple[Member, ...]]]:
+        # A read-only mapping cannot be pickled itself.
+        return Structure, (dict(self.joints), self.members)
+
     @classmethod
     def of_beam(cls, beam: Beam, boundary: BoundaryLike, stations: Iterable[Station] = ()) -> Structure:
         """Return the structure of one beam between two ends, with stations along it.
