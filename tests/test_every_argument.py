@@ -18,6 +18,13 @@ import beammodes as bm
 BEAM = bm.Beam(1.0, 20.0, 0.5)
 SHAFT = bm.Beam(1.0, 20.0, 0.5, torsional_stiffness=8.0, polar_inertia_per_length=1e-4)
 ROD = bm.Rod(1.0, 20.0, 15.0, 0.5, 1e-3, curvature=(0.5, 0.0, 1.0))
+#: A straight shaft between bearings, which a torque buckles.
+GREENHILLS = bm.SpatialChain(
+    bm.Rod(1.0, 1.0, 1e9, 1.0),
+    (bm.RodEnd(math.inf, (math.inf, 0, 0)), bm.RodEnd((0, math.inf, math.inf))),
+    segments=4,
+    rule="double_wall",
+)
 SPATIAL = bm.SpatialChain(ROD, "clamped-free", 3)
 BAR = bm.Rectangle(width=0.06, height=0.02)
 CHAIN = bm.Chain(BEAM, "clamped-free", 4)
@@ -170,10 +177,10 @@ GOOD: dict[str, dict[str, Any]] = {
     "published_time_step": {"beam": BEAM, "modes": 2},
     "recommend": {"boundary": "clamped-free", "tolerance": 0.01, "modes": 1, "rules": ["mitiguy", "gregory"]},
     "critical_factor": {
-        "chain": SPATIAL,
-        "load": bm.SpatialLoad(force=(-10.0, 0.0, 0.0)),
+        "chain": GREENHILLS,
+        "load": bm.SpatialLoad(torque=1.0),
         "most": 100.0,
-        "start": 5.0,
+        "start": 6.0,
     },
     "rod_error_dataset": {
         "rod": ROD,

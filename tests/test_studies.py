@@ -76,11 +76,15 @@ def test_the_command_writes_the_same_bytes_again(tmp_path: Path) -> None:
 
 #: Those whose code another study runs too: figure_7 is figure_6, and figure_5 is figure_3, of other ends.
 TWINS = {"figure_7", "figure_5"}
+#: Those whose own tests compute and draw them: test_rule_studies, test_uncertainty, test_schematic.
+ELSEWHERE = {"segments_map", "uncertainty", "schematics"}
 
 EVERY_STUDY = pytest.mark.parametrize(
     "name",
     [
-        pytest.param(name, marks=pytest.mark.slow if study.seconds > SLOW or name in TWINS else ())
+        pytest.param(
+            name, marks=pytest.mark.slow if study.seconds > SLOW or name in TWINS | ELSEWHERE else ()
+        )
         for name, study in every_study().items()
     ],
 )
