@@ -116,7 +116,8 @@ def highest_frequency(found: TreeMatrices) -> float:
     >>> import beammodes as bm
     >>> from beammodes.exporters.planar_tree import planar_tree
     >>> chain = bm.Chain(bm.Beam.unit(), "clamped-free", 8)
-    >>> round(highest_frequency(tree_matrices(planar_tree(chain))) * bm.stable_time_step(chain, "leapfrog"), 7)
+    >>> highest = highest_frequency(tree_matrices(planar_tree(chain)))
+    >>> round(highest * bm.stable_time_step(chain, "leapfrog"), 7)
     2.0
     """
     inertia, stiffness = found.inertia, found.stiffness
