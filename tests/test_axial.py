@@ -613,3 +613,16 @@ def test_beams_that_vary_along_them() -> None:
     assert uniform == pytest.approx(
         frequency_error("fixed-free", segments=10, mode=[1, 2], rule="half_stub", motion="twist"), abs=1e-13
     )
+
+
+def test_first_roots_near_zero_keep_their_digits() -> None:
+    # A light shaft under a heavy disc is one spring, ω² = k/(J + 1/3) to order 1/J; under two free ones 2/J.
+    for heavy in (1e16, 1e29):
+        single = axial_modes(UNIT, ("fixed", AxialEnd(inertia=heavy)), 1).angular_frequency[0]
+        double = axial_modes(UNIT, (AxialEnd(inertia=heavy),) * 2, 1).angular_frequency[0]
+        soft = axial_modes(UNIT, (AxialEnd(1 / heavy), "free"), 1).angular_frequency[0]
+        assert np.array([single, double / math.sqrt(2.0), soft]) * math.sqrt(heavy) == pytest.approx(
+            1.0, rel=1e-14
+        )
+    with pytest.raises(ArithmeticError, match=r"^boundary must have springs and bodies within 30 decades"):
+        axial_modes(UNIT, ("fixed", AxialEnd(inertia=1e300)), 1)

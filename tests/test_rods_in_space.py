@@ -341,3 +341,18 @@ def test_bad_input_is_named() -> None:
         bm.Rod.through([(0, 0, 0), (0, 0, 0), (1, 0, 0), (2, 0, 0)], **ROUND)
     with pytest.raises(ValueError, match='did you mean "clamped-free"'):
         bm.SpatialChain(HELIX, "clamped-fre", 3)  # type: ignore[arg-type]
+
+
+def test_ends_and_rest_shapes_are_checked_where_they_are_given() -> None:
+    wire = {"bending_stiffness": 1.0, "torsional_stiffness": 1.0, "mass_per_length": 1.0}
+    with pytest.raises(TypeError, match=r"^left must be a RodEnd, got 'clamped': RodEnds\.of takes words"):
+        bm.RodEnds("clamped", bm.RodEnd())  # type: ignore[arg-type]
+    with pytest.raises(ValueError, match=r"^straight must not vanish .* got 1 with radius 2 and angle 0$"):
+        bm.Rod.hook(straight=1, radius=2, angle=0, **wire)
+    with pytest.raises(ArithmeticError, match=r"^rod must curve less, or .* .*e\+06 steps, more than"):
+        bm.rod_modes(bm.Rod.arc(1e6, length=1.0, **wire), "clamped-free", 1)
+    tips = bm.Ends(mass=[1.0, 2.0])
+    with pytest.raises(
+        TypeError, match=r"^each end of boundary must be one end here, got Ends\(shape=\(2,\)\)"
+    ):
+        bm.segments_needed(("clamped", tips), 0.01)  # type: ignore[arg-type]

@@ -345,3 +345,14 @@ def test_what_a_structure_refuses() -> None:
     for call, words in cases:
         with pytest.raises(ValueError, match=words):
             call()
+
+
+@pytest.mark.parametrize("number", [{"translational_stiffness": 1e40}, {"mass": 1e25}])
+def test_numbers_beyond_every_digit_are_refused(number: dict[str, float]) -> None:
+    bar = bm.Structure.of_beam(bm.Beam.unit(), "clamped-free", [bm.Station(0.5, **number)])  # type: ignore[arg-type]
+    with pytest.raises(
+        ArithmeticError, match=r"differ by more than about 10 decades\? What holds has stiffness"
+    ):
+        bm.structure_modes(bar, 2)
+    with pytest.raises(ValueError, match=r"^joints must be one or more, got \{\}"):
+        bm.Structure({}, [])

@@ -92,7 +92,16 @@ def _roots(ends: list[_End], half_turns: Floats, count: NDArray[np.int64]) -> Fl
     low = np.maximum(half_turns - math.pi, 0.0)
     high = half_turns + math.pi
     start = np.maximum(0.5 * (low + high), 0.1)
-    beta = increasing_root(excess, start, low, high, 1e-9 * high)
+    # About the root of the beam as one spring between its ends' bodies: heavy ones bring it near zero.
+    (k, j), (k_right, j_right) = (np.array([e.spring, e.body]) / np.maximum(e.free, 1e-300) for e in ends)
+    held = np.where(count == 0, np.minimum(k, 1.0) + np.minimum(k_right, 1.0), 1.0)
+    rough = np.sqrt(held / (1.0 + j + j_right))
+    if np.any(rough < 1e-15):
+        raise ArithmeticError(
+            "boundary must have springs and bodies within 30 decades of the beam's stiffness and inertia: "
+            f"its first root, near {rough.min():.3g}, is too close to zero"
+        )
+    beta = increasing_root(excess, start, low, high, 1e-9 * np.minimum(high, rough))
     sign = 1.0 - 2.0 * (count % 2)
     for _ in range(4):
         # Newton's steps on the sine of the same angle, in which nothing cancels where φ nears ±π/2.

@@ -42,6 +42,8 @@ def axial_modes(
     ------
     TypeError, ValueError
         If an argument is not of its kind, or the beam lacks a number, which is named.
+    ArithmeticError
+        If a body or spring of an end is some 30 decades beyond the beam's own.
 
     Examples
     --------

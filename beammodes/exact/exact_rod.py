@@ -282,7 +282,10 @@ class _Problem:
         # The phase turns at 2 tr(Zᵀ H Z) on an orthonormal Z; half a turn in a step would be lost.
         wanted = max(_LEAST_STEPS, math.ceil(2.0 * rate / 2.5))
         if wanted > _MOST_STEPS:
-            raise ArithmeticError(f"the rod's stiffnesses are too unlike: {wanted} steps would be needed")
+            raise ArithmeticError(
+                "rod must curve less, or its stiffnesses must be less unlike: states along it would need "
+                f"{wanted:.3g} steps, more than {_MOST_STEPS:,}"
+            )
         if self._rod.is_uniform:
             size = np.concatenate([scale, 1.0 / scale], axis=-1)
             p, c, m = (matrix[:1] for matrix in self._samples)

@@ -362,7 +362,10 @@ class _Model(NamedTuple):
 
         stiffness, mass = self.matrices(square)
         shift = 2.0 * square or 1.0 / np.trace(mass[self.rigid :, self.rigid :])
-        share, vectors = eigh(mass, stiffness + shift * mass)
+        try:
+            share, vectors = eigh(mass, stiffness + shift * mass)
+        except np.linalg.LinAlgError:
+            raise ArithmeticError(_too_unlike("stiffness and mass matrices are not positive")) from None
         return np.asarray(1.0 / share[::-1] - shift), np.asarray(vectors[:, ::-1])
 
     def roots(self, count: int) -> Floats:
@@ -409,10 +412,19 @@ def _check_counts(model: _Model, squares: Floats) -> None:
         below, above = (model.count(square * (1.0 + near)) for near in (-_NEAR, _NEAR))
         if not below <= model.rigid + n < above:
             raise ArithmeticError(
-                f"mode {n + 1} at {math.sqrt(square):.9g} rad/s must be the one of its number, but {below} "
-                f"and {above} modes are counted below and above it, {model.rigid} of them rigid motions: do "
-                "the stiffnesses or masses of the structure differ by more than about 10 decades?"
+                _too_unlike(
+                    f"mode {n + 1} at {math.sqrt(square):.9g} rad/s must be the one of its number, but "
+                    f"{below} and {above} modes are counted below and above it, {model.rigid} of them rigid "
+                    "motions"
+                )
             )
+
+
+def _too_unlike(found: str) -> str:
+    return (
+        f"{found}: do the stiffnesses or masses of the structure differ by more than about 10 decades? "
+        "What holds has stiffness math.inf"
+    )
 
 
 def _divided(parts: Parts, square: float) -> tuple[int, ...]:
@@ -556,6 +568,9 @@ class _Builder:
         _, size, shapes = np.linalg.svd(energy)
         elastic = int(np.sum(size > _RIGID * size.max(initial=0.0)))
         rigid = energy.shape[1] - elastic
+        # No stretch has more than three: beyond that stiff springs have hidden the bending of beams.
+        if rigid > 3 * len(self.parts.stretches):
+            raise ArithmeticError(_too_unlike(f"{rigid} motions seem to store no energy"))
         scale = np.concatenate([np.ones(rigid), 1.0 / size[:elastic]])
         change = np.vstack([shapes[elastic:], shapes[:elastic]]).T * scale
         energy = energy @ change

@@ -508,6 +508,11 @@ def _end(part: object, whole: object) -> End:
     if isinstance(part, End):
         return part
     if not isinstance(part, str):
+        if hasattr(part, "shape"):
+            raise TypeError(
+                f"each end of boundary must be one end here, got {shown(part)}: arrays and Ends are for "
+                "frequency_error and its like, which look up many at once"
+            )
         return ENDS[choice("each end of boundary", part, ENDS)]
     end = _end_of_text(part)
     return end if end is not None else _refuse(whole)

@@ -201,7 +201,8 @@ class Rod:
         bend = math.copysign(1.0 / wide, angle)
         if not SAME_PLACE * length < first < (1.0 - SAME_PLACE) * length:
             raise ValueError(
-                f"straight must not vanish beside the arc, nor it beside that, got {shown(straight)}"
+                "straight must not vanish beside the arc, radius times angle, nor it beside that, got "
+                f"{shown(straight)} with radius {shown(radius)} and angle {shown(angle)}"
             )
         steps = CurvatureSteps((first, length), ((0.0, 0.0, 0.0), (0.0, 0.0, bend)))
         return cls(length, curvature=steps, **properties)

@@ -231,6 +231,13 @@ class RodEnds:
     left: RodEnd
     right: RodEnd
 
+    def __post_init__(self) -> None:
+        for name, end in (("left", self.left), ("right", self.right)):
+            if not isinstance(end, RodEnd):
+                raise TypeError(
+                    f"{name} must be a RodEnd, got {shown(end)}: RodEnds.of takes words and planar ends"
+                )
+
     @classmethod
     def of(cls, boundary: RodBoundaryLike) -> RodEnds:
         """Return the ends that a name such as "clamped-free", a pair of ends or `RodEnds` stands for.

@@ -332,6 +332,8 @@ class Structure:
     def __init__(self, joints: Mapping[str, Joint], members: Iterable[Member]) -> None:
         if not isinstance(joints, Mapping):
             raise TypeError(f"joints must be a mapping of names to Joints, got {shown(joints)}")
+        if not joints:
+            raise ValueError(f"joints must be one or more, got {shown(joints)}")
         for name, joint in joints.items():
             if not isinstance(name, str) or not isinstance(joint, Joint):
                 raise TypeError(f"joints must be names with Joints, got {shown(name)}: {shown(joint)}")
