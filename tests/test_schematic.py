@@ -307,12 +307,52 @@ def test_bad_input(arguments: dict[str, Any], error: type[Exception], message: s
 
 def test_what_is_no_chain_or_too_long_is_refused() -> None:
     ax = Figure().subplots()
-    with pytest.raises(TypeError, match="chain must be a Chain, got 'clamped-free'"):
+    with pytest.raises(TypeError, match="chain must be a Chain or a SpatialChain, got 'clamped-free'"):
         bm.draw_chain("clamped-free", ax)  # type: ignore[arg-type]
     with pytest.raises(ValueError, match="chain must have at most 500 pieces to be drawn, got 501"):
         bm.draw_chain(bm.Chain(UNIT, "clamped-free", 500), ax)
     with pytest.raises(ValueError, match="unit must be one of"):
         spring_texts(CHAIN, "Nm")
+
+
+def test_a_chain_in_space_stands_where_it_is_to_one_scale() -> None:
+    wire = {"bending_stiffness": 1.0, "torsional_stiffness": 0.8, "mass_per_length": 1.0}
+    helix = bm.Rod.helix(radius=0.1, pitch=0.05, turns=1, **wire)
+    chain = bm.SpatialChain(helix, ("clamped", bm.RodEnd(mass=1.0)), 8, "gregory")
+    bent = bm.spatial_equilibrium(chain, bm.SpatialLoad(force=(0.0, 1.0, 1.0)))
+    modes = bm.spatial_modes(chain, 2)
+    largest = np.linalg.norm(modes.displacement[1], axis=1).max()
+    moved = chain.nodes + 0.1 * helix.length / largest * modes.displacement[1]
+    # The first piece has no length: it is behind the hinge at the wall.
+    for shape, nodes in ((None, chain.nodes), (bent, bent.nodes[1:]), (modes, moved)):
+        ax: Any = bm.draw_chain(chain, shape=shape, mode=2, amplitude=0.1)
+        ax.get_figure().draw_without_rendering()
+        (hinges_drawn,) = [line for line in ax.lines if line.get_gid() == "hinge"]
+        np.testing.assert_allclose(np.transpose(hinges_drawn.get_data_3d()), nodes[:-1], atol=1e-12)
+        spans = [np.ptp(limits) for limits in (ax.get_xlim(), ax.get_ylim(), ax.get_zlim())]
+        np.testing.assert_allclose(spans / ax._box_aspect, spans[0] / ax._box_aspect[0])
+        assert [text.get_text() for text in ax.texts] == ["s = 0, clamped", "s = L, free + body"]
+    other = bm.spatial_modes(bm.SpatialChain(helix, "clamped-free", 9), 1)
+    for wrong, error in ((other, ValueError), (UNIT, TypeError)):
+        with pytest.raises(error, match="shape must be"):
+            bm.draw_chain(chain, shape=wrong)
+    with pytest.raises(ValueError, match='ax must have the projection "3d" for a chain in space'):
+        bm.draw_chain(chain, Figure().subplots())
+
+
+def test_marks_across_a_blade_follow_its_twist() -> None:
+    blade = bm.Rod.pretwisted(
+        math.pi / 2,
+        length=1.0,
+        bending_stiffness=16.0,
+        second_bending_stiffness=1.0,
+        torsional_stiffness=1.0,
+        mass_per_length=1.0,
+    )
+    ax: Any = bm.draw_chain(bm.SpatialChain(blade, "clamped-free", 6, "double_wall"), ends=False)
+    marks = [np.diff(line.get_data_3d())[:, 0] for line in ax.lines if len(line.get_data_3d()[0]) == 2]
+    angles = [math.atan2(z, y) for _, y, z in marks]
+    np.testing.assert_allclose(angles, np.arange(6) * math.pi / 12, atol=1e-12)
 
 
 @pytest.fixture(scope="module")

@@ -14,11 +14,15 @@ from numpy.typing import ArrayLike
 
 from beammodes.chains.chain import Chain
 from beammodes.chains.pieces import Number
+from beammodes.chains.spatial_chain import SpatialChain
 from beammodes.checks import choice, flag, positive_real, real_numbers, shown, whole_number
 from beammodes.equations.equilibria import Equilibrium
+from beammodes.equations.equilibria_in_space import SpatialEquilibrium
 from beammodes.numerics.arrays import Floats
 from beammodes.problem.ends import End
 from beammodes.vibration.modes import Modes
+from beammodes.vibration.modes_in_space import SpatialModes
+from beammodes.views.schematic_in_space import draw_in_space
 from beammodes.views.symbols import (
     EDGE,
     GROUND_SPRING,
@@ -57,8 +61,8 @@ _ABOVE, _BESIDE = 0.11, 0.09
 
 
 def draw_chain(
-    chain: Chain,
-    ax: Axes,
+    chain: Chain | SpatialChain,
+    ax: Axes | None = None,
     *,
     shape: Shape | None = None,
     mode: int = 1,
@@ -66,36 +70,49 @@ def draw_chain(
     labels: str | None = "EI/ell",
     ends: bool = True,
     size: float = 10.0,
-) -> None:
-    """Draw a chain of rigid segments as the report's Figures 3 and 5 do.
+) -> Axes:
+    """Draw a chain of rigid segments as the report's Figures 3 and 5 do, or a chain in space.
 
     Rods are blue, hinges circles, their springs orange spirals; what is welded to the ground is dark, springs
     of elastic supports are green; a wall holds deflection and rotation, a triangle the deflection, a plate on
     rollers the rotation. Bodies are blocks of the size that their mass and rotary inertia give; dots are
     point masses, at the hinges too where a rule gathers its masses there.
 
+    A chain in space is drawn in three axes [m], those of its section at s = 0, to one scale: pieces blue,
+    hinges circles, an end that something holds a dark square, a body a dark disc. A grey mark across each
+    hinge shows the stiffer direction of a section that has one; a thin grey line is where the chain is at
+    rest.
+
     Parameters
     ----------
-    chain : Chain
+    chain : Chain or SpatialChain
         Of at most 500 pieces.
-    ax : matplotlib.axes.Axes
+    ax : matplotlib.axes.Axes, optional
         Becomes a picture: equal scales, no frame; its limits grow to hold the drawing unless they were set.
+        For a chain in space it must be of projection "3d". By default it is one of a new figure.
     shape : Modes, Equilibrium, xarray.Dataset or pair of arrays, optional
         Where the chain is; straight by default. A mode from `solve_modes` about the straight chain; the
         bent shape from `find_equilibrium`; one moment of a motion from `simulate`, such as
         `motion.isel(time=-1)`; or deflections [m] of the nodes and rotations of the pieces, both small.
+        In space: `SpatialModes` from `spatial_modes`, or a shape from `spatial_equilibrium`.
     mode : int
-        Which one of the `Modes`.
+        Which one of the modes.
     amplitude : float
         Its largest deflection in lengths of the chain; less where a piece would turn by more than 60°.
     labels : str or None
         Springs as "EI/ell" (of the mean EI), as fractions where they are exact, or in "N m/rad"; None
         writes none. Supports' springs, then, are in EI/L and EI/L³, or in N m/rad and N/m. The numbers of a
-        chain from pieces are those given. Of more than 12 hinges, equal neighbours share a label.
+        chain from pieces are those given. Of more than 12 hinges, equal neighbours share a label. A chain
+        in space has three springs at each hinge and writes none.
     ends : bool
-        Draw supports and bodies.
+        Draw supports and bodies; in space, name the ends too.
     size : float [pt]
         Of the labels.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+        What was drawn into.
 
     Raises
     ------
@@ -107,19 +124,26 @@ def draw_chain(
     >>> from matplotlib.figure import Figure
     >>> import beammodes as bm
     >>> ax = Figure().subplots()
-    >>> bm.draw_chain(bm.Chain(bm.Beam.unit(), "clamped-free", segments=4), ax)
+    >>> ax = bm.draw_chain(bm.Chain(bm.Beam.unit(), "clamped-free", segments=4), ax)
     >>> [text.get_text() for text in ax.texts]
     ['24/11', '1', '1', '1']
+    >>> arc = bm.Rod.arc(1.5, length=1.0, bending_stiffness=1.0, torsional_stiffness=1.0, mass_per_length=1.0)
+    >>> [text.get_text() for text in bm.draw_chain(bm.SpatialChain(arc, "clamped-free", segments=4)).texts]
+    ['s = 0, clamped', 's = L, free']
     """
-    if not isinstance(chain, Chain):
-        raise TypeError(f"chain must be a Chain, got {shown(chain)}")
-    if chain.pieces > _MAX_DRAWN:
-        raise ValueError(f"chain must have at most {_MAX_DRAWN} pieces to be drawn, got {chain.pieces}")
-    from matplotlib.axes import Axes
-
-    if not isinstance(ax, Axes):
-        raise TypeError(f"ax must be the Axes of a Matplotlib figure, got {shown(ax)}")
+    if not isinstance(chain, Chain | SpatialChain):
+        raise TypeError(f"chain must be a Chain or a SpatialChain, got {shown(chain)}")
+    in_space = isinstance(chain, SpatialChain)
+    pieces = chain.tree.pieces if isinstance(chain, SpatialChain) else chain.pieces
+    if pieces > _MAX_DRAWN:
+        raise ValueError(f"chain must have at most {_MAX_DRAWN} pieces to be drawn, got {pieces}")
     unit, points = None if labels is None else choice("labels", labels, LABELS), positive_real("size", size)
+    ax = _axes(ax, in_space=in_space)
+    if isinstance(chain, SpatialChain):
+        draw_in_space(
+            chain, ax, shape=shape, mode=mode, amplitude=amplitude, ends=flag("ends", ends), size=points
+        )
+        return ax
     pose = pose_of(chain, shape, mode=mode, amplitude=amplitude)
     radius = _spring_radius(chain)
     _draw_rods(ax, chain, pose, radius)
@@ -136,6 +160,21 @@ def draw_chain(
     ax.axis("off")
     ax.margins(0.03)
     ax.autoscale_view()
+    return ax
+
+
+def _axes(ax: object, *, in_space: bool) -> Axes:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    if ax is None:
+        return Figure(layout="constrained").add_subplot(projection="3d" if in_space else None)
+    if not isinstance(ax, Axes):
+        raise TypeError(f"ax must be the Axes of a Matplotlib figure, got {shown(ax)}")
+    if (ax.name == "3d") != in_space:
+        kind, other = ("in space", '"3d"') if in_space else ("in the plane", '"rectilinear"')
+        raise ValueError(f"ax must have the projection {other} for a chain {kind}, got {shown(ax.name)}")
+    return ax
 
 
 def _spring_radius(chain: Chain) -> float:
@@ -186,7 +225,7 @@ def _gathered(chain: Chain) -> set[int]:
     return {node for i in heavy for node in (i, i + 1)}
 
 
-Shape = Modes | Equilibrium | tuple[ArrayLike, ArrayLike] | Any
+Shape = Modes | Equilibrium | SpatialModes | SpatialEquilibrium | tuple[ArrayLike, ArrayLike] | Any
 
 #: Smallest amplitude of a mode, in lengths of the chain; and the slope of its steepest piece: what is steeper
 #: is hard to read.
