@@ -119,5 +119,5 @@ STUDY = Study(
     sheets={
         ".csv": Sheet(("panel", "node", *_COLUMNS), {name: Kind(decimals=7) for name in _COLUMNS}),
     },
-    size=(11.0, 7.0),
+    size=(11.0, 7.6),
 )

@@ -157,7 +157,7 @@ def draw_in_space(
         axis.line.set_color(EDGE)
         axis.set_tick_params(labelsize=0.85 * size, pad=7 if name == "z" else -1)
         axis.set_label_text(f"{name}  [m]", fontsize=size)
-        axis.labelpad = 14.0 if name == "x" else 7.0
+        axis.labelpad = 7.0 if name == "y" else 14.0
     ax.set_proj_type("ortho")
     ax.view_init(_ABOVE, _ASIDE)
 
