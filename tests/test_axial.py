@@ -33,6 +33,7 @@ from beammodes.problem.sections import Circle
 from beammodes.springs.matched_springs import match_springs, matched
 from beammodes.springs.tuning import mode_tuned
 from beammodes.vibration.axial_spectrum import solve_axial_modes
+from beammodes.vibration.linear import linearize
 from beammodes.vibration.modes import solve_modes
 from beammodes.vibration.stability import stable_time_step
 
@@ -626,3 +627,15 @@ def test_first_roots_near_zero_keep_their_digits() -> None:
         )
     with pytest.raises(ArithmeticError, match=r"^boundary must have springs and bodies within 30 decades"):
         axial_modes(UNIT, ("fixed", AxialEnd(inertia=1e300)), 1)
+
+
+def test_numbers_of_another_motion_are_not_taken_for_this_one() -> None:
+    mass = AxialBoundary.of("fixed-free(mass=0.5)", "stretch")
+    with pytest.raises(ValueError, match=r"^boundary must be one of twist where it has springs or bodies"):
+        axial_modes(UNIT, mass, 1)
+    plain = AxialBoundary.of("fixed-free", "stretch")
+    assert axial_modes(UNIT, plain, 1).angular_frequency == pytest.approx([math.pi / 2])
+    with pytest.raises(
+        TypeError, match=r"^chain must be a Chain, got <AxialChain .*; solve_modes takes an AxialChain itself"
+    ):
+        linearize(AxialChain(UNIT, "fixed-free", 3))  # type: ignore[arg-type]

@@ -84,7 +84,10 @@ def chain_errors(
         no_load(load, chain.motion)
         return _errors_along(chain, whole_number("modes", modes, most=MAX_MODES))
     if not isinstance(chain, Chain):
-        raise TypeError(f"chain must be a Chain, AxialChain or StructureChain, got {shown(chain)}")
+        raise TypeError(
+            f"chain must be a Chain, AxialChain or StructureChain, got {shown(chain)}; rod_errors takes a "
+            "SpatialChain"
+        )
     if chain.beam is None:
         raise ValueError("chain must have a beam to be compared with; one from pieces has none")
     count = whole_number("modes", modes, most=MAX_MODES)

@@ -150,7 +150,14 @@ class AxialBoundary:
         """
         kind = axial_motion(motion)
         if isinstance(boundary, AxialBoundary):
-            return boundary if boundary.motion == kind.name else cls(boundary.left, boundary.right, kind.name)
+            if boundary.motion == kind.name:
+                return boundary
+            if not all(end.is_fixed or end.is_free for end in (boundary.left, boundary.right)):
+                raise ValueError(
+                    f"boundary must be one of {kind.name} where it has springs or bodies, with other units, "
+                    f"got {shown(boundary)}"
+                )
+            return cls(boundary.left, boundary.right, kind.name)
         whole: object = boundary
         if isinstance(boundary, Boundary):
             whole, boundary = boundary.name, (boundary.left, boundary.right)

@@ -381,7 +381,10 @@ def linearize(
            [-2.      ,  4.416262]])
     """
     if not isinstance(chain, Chain):
-        raise TypeError(f"chain must be a Chain, got {shown(chain)}")
+        raise TypeError(
+            f"chain must be a Chain, got {shown(chain)}; solve_modes takes an AxialChain itself, "
+            "structure_chain_modes a StructureChain, spatial_modes a SpatialChain"
+        )
     if at is not None:
         return _about(chain, load, at)
     return LinearModel(chain, straight_chain_load(chain, checked_load(load)))
