@@ -63,6 +63,8 @@ class Curve(NamedTuple):
         from scipy.interpolate import BarycentricInterpolator, make_interp_spline
 
         if self.smooth:
+            # Next to the first node a distance to it has no reciprocal; nothing changes over so little.
+            x = np.where(x < 1e-30 * self.x[-1], self.x[0], x)
             return np.asarray(BarycentricInterpolator(self.x, self.values, axis=1)(x))
         return np.asarray(make_interp_spline(self.x, self.values, k=5, axis=1)(x))
 
