@@ -266,6 +266,7 @@ def shape_frames(curvature: Curvature, s: Floats) -> tuple[Floats, Floats]:
 
     Examples
     --------
+    >>> import math
     >>> shape_frames((0.0, 0.0, math.pi), np.array([0.0, 1.0]))[1].round(12)[1, :2]          # half a circle
     array([0.        , 0.63661977])
     """
