@@ -255,7 +255,9 @@ class _OwnLayout:
         return RULES["gregory2"].hinge_weights(boundary, segments)
 
 
-@pytest.mark.parametrize("load", [None, bm.Load(axial_force=1.0)], ids=["free", "pulled"])
+@pytest.mark.parametrize(
+    "load", [pytest.param(None, marks=pytest.mark.slow), bm.Load(axial_force=1.0)], ids=["free", "pulled"]
+)
 def test_segments_needed_by_a_layout_of_ones_own(load: bm.Load | None) -> None:
     own, rule = (
         bm.segments_needed("clamped-free", 0.05, 2, rule, load=load, beam=bm.Beam.unit())

@@ -752,11 +752,11 @@ def target(name: str) -> Any:
 def combinations(name: str, pairs: int) -> Iterator[dict[str, str]]:
     """Every argument by every value, then so many draws of two arguments by two values.
 
-    Without draws it is every fifth value, in turns: the next argument has the next ones.
+    Without draws it is every eighth value, in turns: the next argument has the next ones.
     """
     arguments = [argument for argument in CALLS[name]() if argument != "self"]
     for (i, argument), (k, value) in itertools.product(enumerate(arguments), enumerate(HOSTILE)):
-        if (pairs or (i + k) % 5 == 0) and not (argument == "progress" and value in OWN_FUNCTIONS):
+        if (pairs or (i + k) % 8 == 0) and not (argument == "progress" and value in OWN_FUNCTIONS):
             yield {argument: value}
     draw = random.Random(name)
     for _ in range(pairs if len(arguments) > 1 else 0):
@@ -910,7 +910,7 @@ PAIRS = 120
 @pytest.mark.parametrize("group", range(2))
 def test_hostile_arguments_are_answered_or_refused_by_name(group: int) -> None:
     calls, wrong = outcomes(sorted(CALLS)[group::2], 0)
-    assert calls > 2000
+    assert calls > 1000
     assert not wrong, f"{len(wrong)} of {calls} calls:\n" + "\n".join(wrong[:40])
 
 

@@ -148,6 +148,7 @@ def test_a_coarse_table_keeps_an_order_above_two_at_its_kinks() -> None:
         assert math.log(max(errors[:3]) / max(errors[3:])) / math.log(4) > 2.8
 
 
+@pytest.mark.slow
 def test_a_hundred_thousand_positions() -> None:
     # Two routes: the function itself, and the table, of uneven positions and with a step in the middle;
     # chord errors are about (1e-5)²/8.

@@ -20,6 +20,7 @@ ROOT = Path(__file__).parent.parent
 QUICK = ["c_table", "quadrature"]
 
 
+@pytest.mark.slow
 def test_at_once_as_one_after_another(tmp_path: Path) -> None:
     heard: list[str] = []
     for jobs in (1, 2):

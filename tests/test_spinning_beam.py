@@ -223,6 +223,7 @@ def test_a_tip_force_along_the_beam_is_an_axial_force() -> None:
         assert np.abs(one / other - 1.0).max() < 1e-13
 
 
+@pytest.mark.slow
 def test_a_fast_rotor() -> None:
     """At Ω = 1000 √(EI/ρAL⁴) bending matters in a layer of a thousandth of the length only.
 

@@ -78,12 +78,15 @@ def test_the_command_writes_the_same_bytes_again(tmp_path: Path) -> None:
 TWINS = {"figure_7", "figure_5"}
 #: Those whose own tests compute and draw them: test_rule_studies, test_uncertainty, test_schematic.
 ELSEWHERE = {"segments_map", "uncertainty", "schematics"}
+#: Those of some seconds whose numbers other tests hold: test_rule_studies, test_rods_in_space.
+SECONDS = {"better_figures", "hinge_orders", "rods_in_space"}
 
 EVERY_STUDY = pytest.mark.parametrize(
     "name",
     [
         pytest.param(
-            name, marks=pytest.mark.slow if study.seconds > SLOW or name in TWINS | ELSEWHERE else ()
+            name,
+            marks=pytest.mark.slow if study.seconds > SLOW or name in TWINS | ELSEWHERE | SECONDS else (),
         )
         for name, study in every_study().items()
     ],

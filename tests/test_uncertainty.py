@@ -270,6 +270,7 @@ def test_the_study_takes_the_reports_ranges() -> None:
     assert wood == pytest.approx(1.5 * bm.elastic_modulus("wood", at=0.0))
 
 
+@pytest.mark.slow
 def test_the_study_marks_where_the_error_is_hidden(table: xarray.Dataset) -> None:
     for beam in table.beam.values:
         for boundary in table.boundary.values:
