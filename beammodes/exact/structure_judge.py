@@ -127,7 +127,8 @@ def structure_modes(structure: Structure, modes: int) -> StructureModes:
     """Return the first elastic modes, 1 to 100, of a planar structure of Euler-Bernoulli beams.
 
     (EI v'')'' = ω² (ρA v - (ρI v')') on every stretch, which keeps its length; supports, bodies and hinges at
-    joints and stations. Right to about 1e-13 where all beams are uniform, else to 1e-10.
+    joints and stations. Right to about 1e-13 where all beams are uniform, else to 1e-10, while masses and
+    springs lie within eight decades of the beams' own; beyond, digits are lost or a count fails.
 
     Parameters
     ----------
