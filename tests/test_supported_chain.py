@@ -25,6 +25,7 @@ from beammodes.closed_form.supported_chain import (
     row_of_rods,
     shortened,
     supported_chain_frequencies,
+    supported_chain_frequency,
 )
 from beammodes.numerics.counted_roots import ROOT_DIGITS, Sample, ordered_roots
 from beammodes.problem.beam import Beam
@@ -300,6 +301,24 @@ def test_double_roots_are_listed_twice() -> None:
             for root, place in zip(found, (2, 2, 9), strict=True)
         )
         assert ordered_roots(evaluate, evaluate(Decimal(1)), evaluate(Decimal(100)), 1) == found[:1]
+
+
+@pytest.mark.parametrize("ends", [(2, "2.5"), (1, 3), (2, 3), ("1.6", 3), (2, 4), (1, 4)])
+def test_roots_exactly_where_the_search_begins_or_ends(ends: tuple[int | str, int | str]) -> None:
+    # A root at the lower place is the search's, one at the upper place the next one's.
+    def evaluate(x: Decimal) -> Sample:
+        return Sample(x, sum(x > root for root in (2, 3)), (x - 2) * (x - 3))
+
+    low, high = (evaluate(Decimal(end)) for end in ends)
+    found = ordered_roots(evaluate, low, high, 2)
+    assert found == pytest.approx([root for root in (2, 3) if low.place <= root < high.place], rel=1e-23)
+
+
+def test_a_root_that_is_met_exactly() -> None:
+    # One rod that can only shift, ω² = K_t/m: the hint squares to the spring itself.
+    pair = Boundary.of("free(rotational_stiffness=0.5)-guided(translational_stiffness=0.25)")
+    found = supported_chain_frequency(pair, 1, RULES["rigid_stub"], 0.0, 0.0, mode=1, near=0.5)
+    assert found == 0.5
 
 
 def test_what_does_not_exist_is_not_a_number() -> None:

@@ -57,6 +57,15 @@ def ordered_roots(
 
 def _refined(evaluate: Callable[[Decimal], Sample], left: Sample, right: Sample) -> Decimal:
     """Return the one root between two samples (Chandrupatla, Advances in Engineering Software 28, 1997)."""
+    if not left.value:
+        # A root at the place itself is not below it.
+        return left.place
+    while not right.value:
+        # So this is the next one's, and the sign there says nothing.
+        middle = evaluate((left.place * right.place).sqrt())
+        left, right = (middle, right) if middle.below == left.below else (left, middle)
+        if not left.value:
+            return left.place
     half = Decimal("0.5")
     new, opposite, fraction = left, right, half
     while True:
