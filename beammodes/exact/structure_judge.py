@@ -117,7 +117,7 @@ class StructureModes:
         found = np.empty((len(self.angular_frequency), places.size))
         for k in np.unique(own).tolist():
             found[:, own == k] = curves[k](places.ravel()[own == k])
-        return found.reshape(-1, *places.shape)
+        return found.reshape(len(found), *places.shape)
 
     def __repr__(self) -> str:
         return f"StructureModes({self.structure!r}: {row_shown(self.frequency, '{:.4g}', 'Hz')})"
@@ -571,8 +571,9 @@ class _Builder:
         _, size, shapes = np.linalg.svd(energy)
         elastic = int(np.sum(size > _RIGID * size.max(initial=0.0)))
         rigid = energy.shape[1] - elastic
-        # No stretch has more than three: beyond that stiff springs have hidden the bending of beams.
-        if rigid > 3 * len(self.parts.stretches):
+        # No stretch has more than three, and no node but one of its own, to turn: beyond that stiff springs
+        # have hidden the bending of beams.
+        if rigid > 3 * len(self.parts.stretches) + len(self.parts.nodes):
             raise ArithmeticError(_too_unlike(f"{rigid} motions seem to store no energy"))
         scale = np.concatenate([np.ones(rigid), 1.0 / size[:elastic]])
         change = np.vstack([shapes[elastic:], shapes[:elastic]]).T * scale

@@ -536,7 +536,7 @@ class Channel(Shape):
         b, h, f, s = self.width, self.height, self.flange, self.web
         upright, level = s * (h - 2 * f), 2 * b * f
         # About the centroid, which the middles of web and flanges are apart from in proportion to the other.
-        apart = upright * level / (upright + level) * ((b - s) / 2) ** 2
+        apart = upright * level / (upright + level) * ((b - s) / 2) * ((b - s) / 2)
         return *flanged(b, h, f, s), 2 * rectangle(f, b) + rectangle(h - 2 * f, s) + apart
 
 

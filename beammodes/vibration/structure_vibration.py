@@ -87,7 +87,7 @@ class StructureChainModes:
         nodes = np.concatenate([self.hinges[i] for i in own])
         rows = np.concatenate([self.deflections[i] for i in own], axis=1)
         found = np.array([np.interp(places.ravel(), nodes, row) for row in rows])
-        return found.reshape(-1, *places.shape)
+        return found.reshape(len(found), *places.shape)
 
     def __repr__(self) -> str:
         return f"StructureChainModes({self.chain!r}: {row_shown(self.frequency, '{:.4g}', 'Hz')})"
