@@ -11,6 +11,7 @@ from typing import Any
 import mpmath
 import numpy as np
 import pytest
+from drawn_ends import RULES_DRAWN
 
 from beammodes.accuracy.axial_errors import axial_frequency_error
 from beammodes.accuracy.chain_against_beam import chain_errors
@@ -276,7 +277,7 @@ def test_exact_modes_are_orthogonal_and_meet_their_ends() -> None:
 
 def test_what_a_rule_has_at_a_fixed_end() -> None:
     # T' = 0 there: the guided weights, exact mirrors in all rules but those that leave out or double.
-    mirrors = {rule.name for rule in CLOSED if end_waves(rule, "guided").is_mirror}
+    mirrors = {name for name in RULES_DRAWN if end_waves(RULES[name], "guided").is_mirror}
     assert mirrors == {
         "mitiguy", "double_wall", "gregory", "gregory2", "hencky", "half_stub", "half_stub_corrected",
     }  # fmt: skip
