@@ -168,3 +168,9 @@ def test_a_taper_and_a_step_cost_simpson_no_order() -> None:
             np.abs(bm.chain_errors(bm.Chain(beam, "clamped-guided", n, "simpson"), 2)) for n in (20, 40)
         ]
         assert (np.log2(errors[0] / errors[1]) > 3.5).all()
+
+
+def test_more_modes_than_can_be_solved_are_refused_by_name() -> None:
+    # N is sought up to 1000 for a pattern inside, and every N up to three times the modes is looked at.
+    with pytest.raises(ValueError, match=r"^modes must be at most"):
+        bm.segments_needed("clamped-free", tolerance=0.01, modes=1000, rule="simpson")

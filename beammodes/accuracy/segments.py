@@ -161,6 +161,8 @@ def _doubtful(fails: Fails, grid: Counts, regular: int, stride: int) -> Counts:
     Looked for from `regular` on, every so many steps: between two N that keep half of it, none fails.
     """
     thin = grid[np.searchsorted(grid, regular) :: stride]
+    if not len(thin):
+        return grid
     failing = np.flatnonzero(fails(thin))
     last = min(int(failing[-1]) + 1, len(thin) - 1) if len(failing) else 0
     return np.asarray(grid[(grid <= thin[last]) | (grid == grid[-1])])
