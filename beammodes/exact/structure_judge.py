@@ -31,7 +31,7 @@ from numpy.typing import ArrayLike
 
 from beammodes.checks import positive_real, row_shown, whole_number
 from beammodes.exact.spectral_grid import section_grid
-from beammodes.numerics.arrays import Floats
+from beammodes.numerics.arrays import Floats, signs_of_largest
 from beammodes.problem.beam import Beam, positions_on
 from beammodes.problem.structure import Parts, Stretch, Structure, checked_structure, part_of_beam
 
@@ -337,8 +337,7 @@ class _Model(NamedTuple):
         """Return the shapes z of the elastic modes at their λ, of unit modal mass, a row each."""
         vectors = np.array([self._pencil(one)[1][:, self.rigid + n] for n, one in enumerate(square)])
         moved = np.concatenate([vectors @ motion[:2].T for motion in self.motions], axis=1)
-        largest = moved[np.arange(len(moved)), np.abs(moved).argmax(axis=1)]
-        size = np.where(largest < 0.0, -1.0, 1.0) * np.sqrt(self.quotients(square, vectors)[1])
+        size = signs_of_largest(moved) * np.sqrt(self.quotients(square, vectors)[1])
         return np.asarray(vectors / size[:, None])
 
     def curves(self, square: Floats, shapes: Floats) -> tuple[Curve, ...]:

@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Elementary", "Floats", "elementary"]
+__all__ = ["Elementary", "Floats", "elementary", "signs_of_largest"]
 
 #: An array of double-precision numbers.
 Floats = NDArray[np.float64]
@@ -49,3 +49,18 @@ def elementary(number: Any) -> Elementary:
     (1.5, array([1.5, 2. ]))
     """
     return _OF_FLOATS if type(number) is float else _OF_ARRAYS
+
+
+def signs_of_largest(rows: Floats) -> Floats:
+    """Return 1 or -1 for each row: the sign of its largest entry, the first of those that are alike.
+
+    Entries alike to a millionth are taken for equal, so that symmetric rows have the same sign everywhere.
+
+    Examples
+    --------
+    >>> signs_of_largest(np.array([[-2.0, 2.0 + 1e-12], [0.5, -1.0]]))
+    array([-1., -1.])
+    """
+    size = np.abs(rows)
+    first = (size >= (1.0 - 1e-6) * size.max(axis=1, keepdims=True)).argmax(axis=1)
+    return np.where(rows[np.arange(len(rows)), first] < 0.0, -1.0, 1.0)

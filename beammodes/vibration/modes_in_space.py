@@ -10,7 +10,7 @@ import numpy as np
 from beammodes.chains.rigid_tree import RigidTree, Support
 from beammodes.chains.spatial_chain import SpatialChain
 from beammodes.checks import row_shown, shown, whole_number
-from beammodes.numerics.arrays import Floats
+from beammodes.numerics.arrays import Floats, signs_of_largest
 from beammodes.vibration.tree_form import TreeForm, tree_form
 
 __all__ = ["SpatialModes", "scaled_tree", "spatial_modes"]
@@ -96,9 +96,7 @@ def spatial_modes(chain: SpatialChain, modes: int = 6) -> SpatialModes:
     moved = twists[moving, :3] + np.cross(twists[moving, 3:], places[:, :, None], axis=1)
     _, first = np.unique(np.concatenate([[0.0], chain.hinge_position, [chain.rod.length]]), return_index=True)
     moved = moved[first]
-    flat = moved.reshape(3 * len(moved), len(inverse))
-    largest = np.abs(flat).argmax(axis=0)
-    sign = np.where(flat[largest, np.arange(len(inverse))] < 0, -1.0, 1.0) / math.sqrt(mass)
+    sign = signs_of_largest(moved.reshape(3 * len(moved), -1).T) / math.sqrt(mass)
     return SpatialModes(
         angular_frequency=math.sqrt(stiffness / mass) / length / inverse,
         rigid_body_modes=form.rigid.shape[1],

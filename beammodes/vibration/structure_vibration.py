@@ -25,7 +25,7 @@ from numpy.typing import ArrayLike
 
 from beammodes.chains.structure_chain import StructureChain
 from beammodes.checks import row_shown, shown, whole_number
-from beammodes.numerics.arrays import Floats
+from beammodes.numerics.arrays import Floats, signs_of_largest
 from beammodes.problem.beam import positions_on
 
 __all__ = ["StructureChainModes", "StructureCoordinates", "structure_chain_modes"]
@@ -130,8 +130,7 @@ def structure_chain_modes(chain: StructureChain, modes: int | None = None) -> St
     omega.flags.writeable = False
     motions = shape[:count].T * omega
     places, turns = coordinates.seen(motions)
-    largest = places.reshape(count, -1)[np.arange(count), np.abs(places).reshape(count, -1).argmax(axis=1)]
-    sign = np.where(largest < 0.0, -1.0, 1.0)
+    sign = signs_of_largest(places.reshape(count, -1))
     places, turns = places * sign[:, None, None], turns * sign
     displacement = {name: places[:, i] for i, name in enumerate(chain.structure.joints)}
     return StructureChainModes(
