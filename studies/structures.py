@@ -85,7 +85,7 @@ def draw(table: xarray.Dataset, figure: Figure) -> None:
             words = "what carries nothing\nneeds no correction\nbetween equal segments"
             ax.text(0.03, 0.03, words, transform=ax.transAxes, fontsize=8, va="bottom")
     panels[1, 0].set_ylabel("|error of the frequency|")
-    panels[1, 0].legend(fontsize=8, loc="lower left")
+    panels[1, -1].legend(fontsize=8, loc="lower left")
 
 
 def _sketch(ax: Axes, structure: bm.Structure) -> None:
