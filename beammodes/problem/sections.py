@@ -430,7 +430,33 @@ class Box(Shape):
 
 
 @dataclass(frozen=True, slots=True)
-class ISection(Shape):
+class _Flanged(Shape):
+    """Two level flanges and an upright web: what an I and a channel have in common."""
+
+    width: float
+    height: float
+    flange: float
+    web: float
+
+    def __post_init__(self) -> None:
+        below("flange", self.flange, positive_real("height", self.height) / 2, "half the height")
+        below("web", self.web, positive_real("width", self.width), "the width")
+        self._keep("width", "height", "flange", "web")
+
+    def _numbers(self) -> tuple[float, float, float]:
+        """Return A, I and, with the web in the middle of the flanges, the I of the section on its side."""
+        b, h, f, s = self.width, self.height, self.flange, self.web
+        return *flanged(b, h, f, s), 2 * rectangle(f, b) + rectangle(h - 2 * f, s)
+
+    @property
+    def _plates(self) -> float:
+        """Σ b t³/3 of flanges and web."""
+        f, s = self.flange, self.web
+        return (2 * self.width * f**3 + (self.height - 2 * f) * s**3) / 3
+
+
+@dataclass(frozen=True, slots=True)
+class ISection(_Flanged):
     """The report's Figure 4, an I-beam without fillets,  I = (b h³ - (b - s)(h - 2f)³)/12.
 
     J is El Darwish and Johnston's (`open_torsion`), within 1.7 % of finite elements for plates up to a tenth
@@ -455,16 +481,6 @@ class ISection(Shape):
     (1846, 142)
     """
 
-    width: float
-    height: float
-    flange: float
-    web: float
-
-    def __post_init__(self) -> None:
-        below("flange", self.flange, positive_real("height", self.height) / 2, "half the height")
-        below("web", self.web, positive_real("width", self.width), "the width")
-        self._keep("width", "height", "flange", "web")
-
     def _coefficient(self, poisson_ratio: float) -> float:
         """Return κ of a thin-walled I, as a `Box` has it with 30 (m + m²) + 5ν (8 m + 9 m²)."""
         height = self.height - self.flange
@@ -475,16 +491,12 @@ class ISection(Shape):
     def _torsion(self) -> float:
         f, s = self.flange, self.web
         ratio = s / f
-        plates = (2 * self.width * f**3 + (self.height - 2 * f) * s**3) / 3
-        return open_torsion(plates, -0.042 + 0.2204 * ratio - 0.0725 * ratio**2, f + s * s / (4 * f), f)
-
-    def _numbers(self) -> tuple[float, float, float]:
-        b, h, f, s = self.width, self.height, self.flange, self.web
-        return *flanged(b, h, f, s), 2 * rectangle(f, b) + rectangle(h - 2 * f, s)
+        meeting = -0.042 + 0.2204 * ratio - 0.0725 * ratio**2
+        return open_torsion(self._plates, meeting, f + s * s / (4 * f), f)
 
 
 @dataclass(frozen=True, slots=True)
-class Channel(Shape):
+class Channel(_Flanged):
     """A channel without fillets: an `ISection` whose web stands at the flanges' left tips.
 
     It bends in the plane of the height without twist only if forces pass through its shear centre, which lies
@@ -510,16 +522,6 @@ class Channel(Shape):
     True
     """
 
-    width: float
-    height: float
-    flange: float
-    web: float
-
-    def __post_init__(self) -> None:
-        below("flange", self.flange, positive_real("height", self.height) / 2, "half the height")
-        below("web", self.web, positive_real("width", self.width), "the width")
-        self._keep("width", "height", "flange", "web")
-
     def _coefficient(self, poisson_ratio: float) -> float:
         """Return κ: two channels back to back are an I, and no shear passes between them."""
         pair = ISection(2 * self.width, self.height, self.flange, 2 * self.web)
@@ -528,16 +530,16 @@ class Channel(Shape):
     def _torsion(self) -> float:
         f, s = self.flange, self.web
         ratio = s / f
-        plates = (2 * self.width * f**3 + (self.height - 2 * f) * s**3) / 3
-        inside = 2 * (s + f - math.sqrt(2 * s * f))
-        return open_torsion(plates, -0.0908 + 0.2621 * ratio - 0.0945 * ratio**2, inside, f)
+        meeting = -0.0908 + 0.2621 * ratio - 0.0945 * ratio**2
+        return open_torsion(self._plates, meeting, 2 * (s + f - math.sqrt(2 * s * f)), f)
 
     def _numbers(self) -> tuple[float, float, float]:
         b, h, f, s = self.width, self.height, self.flange, self.web
         upright, level = s * (h - 2 * f), 2 * b * f
         # About the centroid, which the middles of web and flanges are apart from in proportion to the other.
         apart = upright * level / (upright + level) * ((b - s) / 2) * ((b - s) / 2)
-        return *flanged(b, h, f, s), 2 * rectangle(f, b) + rectangle(h - 2 * f, s) + apart
+        area, second_moment, weak = _Flanged._numbers(self)
+        return area, second_moment, weak + apart
 
 
 # Cross-sections known by their numbers: a handbook's, or another program's.
