@@ -22,7 +22,7 @@ from typing import Any, Protocol, runtime_checkable
 import numpy as np
 
 from beammodes.chains.chain import cut_by_rule
-from beammodes.chains.pieces import MAX_PIECES
+from beammodes.chains.pieces import MAX_PIECES, each_once, floats
 from beammodes.chains.rules import (
     AnyRule,
     AxiallyCorrected,
@@ -159,21 +159,21 @@ class AxialChain:
         stiffness, density = MOTIONS[pair.motion].numbers(beam)
         mean = MOTIONS[pair.motion].mean_numbers(beam)
         pieces, weights = laid_out(record, pair.scaled(mean[0] / beam.length, mean[1] * beam.length), count)
-        if not all(weight > 0 for weight in weights):
+        if not all(each_once(lambda weight: weight > 0, weights)):
             raise ValueError(
                 f"rule {record.name} has no positive springs for {pair.name} with {count} segments"
             )
-        ell = beam.length / count
-        edges = np.concatenate([[0.0], np.cumsum([float(piece) for piece in pieces])]) * ell
+        ell, length = beam.length / count, floats(pieces)
+        edges = np.concatenate([[0.0], np.cumsum(length)]) * ell
         edges = np.minimum(edges, beam.length)
         edges[-1] = beam.length
-        flexibility = np.array([float(weight) for weight in weights]) * ell
+        flexibility = floats(weights) * ell
         values = {
             "beam": beam,
             "boundary": pair,
             "segments": count,
             "rule": record,
-            "length": np.array([float(piece) for piece in pieces]) * ell,
+            "length": length * ell,
             "inertia": np.asarray(moments(density, edges)[0], dtype=np.float64),
             "joint_stiffness": np.asarray(1.0 / (flexibility * mean_reciprocal(stiffness, edges[1:-1]))),
         }

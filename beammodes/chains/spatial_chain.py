@@ -125,7 +125,7 @@ class SpatialChain:
 
 def _hinges(rod: Rod, ends: RodEnds, count: int, rule: Layout) -> tuple[Floats, Floats]:
     """Return where the hinges are along a rod, and their flexibility about x, y and z."""
-    untwisted = rod.is_straight and isinstance(rod.curvature, tuple) and not rod.curvature[0]
+    untwisted = rod.curvature == (0.0, 0.0, 0.0)
     known: dict[tuple[Beam, tuple[str, str]], Chain] = {}
     columns = []
     for axis in range(3):
@@ -137,7 +137,9 @@ def _hinges(rod: Rod, ends: RodEnds, count: int, rule: Layout) -> tuple[Floats, 
             # Weights are all that differs: one chain serves all directions.
             scale, beam = beam.mean_bending_stiffness, Beam(rod.length, 1.0, 1.0)
         key = (beam, words)
-        chain = known.setdefault(key, Chain(beam, planar, count, rule)) if key not in known else known[key]
+        if key not in known:
+            known[key] = Chain(beam, planar, count, rule)
+        chain = known[key]
         columns.append((chain.hinge_position, 1.0 / (scale * chain.joint_stiffness)))
     near = 0.25 * rod.length / count
     at_left, at_right = (any(_at(place, end, near) for place, _ in columns) for end in (0.0, rod.length))

@@ -35,7 +35,7 @@ __all__ = [
     "shape_frames",
 ]
 
-_MOST_PARTS, _MOST_POINTS, _GRID = 10_000, 10_000, 65
+_MOST_PARTS, _GRID = 10_000, 65
 
 #: Cells of a measured line from point to point on which its frames are kept.
 _CELLS = 64
@@ -79,9 +79,10 @@ class _Component:
 class LineThroughPoints:
     """The curvature of a smooth line through points in space; its section does not turn about it.
 
-    The line is a spline of fifth degree, so that its curvature and that one's rate are smooth. The section is
-    carried along without turning about the line (Bishop's frame), from `up` on, and is then turned further at
-    the constant rate `twist`.
+    The line is a spline of fifth degree, so that its curvature and that one's rate are smooth; through four
+    or five points it is one of third degree, whose curvature has a kink at the middle one of five. The
+    section is carried along without turning about the line (Bishop's frame), from `up` on, and is then turned
+    further at the constant rate `twist`.
 
     Attributes
     ----------
@@ -105,11 +106,7 @@ class LineThroughPoints:
         knots = np.concatenate([[0.0], np.cumsum(chord)])
         spline = make_interp_spline(knots, points, k=5 if len(points) > 5 else 3)
         place = np.interp(np.arange(_CELLS * (len(points) - 1) + 1) / _CELLS, np.arange(len(points)), knots)
-        node, weight = np.polynomial.legendre.leggauss(8)
-        half = 0.5 * np.diff(place)
-        inner = place[:-1, None] + half[:, None] * (1.0 + node)
-        speed = np.sqrt((spline(inner.ravel(), 1) ** 2).sum(axis=1)).reshape(inner.shape)
-        along = np.concatenate([[0.0], np.cumsum(half * (speed @ weight))])
+        along = np.concatenate([[0.0], np.cumsum(_distances(spline, place[:-1], place[1:]))])
         tangent = _unit(spline(place, 1))
         normals = [_unit(np.array(self.up) - tangent[0] * (tangent[0] @ self.up))]
         at = spline(place)
@@ -128,13 +125,9 @@ class LineThroughPoints:
         at = np.interp(s, along, place)
         # Newton's steps on the distance, whose rate is the spline's speed; it is smooth within a cell.
         cell = np.clip(np.searchsorted(along, s) - 1, 0, len(place) - 2)
-        node, weight = np.polynomial.legendre.leggauss(8)
         for _ in range(3):
-            half = 0.5 * (at - place[cell])
-            inner = place[cell][:, None] + half[:, None] * (1.0 + node)
-            speed = np.sqrt((spline(inner.ravel(), 1) ** 2).sum(axis=1)).reshape(inner.shape)
-            rate = np.sqrt((spline(at, 1) ** 2).sum(axis=1))
-            at = at - (along[cell] + half * (speed @ weight) - s) / rate
+            missed = along[cell] + _distances(spline, place[cell], at) - s
+            at = at - missed / _speed(spline, at)
         first, second = spline(at, 1), spline(at, 2)
         tangent = _unit(first)
         bend = np.cross(first, second) / np.sqrt((first**2).sum(axis=1, keepdims=True)) ** 3
@@ -146,6 +139,21 @@ class LineThroughPoints:
         return np.stack(
             [np.full_like(s, self.twist), cos * about_y + sin * about_z, cos * about_z - sin * about_y], -1
         )
+
+
+def _speed(spline: Any, place: Floats) -> Floats:
+    """Return how far a spline goes per unit of its parameter."""
+    speed: Floats = np.sqrt((spline(place, 1) ** 2).sum(axis=1))
+    return speed
+
+
+def _distances(spline: Any, start: Floats, stop: Floats) -> Floats:
+    """Return how far it goes between places of its parameter, by Gauss's rule, shape (n,)."""
+    node, weight = np.polynomial.legendre.leggauss(8)
+    half = 0.5 * (stop - start)
+    inner = start[:, None] + half[:, None] * (1.0 + node)
+    along: Floats = half * (_speed(spline, inner.ravel()).reshape(inner.shape) @ weight)
+    return along
 
 
 def _unit(vector: Floats) -> Floats:
@@ -175,7 +183,7 @@ Curvature: TypeAlias = tuple[float, float, float] | CurvatureSteps | BendsAlong 
 CurvatureLike: TypeAlias = Curvature | Sequence[Any] | NDArray[Any] | Callable[[Any], Any]
 
 
-def kept_curvature(given: object, length: float, breaks: tuple[float, ...]) -> Curvature:
+def kept_curvature(given: CurvatureLike, length: float, breaks: tuple[float, ...]) -> Curvature:
     """Return the curvature of a rod of this length as it is kept.
 
     Raises
@@ -198,7 +206,7 @@ def kept_curvature(given: object, length: float, breaks: tuple[float, ...]) -> C
         return _tried(BendsAlong(given.function, given.breaks or breaks), length)
     if callable(given):
         return _tried(BendsAlong(given, breaks), length)
-    rows = real_numbers("curvature", bounded("curvature", given, most=_MOST_PARTS))  # type: ignore[arg-type]
+    rows = real_numbers("curvature", bounded("curvature", given, most=_MOST_PARTS))
     if rows.shape == (3,):
         return _three(rows)
     if rows.ndim != 2 or rows.shape[1] != 3 or not len(rows):

@@ -35,6 +35,7 @@ __all__ = ["Rod"]
 _NEEDED = ("bending_stiffness", "torsional_stiffness", "mass_per_length")
 _INERTIAS = ("polar_inertia_per_length", "rotary_inertia_per_length", "second_rotary_inertia_per_length")
 _OPTIONAL = ("axial_stiffness", "shear_stiffness", "second_shear_stiffness")
+_ALONG = (*_NEEDED, "second_bending_stiffness", *_INERTIAS, *_OPTIONAL)
 
 
 @dataclass(frozen=True, slots=True)
@@ -244,9 +245,9 @@ class Rod:
         if not np.diff(rows, axis=0).any(axis=1).all():
             raise ValueError("points must each lie away from the one before, got one twice in a row")
         axis = real_numbers("up", bounded("up", up, most=3))
-        if axis.shape != (3,) or np.linalg.norm(np.cross(axis, rows[1] - rows[0])) < 1e-9 * np.linalg.norm(
-            axis
-        ) * np.linalg.norm(rows[1] - rows[0]):
+        first = rows[1] - rows[0]
+        least = 1e-9 * np.linalg.norm(axis) * np.linalg.norm(first)
+        if axis.shape != (3,) or np.linalg.norm(np.cross(axis, first)) < least:
             raise ValueError(f"up must be three numbers, and not along the line's start, got {shown(up)}")
         line = LineThroughPoints(
             tuple((float(x), float(y), float(z)) for x, y, z in rows),
@@ -404,8 +405,7 @@ class Rod:
     @property
     def is_uniform(self) -> bool:
         """True if no property, nor the curvature in the section's axes, varies along the rod."""
-        names = ("second_bending_stiffness", *_NEEDED, *_INERTIAS, *_OPTIONAL)
-        values = [getattr(self, name) for name in names]
+        values = [getattr(self, name) for name in _ALONG]
         return isinstance(self.curvature, tuple) and all(
             value is None or isinstance(value, float) for value in values
         )
@@ -413,8 +413,7 @@ class Rod:
     @property
     def breaks(self) -> tuple[float, ...]:
         """Positions inside the rod between which it is smooth, ascending [m]."""
-        names = ("second_bending_stiffness", *_NEEDED, *_INERTIAS, *_OPTIONAL)
-        profiles = [getattr(self, name) for name in names]
+        profiles = [getattr(self, name) for name in _ALONG]
         places = [s for profile in profiles if profile is not None for s in profile_breaks(profile)]
         return each_place_once(sorted([*places, *shape_breaks(self.curvature)]), self.length)
 
@@ -462,7 +461,6 @@ class Rod:
     def __repr__(self) -> str:
         usual: dict[str, Any] = dict.fromkeys(_INERTIAS, 0.0) | dict.fromkeys(_OPTIONAL)
         usual |= {"second_bending_stiffness": self.bending_stiffness, "curvature": (0.0, 0.0, 0.0)}
-        names = ("length", *_NEEDED, "second_bending_stiffness", *_INERTIAS, *_OPTIONAL, "curvature")
-        given = [(name, getattr(self, name)) for name in names]
+        given = [(name, getattr(self, name)) for name in ("length", *_ALONG, "curvature")]
         told = [f"{name}={value!r}" for name, value in given if name not in usual or value != usual[name]]
         return f"Rod({', '.join(told)})"

@@ -160,7 +160,7 @@ def stable_time_step(
         if isinstance(chain, AxialChain):
             highest = highest_axial_frequency(chain)
         else:
-            highest = float(structure_chain_modes(chain).angular_frequency[-1:].sum())
+            highest = float(structure_chain_modes(chain).angular_frequency.max(initial=0.0))
         return stability_limit(record.name) / highest if highest else math.inf
     if not isinstance(chain, Chain):
         raise TypeError(f"chain must be a Chain, got {shown(chain)}")
