@@ -20,6 +20,8 @@ __all__ = [
     "choice",
     "distinct",
     "flag",
+    "is_text",
+    "not_negative",
     "percent",
     "plain_array",
     "positive_real",
@@ -110,6 +112,21 @@ def positive_real(name: str, value: object) -> float:
     return number
 
 
+def not_negative(name: str, value: object, *, infinite: bool = False) -> float:
+    """Return `value` as a float that is not below zero, and finite unless `infinite`; raises as `real` does.
+
+    Examples
+    --------
+    >>> not_negative("mass", -0.0), not_negative("stiffness", math.inf, infinite=True)
+    (0.0, inf)
+    """
+    held = infinite and isinstance(value, float) and value == math.inf
+    number = math.inf if held else real(name, value)
+    if number < 0.0:
+        raise ValueError(f"{name} must not be negative, got {shown(value)}")
+    return number + 0.0
+
+
 def small_fraction(name: str, value: object) -> float:
     """Return a tolerance as a float above zero and below one half.
 
@@ -164,6 +181,19 @@ def flag(name: str, value: object, *, or_none: bool = False) -> bool:
     return bool(value)
 
 
+def is_text(value: object) -> bool:
+    """Return True for text and bytes, whose characters are whole numbers to Python and no sequence here.
+
+    Examples
+    --------
+    >>> is_text(b"12"), is_text(bytearray(2)), is_text(memoryview(b"12")), is_text([1, 2])
+    (True, True, True, False)
+    """
+    if isinstance(value, memoryview):
+        return value.itemsize == 1
+    return isinstance(value, str | bytes | bytearray)
+
+
 def bounded(name: str, values: Iterable[Any], *, most: int | None = None) -> list[Any]:
     """Return what an iterable yields, as a list; one that never ends is found out by its length.
 
@@ -183,9 +213,9 @@ def bounded(name: str, values: Iterable[Any], *, most: int | None = None) -> lis
     _check_unmasked(name, values)
     if isinstance(values, np.ndarray) and values.ndim == 0:
         return [values.item()]
-    # Bytes are whole numbers to Python; a mapping stands for its names, not for numbers.
+    # A mapping stands for its names, not for numbers.
     named = not isinstance(values, Mapping) or all(isinstance(key, str) for key in values)
-    if not isinstance(values, Iterable) or isinstance(values, str | bytes | bytearray) or not named:
+    if not isinstance(values, Iterable) or is_text(values) or not named:
         raise TypeError(f"{name} must be a sequence of values, got {shown(values)}")
     # A range of 10**9 knows its length; a generator must be asked.
     if isinstance(values, Sized) and _length(values) > most:
@@ -255,10 +285,12 @@ def plain_array(name: str, value: Any) -> NDArray[Any]:
     if type(value) in (int, float):
         return np.asarray(value)
     if not hasattr(value, "__array__"):
-        endless = isinstance(value, Iterable) and not isinstance(value, Sized | str | bytes)
-        if endless or isinstance(value, Mapping | Set):
+        endless = isinstance(value, Iterable) and not isinstance(value, Sized)
+        # Of str and bytes NumPy makes one object, which is refused as any other; of bytearrays whole numbers.
+        characters = is_text(value) and not isinstance(value, str | bytes)
+        if endless or characters or isinstance(value, Mapping | Set):
             raise TypeError(f"{name} must be an array or a list, got {shown(value)}")
-        if isinstance(value, Sized) and not isinstance(value, str | bytes) and _length(value) > MAX_ITEMS:
+        if isinstance(value, Sized) and not is_text(value) and _length(value) > MAX_ITEMS:
             raise ValueError(f"{name} must have at most {MAX_ITEMS} values, got {shown(value)}")
         if isinstance(value, list | tuple | range):
             kinds = {int} if isinstance(value, range) else set(map(type, value))

@@ -526,7 +526,7 @@ def test_all_frequencies_are_met_by_positive_springs() -> None:
     with pytest.raises(ValueError, match="first 2 frequencies are the beam's at every N"):
         segments_needed("fixed-free", 0.01, 1, rule, motion="stretch")
     with pytest.raises(ValueError, match="hold_tip_stiffness must be left out for motion twist"):
-        match_springs("fixed-free", 3, 2, hold_tip_stiffness=True, motion="twist")  # type: ignore[call-overload]
+        match_springs("fixed-free", 3, 2, hold_tip_stiffness=True, motion="twist")  # type: ignore[call-overload]  # on purpose
 
 
 @pytest.mark.parametrize(
@@ -639,4 +639,4 @@ def test_numbers_of_another_motion_are_not_taken_for_this_one() -> None:
     with pytest.raises(
         TypeError, match=r"^chain must be a Chain, got <AxialChain .*; solve_modes takes an AxialChain itself"
     ):
-        linearize(AxialChain(UNIT, "fixed-free", 3))  # type: ignore[arg-type]
+        linearize(AxialChain(UNIT, "fixed-free", 3))  # type: ignore[arg-type]  # on purpose

@@ -295,6 +295,9 @@ def test_only_true_and_false_are_switches(name: str, argument: str) -> None:
 #: What NumPy or Python would take for a number, or for several.
 NO_NUMBERS = {
     "bytes": b"3",
+    "pair of bytes": b"33",
+    "bytearray": bytearray(b"333"),
+    "view of bytes": memoryview(b"33"),
     "text": "3",
     "True": True,
     "NumPy's True": np.bool_(True),

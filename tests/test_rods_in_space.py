@@ -68,12 +68,15 @@ def test_stiffnesses_of_very_different_size() -> None:
 def by_determinant(rod: bm.Rod, low: float, high: float) -> float:
     """The root of the 6 by 6 determinant of a uniform clamped-free rod, with 22 digits; its own equations."""
 
+    curvature = rod.curvature
+    assert isinstance(curvature, tuple)
+
     def cross(v: Any) -> Any:
         return mp.matrix([[0, -v[2], v[1]], [v[2], 0, -v[0]], [-v[1], v[0], 0]])
 
     def determinant(w: Any) -> Any:
         flow = mp.zeros(12)
-        turning, tangent = cross([mp.mpf(k) for k in rod.curvature]), cross([1, 0, 0])  # type: ignore[union-attr]
+        turning, tangent = cross([mp.mpf(k) for k in curvature]), cross([1, 0, 0])
         give = (rod.torsional_stiffness, rod.second_bending_stiffness, rod.bending_stiffness)
         for i in range(3):
             for j in range(3):
@@ -340,13 +343,17 @@ def test_bad_input_is_named() -> None:
     with pytest.raises(ValueError, match="points must each lie away"):
         bm.Rod.through([(0, 0, 0), (0, 0, 0), (1, 0, 0), (2, 0, 0)], **ROUND)
     with pytest.raises(ValueError, match='did you mean "clamped-free"'):
-        bm.SpatialChain(HELIX, "clamped-fre", 3)  # type: ignore[arg-type]
+        bm.SpatialChain(HELIX, "clamped-fre", 3)
 
 
 def test_ends_and_rest_shapes_are_checked_where_they_are_given() -> None:
     wire = {"bending_stiffness": 1.0, "torsional_stiffness": 1.0, "mass_per_length": 1.0}
     with pytest.raises(TypeError, match=r"^left must be a RodEnd, got 'clamped': RodEnds\.of takes words"):
-        bm.RodEnds("clamped", bm.RodEnd())  # type: ignore[arg-type]
+        bm.RodEnds("clamped", bm.RodEnd())  # type: ignore[arg-type]  # on purpose
+    with pytest.raises(ValueError, match=r"got \(RodEnd\(\), 'fre'\)"):
+        bm.RodEnds.of((bm.RodEnd(), "fre"))
+    with pytest.raises(TypeError, match=r"^rotary_inertia must be three numbers, along x, y and z, got 0$"):
+        bm.RodEnd(rotary_inertia=((1, 0, 0), 0, 0))
     with pytest.raises(ValueError, match=r"^straight must not vanish .* got 1 with radius 2 and angle 0$"):
         bm.Rod.hook(straight=1, radius=2, angle=0, **wire)
     with pytest.raises(ArithmeticError, match=r"^rod must curve less, or .* .*e\+06 steps, more than"):
@@ -355,4 +362,4 @@ def test_ends_and_rest_shapes_are_checked_where_they_are_given() -> None:
     with pytest.raises(
         TypeError, match=r"^each end of boundary must be one end here, got Ends\(shape=\(2,\)\)"
     ):
-        bm.segments_needed(("clamped", tips), 0.01)  # type: ignore[arg-type]
+        bm.segments_needed(("clamped", tips), 0.01)

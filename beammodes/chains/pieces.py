@@ -15,7 +15,7 @@ from typing import Any, NamedTuple, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from beammodes.checks import bounded, real, shown
+from beammodes.checks import bounded, is_text, real, shown
 from beammodes.numerics.arrays import Floats
 
 __all__ = [
@@ -226,7 +226,7 @@ def piece_numbers(name: str, values: Iterable[Number] | Floats) -> tuple[Number,
         if values.dtype.kind not in "fiu" or values.ndim != 1 or not np.isfinite(values).all():
             raise ValueError(f"{name} must be a one-dimensional array of finite numbers, got {shown(values)}")
         return tuple(values.astype(float).tolist())
-    if isinstance(values, str | bytes | Mapping | Set) or not isinstance(values, Iterable):
+    if is_text(values) or isinstance(values, Mapping | Set) or not isinstance(values, Iterable):
         raise TypeError(f"{name} must be a sequence of numbers, got {shown(values)}")
     items = bounded(name, values, most=MAX_PIECES)
     return tuple(_number(f"{name}[{i}]", value) for i, value in enumerate(items))

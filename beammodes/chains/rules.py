@@ -22,7 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from beammodes.chains.pieces import MAX_PIECES
-from beammodes.checks import choice, real, shown, whole_number
+from beammodes.checks import choice, is_text, real, shown, whole_number
 from beammodes.problem.beam import Beam
 from beammodes.problem.ends import Boundary, BoundaryLike, End
 from beammodes.problem.loading import Load, checked_load, load_of
@@ -490,7 +490,7 @@ def _exact(name: str, value: Exact) -> Fraction:
 
 def _weights(name: str, values: Weights) -> tuple[Weight, ...]:
     flat = values.tolist() if isinstance(values, np.ndarray) and values.ndim == 1 else values
-    if isinstance(flat, str | bytes) or not isinstance(flat, Sequence):
+    if is_text(flat) or not isinstance(flat, Sequence):
         raise TypeError(f'{name} must be a sequence of weights, such as ["3/8", "7/6"], got {shown(values)}')
     if len(flat) > MAX_END_WEIGHTS:
         raise ValueError(f"{name} must have at most {MAX_END_WEIGHTS} weights, got {len(flat)}")

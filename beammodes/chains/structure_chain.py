@@ -20,7 +20,7 @@ import numpy as np
 from beammodes.chains.chain import Chain
 from beammodes.chains.pieces import MAX_PIECES
 from beammodes.chains.rules import AnyRule, Layout, Rule, fits_of, layout_of
-from beammodes.checks import bounded, flag, shown, whole_number
+from beammodes.checks import bounded, flag, is_text, shown, whole_number
 from beammodes.problem.ends import ENDS, Boundary
 from beammodes.problem.structure import Node, Parts, Structure, checked_structure
 
@@ -168,7 +168,7 @@ def shared_segments(parts: Parts, segments: int | Sequence[int], rule: Layout) -
     (8, 2)
     """
     lengths, fits = [stretch.beam.length for stretch in parts.stretches], fits_of(rule) or (lambda _: True)
-    if isinstance(segments, Sequence | np.ndarray) and not isinstance(segments, str):
+    if isinstance(segments, Sequence | np.ndarray) and not is_text(segments):
         listed = bounded("segments", segments)
         if len(listed) != len(lengths):
             raise ValueError(
@@ -176,10 +176,10 @@ def shared_segments(parts: Parts, segments: int | Sequence[int], rule: Layout) -
             )
         return tuple(whole_number("segments", n, most=MAX_PIECES) for n in listed)
     total = whole_number("segments", segments, most=MAX_PIECES)
-    least = [next(n for n in range(1, 1000) if fits(n)) for _ in lengths]
-    if total < sum(least):
+    least = len(lengths) * next(n for n in range(1, 1000) if fits(n))
+    if total < least:
         raise ValueError(
-            f"segments must be at least {sum(least)}, for {len(lengths)} stretches and rule {rule.name}, "
+            f"segments must be at least {least}, for {len(lengths)} stretches and rule {rule.name}, "
             f"got {total}"
         )
 
@@ -206,7 +206,7 @@ def _moments_at_ends(parts: Parts) -> list[tuple[str, str]]:
     "clamped" where there can be a bending moment, "guided" where the rotation is held and nothing else,
     "free" where there is none.
     """
-    ends = [(node, hinge) for stretch in parts.stretches for node, hinge in zip(*stretch[3::2], strict=True)]
+    ends = [pair for stretch in parts.stretches for pair in zip(stretch.nodes, stretch.hinges, strict=True)]
     bearing = [sum(1 for at, hinge in ends if at == i and hinge) for i in range(len(parts.nodes))]
     alone = [sum(1 for at, _ in ends if at == i) == 1 for i in range(len(parts.nodes))]
     words = []

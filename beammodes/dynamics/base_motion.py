@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from beammodes.checks import positive_real, real, real_numbers, shown
+from beammodes.checks import not_negative, positive_real, real, real_numbers, shown
 from beammodes.numerics.arrays import Floats
 
 __all__ = ["BaseMotion", "Course", "at_rest", "harmonic", "spin_up"]
@@ -63,10 +63,7 @@ class BaseMotion:
         for name in ("x", "y", "angle"):
             if not callable(getattr(self, name)):
                 raise TypeError(f"{name} must be a function of time, got {shown(getattr(self, name))}")
-        radius = real("hub_radius", self.hub_radius)
-        if radius < 0.0:
-            raise ValueError(f"hub_radius must not be negative, got {shown(self.hub_radius)}")
-        object.__setattr__(self, "hub_radius", radius)
+        object.__setattr__(self, "hub_radius", not_negative("hub_radius", self.hub_radius))
 
     @property
     def turns(self) -> bool:

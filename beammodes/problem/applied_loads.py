@@ -4,14 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from fractions import Fraction
 
-from beammodes.checks import bounded, real, shown
+from beammodes.checks import bounded, is_text, shown
+from beammodes.problem.loading import Number, kept_number
 from beammodes.problem.profiles import Table
 
 __all__ = ["AppliedLoad", "LineLoad", "PointLoad"]
-
-Number = float | Fraction
 
 _MOST_COEFFICIENTS = 20
 
@@ -62,17 +60,17 @@ class PointLoad:
         if self.x is not None:
             object.__setattr__(self, "x", _place("x", self.x))
         pair = self.force
-        if isinstance(pair, Sequence) and not isinstance(pair, str):
+        if isinstance(pair, Sequence) and not is_text(pair):
             items = bounded("force", pair, most=2)
             if len(items) != 2:
                 raise ValueError(f"force must be a number or two components, got {shown(pair)}")
-            pair = (_kept("force", items[0]), _kept("force", items[1]))
-        elif self.joint is not None and _kept("force", pair):
+            pair = (kept_number("force", items[0]), kept_number("force", items[1]))
+        elif self.joint is not None and kept_number("force", pair):
             raise ValueError(f"force must be two components (F_x, F_y) at a joint, got {shown(pair)}")
         else:
-            pair = _kept("force", pair)
+            pair = kept_number("force", pair)
         object.__setattr__(self, "force", pair)
-        object.__setattr__(self, "moment", _kept("moment", self.moment))
+        object.__setattr__(self, "moment", kept_number("moment", self.moment))
 
 
 @dataclass(frozen=True)
@@ -108,13 +106,13 @@ class LineLoad:
 
     def __post_init__(self) -> None:
         given = self.per_length
-        if isinstance(given, Sequence) and not isinstance(given, str):
+        if isinstance(given, Sequence) and not is_text(given):
             listed = bounded("per_length", given, most=_MOST_COEFFICIENTS)
             if not listed:
                 raise ValueError(f"per_length must have one coefficient at least, got {shown(given)}")
-            given = tuple(_kept("per_length", c) for c in listed)
+            given = tuple(kept_number("per_length", c) for c in listed)
         elif not isinstance(given, Table):
-            given = (_kept("per_length", given),)
+            given = (kept_number("per_length", given),)
         object.__setattr__(self, "per_length", given)
         object.__setattr__(self, "start", _place("start", self.start))
         if self.stop is not None:
@@ -133,13 +131,8 @@ def _check_words(*names: str | None) -> None:
             raise TypeError(f"member and joint must be names, got {shown(name)}")
 
 
-def _kept(name: str, value: object) -> Number:
-    number = real(name, value)
-    return value if isinstance(value, Fraction) else number + 0.0
-
-
 def _place(name: str, value: object) -> Number:
-    kept = _kept(name, value)
+    kept = kept_number(name, value)
     if kept < 0:
         raise ValueError(f"{name} must not be negative, got {shown(value)}")
     return kept

@@ -19,8 +19,8 @@ from typing import Any, NoReturn
 import numpy as np
 from numpy.typing import NDArray
 
-from beammodes.checks import bounded, choice, real, shown
-from beammodes.problem.ends import ENDS, Boundary, End
+from beammodes.checks import bounded, choice, distinct, not_negative, shown
+from beammodes.problem.ends import ENDS, Boundary, End, ends_in
 from beammodes.problem.motions import MOTIONS, Motion, motion_named
 
 __all__ = ["AxialBoundary", "AxialBoundaryLike", "AxialEnd", "distinct_axial"]
@@ -54,12 +54,8 @@ class AxialEnd:
 
     def __post_init__(self) -> None:
         for name in ("stiffness", "inertia"):
-            value = getattr(self, name)
-            held = name == "stiffness" and isinstance(value, float) and value == math.inf
-            number = math.inf if held else real(name, value)
-            if number < 0.0:
-                raise ValueError(f"{name} must not be negative, got {shown(value)}")
-            object.__setattr__(self, name, number + 0.0)
+            number = not_negative(name, getattr(self, name), infinite=name == "stiffness")
+            object.__setattr__(self, name, number)
         if self.is_fixed:
             object.__setattr__(self, "inertia", 0.0)
 
@@ -162,8 +158,7 @@ class AxialBoundary:
         if isinstance(boundary, Boundary):
             whole, boundary = boundary.name, (boundary.left, boundary.right)
         if isinstance(boundary, str):
-            # Only outside parentheses: numbers in them have signs and commas of their own.
-            parts: tuple[object, ...] = tuple(re.split(r"[-/,](?![^(]*\))", boundary))
+            parts: tuple[object, ...] = ends_in(boundary)
         elif isinstance(boundary, tuple | list):
             parts = tuple(boundary)
         else:
@@ -242,21 +237,7 @@ def distinct_axial(boundary: Any, motion: str | Motion) -> tuple[list[AxialBound
     if _is_one(boundary):
         return [AxialBoundary.of(boundary, motion)], np.asarray(0)
     items = boundary if isinstance(boundary, np.ndarray) else _objects(bounded("boundary", boundary))
-    if items.dtype.kind == "U":
-        names, which = np.unique(items, return_inverse=True)
-        read = [AxialBoundary.of(str(name), motion) for name in names]
-        found: dict[AxialBoundary, int] = {}
-        places = np.array([found.setdefault(pair, len(found)) for pair in read], dtype=np.intp)
-        return list(found), places[which].reshape(items.shape)
-    found = {}
-    seen: dict[int, int] = {}
-    index = np.empty(items.size, dtype=np.intp)
-    for k, item in enumerate(items.ravel().tolist()):
-        place = seen.get(id(item))
-        if place is None:
-            place = seen[id(item)] = found.setdefault(AxialBoundary.of(item, motion), len(found))
-        index[k] = place
-    return list(found), index.reshape(items.shape)
+    return distinct("boundary", items, (), lambda item: AxialBoundary.of(item, motion))
 
 
 @lru_cache(maxsize=1024)
@@ -272,8 +253,7 @@ def _is_one(value: Any) -> bool:
         isinstance(value, tuple | list)
         and len(value) == 2
         and all(
-            isinstance(item, AxialEnd | End)
-            or (isinstance(item, str) and len(re.split(r"[-/,](?![^(]*\))", item)) == 1)
+            isinstance(item, AxialEnd | End) or (isinstance(item, str) and len(ends_in(item)) == 1)
             for item in value
         )
     )

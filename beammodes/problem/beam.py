@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from beammodes.checks import bounded, flag, positive_real, real, real_numbers, shown
+from beammodes.checks import bounded, flag, is_text, positive_real, real, real_numbers, shown
 from beammodes.numerics.arrays import Floats
 from beammodes.problem.profiles import (
     SAME_PLACE,
@@ -113,7 +113,7 @@ def each_place_once(places: Sequence[float], length: float) -> tuple[float, ...]
 def _is_row(given: object) -> bool:
     if isinstance(given, np.ndarray):
         return given.ndim == 1 and given.size > 1
-    return isinstance(given, Sequence) and not isinstance(given, str | bytes) and len(given) > 1
+    return isinstance(given, Sequence) and not is_text(given) and len(given) > 1
 
 
 def _steps(name: str, given: Any, length: float) -> Profile:

@@ -30,8 +30,11 @@ __all__ = [
     "boundary_code",
     "boundary_codes",
     "end_from_text",
+    "end_of",
+    "ends_in",
     "has_many",
     "is_pair",
+    "pair_of",
     "with_pairs_read",
 ]
 
@@ -333,7 +336,7 @@ class Boundary:
             return boundary
         if isinstance(boundary, str):
             return _from_text(boundary)
-        return cls(*(_end(part, boundary) for part in _pair(boundary)))
+        return cls(*(end_of(part, boundary) for part in pair_of(boundary)))
 
     @property
     def name(self) -> str:
@@ -375,7 +378,7 @@ class Boundary:
 
 @lru_cache(maxsize=1024)
 def _from_text(text: str) -> Boundary:
-    return Boundary(*(_end(part, text) for part in _split(text)))
+    return Boundary(*(end_of(part, text) for part in _split(text)))
 
 
 BoundaryLike = str | tuple[str | End, str | End] | Boundary
@@ -425,7 +428,7 @@ def is_pair(value: object) -> bool:
     """
     if not isinstance(value, tuple | list) or len(value) != 2:
         return False
-    return all(isinstance(item, End) or (isinstance(item, str) and len(_parts(item)) == 1) for item in value)
+    return all(isinstance(item, End) or (isinstance(item, str) and len(ends_in(item)) == 1) for item in value)
 
 
 def with_pairs_read(value: Any) -> Any:
@@ -484,18 +487,26 @@ def _firmness(end: End) -> tuple[float | Fraction, ...]:
 
 
 def _split(value: str) -> tuple[str, ...]:
-    parts = _parts(value)
+    parts = ends_in(value)
     if len(parts) != 2:
         _refuse(value)
     return parts
 
 
-def _parts(value: str) -> tuple[str, ...]:
+def ends_in(value: str) -> tuple[str, ...]:
+    """Return the texts of single ends in that of a boundary.
+
+    Examples
+    --------
+    >>> ends_in("clamped-free(mass=1e-3)")
+    ('clamped', 'free(mass=1e-3)')
+    """
     # Only outside parentheses: numbers in them have signs and commas of their own.
     return tuple(re.split(r"[-/,](?![^(]*\))", value))
 
 
-def _pair(value: object) -> tuple[object, ...]:
+def pair_of(value: object) -> tuple[object, ...]:
+    """Return the two items of a tuple or list; raise TypeError for all else."""
     if not isinstance(value, tuple | list) or len(value) != 2:
         raise TypeError(
             'boundary must be a name such as "clamped-free", a pair of ends or a Boundary, '
@@ -504,7 +515,8 @@ def _pair(value: object) -> tuple[object, ...]:
     return tuple(value)
 
 
-def _end(part: object, whole: object) -> End:
+def end_of(part: object, whole: object) -> End:
+    """Return the end that a word, a text or an `End` stands for; `whole` is shown if it is unreadable."""
     if isinstance(part, End):
         return part
     if not isinstance(part, str):

@@ -7,7 +7,17 @@ from fractions import Fraction
 
 from beammodes.checks import choice, real, shown
 
-__all__ = ["NO_LOAD", "PLANES", "Load", "Vector", "check_unloaded", "checked_load", "load_of"]
+__all__ = [
+    "NO_LOAD",
+    "PLANES",
+    "Load",
+    "Number",
+    "Vector",
+    "check_unloaded",
+    "checked_load",
+    "kept_number",
+    "load_of",
+]
 
 Number = float | Fraction
 
@@ -67,7 +77,7 @@ class Load:
 
     def __post_init__(self) -> None:
         for name in ("axial_force", "spin_rate", "hub_radius", "tip_moment"):
-            object.__setattr__(self, name, _kept(name, getattr(self, name)))
+            object.__setattr__(self, name, kept_number(name, getattr(self, name)))
         for name in ("spin_rate", "hub_radius"):
             if getattr(self, name) < 0:
                 raise ValueError(f"{name} must not be negative, got {shown(getattr(self, name))}")
@@ -120,7 +130,7 @@ def check_unloaded(load: Load | None) -> None:
     --------
     >>> check_unloaded(Load())
     """
-    if checked_load(load) != Load():
+    if checked_load(load) != NO_LOAD:
         raise ValueError(f"load must be left out with a structure, got {shown(str(load))}")
 
 
@@ -146,7 +156,14 @@ def load_of(load: Load | None, beam: object | None) -> Load:
     return given
 
 
-def _kept(name: str, value: Number) -> Number:
+def kept_number(name: str, value: object) -> Number:
+    """Return a real number of a load as a float, a `Fraction` as it is; raises as `real` does.
+
+    Examples
+    --------
+    >>> kept_number("force", Fraction(1, 3)), kept_number("force", -0)
+    (Fraction(1, 3), 0.0)
+    """
     number = real(name, value)
     # A minus sign on zero would make two loads of one.
     return value if isinstance(value, Fraction) else number + 0.0
@@ -156,8 +173,8 @@ def _vector(name: str, value: object, sign: int) -> Vector:
     if isinstance(value, tuple | list):
         if len(value) != 2:
             raise ValueError(f"{name} must have two components, got {shown(value)}")
-        return _kept(f"{name}[0]", value[0]), _kept(f"{name}[1]", value[1])
-    return 0.0, _kept(name, sign * value) if isinstance(value, Fraction) else sign * real(name, value) + 0.0
+        return kept_number(f"{name}[0]", value[0]), kept_number(f"{name}[1]", value[1])
+    return 0.0, kept_number(name, sign * kept_number(name, value))
 
 
 #: What stands for no load.

@@ -9,10 +9,10 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
-from beammodes.checks import flag, real, shown
+from beammodes.checks import flag, not_negative, real, shown
 from beammodes.numerics.arrays import Floats
 from beammodes.numerics.rotations import cross_matrix
-from beammodes.problem.ends import ENDS, Boundary, End
+from beammodes.problem.ends import ENDS, Boundary, End, end_of, pair_of
 
 __all__ = ["RodBoundaryLike", "RodEnd", "RodEnds"]
 
@@ -78,10 +78,10 @@ class RodEnd:
             ("translational_stiffness", translational_stiffness),
             ("rotational_stiffness", rotational_stiffness),
         ):
-            object.__setattr__(self, name, _three(name, given, least=0.0, infinite=True))
-        object.__setattr__(self, "mass", _number("mass", mass, least=0.0))
+            object.__setattr__(self, name, _each(name, given, infinite=True))
+        object.__setattr__(self, "mass", not_negative("mass", mass))
         object.__setattr__(self, "rotary_inertia", _tensor(rotary_inertia))
-        object.__setattr__(self, "offset", _three("offset", offset))
+        object.__setattr__(self, "offset", _triple("offset", offset))
         object.__setattr__(self, "on_segment", flag("on_segment", on_segment))
 
     @classmethod
@@ -103,9 +103,14 @@ class RodEnd:
         >>> RodEnd.of("free(mass=0.5, offset=0.1)", side=-1).offset
         (-0.1, 0.0, 0.0)
         """
+        return cls._read(end, end, side)
+
+    @classmethod
+    def _read(cls, end: object, whole: object, side: int) -> RodEnd:
+        """Return what an end stands for; `whole` is shown if it is unreadable."""
         if isinstance(end, RodEnd):
             return end
-        plain = end if isinstance(end, End) else Boundary.of((end, "free")).left  # type: ignore[arg-type]
+        plain = end_of(end, whole)
         across, turning = float(plain.translational_stiffness), float(plain.rotational_stiffness)
         along = math.inf if plain.is_grounded and (plain.holds_deflection or plain.holds_rotation) else across
         inertia = float(plain.rotary_inertia)
@@ -182,38 +187,38 @@ def _short(three: Three, usual: float) -> float | Three | None:
     return three
 
 
-def _number(name: str, value: object, *, least: float = -math.inf, infinite: bool = False) -> float:
-    if infinite and isinstance(value, float) and value == math.inf:
-        return math.inf
-    number = real(name, value)
-    if number < least:
-        raise ValueError(f"{name} must not be negative, got {shown(value)}")
-    return number + 0.0
+def _triple(name: str, given: object) -> Three:
+    """Return three numbers along x, y and z, of either sign."""
+    x, y, z = (real(name, value) + 0.0 for value in _three_of(name, given))
+    return x, y, z
 
 
-def _three(name: str, given: object, *, least: float = -math.inf, infinite: bool = False) -> Three:
-    if isinstance(given, np.ndarray):
-        given = given.tolist()
-    if isinstance(given, list | tuple):
-        if len(given) != 3:
-            raise ValueError(f"{name} must be three numbers, along x, y and z, got {shown(given)}")
-        x, y, z = (_number(name, value, least=least, infinite=infinite) for value in given)
-        return x, y, z
-    if name == "offset":
+def _each(name: str, given: object, *, infinite: bool = False) -> Three:
+    """Return three numbers that are not negative; one stands for all three."""
+    values = given.tolist() if isinstance(given, np.ndarray) else given
+    three = _three_of(name, values) if isinstance(values, list | tuple) else [values] * 3
+    x, y, z = (not_negative(name, value, infinite=infinite) for value in three)
+    return x, y, z
+
+
+def _three_of(name: str, given: object) -> Sequence[object]:
+    values = given.tolist() if isinstance(given, np.ndarray) else given
+    if not isinstance(values, list | tuple):
         raise TypeError(f"{name} must be three numbers, along x, y and z, got {shown(given)}")
-    number = _number(name, given, least=least, infinite=infinite)
-    return number, number, number
+    if len(values) != 3:
+        raise ValueError(f"{name} must be three numbers, along x, y and z, got {shown(given)}")
+    return values
 
 
 def _tensor(given: object) -> Tensor:
     rows = given.tolist() if isinstance(given, np.ndarray) else given
     if isinstance(rows, list | tuple) and len(rows) == 3 and isinstance(rows[0], list | tuple):
-        x, y, z = (_three("rotary_inertia", row) for row in rows)
+        x, y, z = (_triple("rotary_inertia", row) for row in rows)
         matrix = np.array([x, y, z])
         if not (matrix == matrix.T).all() or np.linalg.eigvalsh(matrix)[0] < -1e-12 * np.abs(matrix).max():
             raise ValueError(f"rotary_inertia must be symmetric and positive, got {shown(given)}")
         return x, y, z
-    a, b, c = _three("rotary_inertia", given, least=0.0)
+    a, b, c = _each("rotary_inertia", given)
     return (a, 0.0, 0.0), (0.0, b, 0.0), (0.0, 0.0, c)
 
 
@@ -249,12 +254,11 @@ class RodEnds:
         """
         if isinstance(boundary, RodEnds):
             return boundary
-        if isinstance(boundary, tuple | list) and any(isinstance(end, RodEnd) for end in boundary):
-            if len(boundary) != 2:
-                raise ValueError(f"boundary must be two ends, got {shown(boundary)}")
-            return cls(RodEnd.of(boundary[0], side=-1), RodEnd.of(boundary[1]))
-        pair = Boundary.of(boundary)  # type: ignore[arg-type]
-        return cls(RodEnd.of(pair.left, side=-1), RodEnd.of(pair.right))
+        if isinstance(boundary, str | Boundary):
+            pair = Boundary.of(boundary)
+            boundary = (pair.left, pair.right)
+        left, right = pair_of(boundary)
+        return cls(RodEnd._read(left, boundary, -1), RodEnd._read(right, boundary, 1))
 
     def rigid_body_modes(self, frame: Floats, place: Floats) -> int:
         """Return how many motions of a rigid rod the ends let go without storing energy.

@@ -19,7 +19,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from beammodes.checks import bounded, choice, real, shown
+from beammodes.checks import bounded, choice, not_negative, real, shown
 from beammodes.problem.beam import Beam
 from beammodes.problem.ends import NUMBERS_OF_END, Boundary, BoundaryLike, End
 from beammodes.problem.profiles import SAME_PLACE, Profile, Table, table_limit, value_at
@@ -101,7 +101,7 @@ class Station:
         end = End(*(getattr(self, name) for name in NUMBERS_OF_END))
         for name in NUMBERS_OF_END:
             object.__setattr__(self, name, float(getattr(end, name)))
-        object.__setattr__(self, "hinge", _stiffness("hinge", self.hinge))
+        object.__setattr__(self, "hinge", not_negative("hinge", self.hinge, infinite=True))
         if self.hinge < math.inf and (
             self.rotational_stiffness or self.rotary_inertia or (self.mass and self.offset)
         ):
@@ -159,7 +159,7 @@ class Joint:
         if isinstance(given, str):
             support = _SUPPORTS[choice("support", given, _SUPPORTS)]
         else:
-            along, up, turn = (_stiffness("support", k) for k in _row("support", given, 3))
+            along, up, turn = (not_negative("support", k, infinite=True) for k in _row("support", given, 3))
             support = (along, up, turn)
         object.__setattr__(self, "support", support)
         offset = tuple(real("offset", value) + 0.0 for value in _row("offset", self.offset, 2))
@@ -202,7 +202,7 @@ class Member:
         if self.start == self.end:
             raise ValueError(f"end must be another joint than start, got {shown(self.end)}")
         for name in ("start_hinge", "end_hinge"):
-            object.__setattr__(self, name, _stiffness(name, getattr(self, name)))
+            object.__setattr__(self, name, not_negative(name, getattr(self, name), infinite=True))
         stations = bounded("stations", self.stations, most=_MOST)
         for station in stations:
             if not isinstance(station, Station):
@@ -542,13 +542,6 @@ def _check_length(member: Member, start: Joint, end: Joint) -> None:
             f"members must be as long as their joints are apart, got {member.name} of length "
             f"{member.beam.length} between joints {distance} apart"
         )
-
-
-def _stiffness(name: str, value: object) -> float:
-    number = math.inf if isinstance(value, float) and value == math.inf else real(name, value)
-    if number < 0.0:
-        raise ValueError(f"{name} must not be negative, got {shown(value)}")
-    return number + 0.0
 
 
 def _row(name: str, value: object, count: int) -> list[Any]:

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from beammodes.chains.chain import Chain
 from beammodes.chains.pieces import MAX_PIECES
-from beammodes.checks import bounded, positive_real, real, shown, whole_number
+from beammodes.checks import bounded, is_text, not_negative, positive_real, shown, whole_number
 from beammodes.numerics.arrays import Floats
 from beammodes.problem.loading import Load
 from beammodes.version import SOURCE
@@ -76,17 +76,16 @@ class Damping:
 
     def __post_init__(self) -> None:
         for name in ("mass", "stiffness"):
-            object.__setattr__(self, name, _not_negative(name, getattr(self, name)))
+            object.__setattr__(self, name, not_negative(name, getattr(self, name)))
         given: Any = self.joint
         if isinstance(given, np.ndarray) and given.ndim == 0:
             (given,) = bounded("joint", given)
-        if isinstance(given, Sequence | np.ndarray) and not isinstance(given, str):
+        if isinstance(given, Sequence | np.ndarray) and not is_text(given):
             kept: float | tuple[float, ...] = tuple(
-                _not_negative(f"joint[{i}]", d)
-                for i, d in enumerate(bounded("joint", given, most=MAX_PIECES))
+                not_negative(f"joint[{i}]", d) for i, d in enumerate(bounded("joint", given, most=MAX_PIECES))
             )
         else:
-            kept = _not_negative("joint", given)
+            kept = not_negative("joint", given)
         object.__setattr__(self, "joint", kept)
 
     def joint_damping(self, chain: Chain) -> Floats:
@@ -104,13 +103,6 @@ class Damping:
         if own.ndim and len(own) != hinges:
             raise ValueError(f"joint must have {hinges} entries, one a hinge, got {len(own)}")
         return np.asarray(self.stiffness * chain.joint_stiffness + own)
-
-
-def _not_negative(name: str, value: object) -> float:
-    number = real(name, value)
-    if number < 0.0:
-        raise ValueError(f"{name} must not be negative, got {shown(value)}")
-    return number
 
 
 @dataclass(frozen=True, eq=False)
