@@ -10,6 +10,7 @@ order of hinges is reversed at every other joint has them with alternating signs
 from __future__ import annotations
 
 import itertools
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
@@ -106,7 +107,7 @@ def _series(square: Floats) -> tuple[Floats, Floats, Floats, Floats]:
         (2, (1 - cos) / far, (angle * sin / 2 - (1 - cos)) / far**2),
         (3, (angle - sin) / (far * angle), ((1 - cos) * angle - 3 * (angle - sin)) / (2 * far**2 * angle)),
     ):
-        term, total, slope = np.full_like(near, 1.0 / (2 if first == 2 else 6)), 0.0 * near, 0.0 * near
+        term, total, slope = np.full_like(near, 1.0 / math.factorial(first)), 0.0 * near, 0.0 * near
         power = np.ones_like(near)
         for k in range(12):
             total = total + term * power

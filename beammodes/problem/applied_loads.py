@@ -54,7 +54,7 @@ class PointLoad:
             raise ValueError(
                 f"x or a joint must be given, and not both, got {shown(self.x)} and {shown(self.joint)}"
             )
-        _check_words(self.member, self.joint)
+        _check_words(member=self.member, joint=self.joint)
         if self.joint is not None and self.member is not None:
             raise ValueError(f"member must be left out of a load at a joint, got {shown(self.member)}")
         if self.x is not None:
@@ -119,16 +119,16 @@ class LineLoad:
             object.__setattr__(self, "stop", _place("stop", self.stop))
             if self.stop <= self.start:
                 raise ValueError(f"stop must be beyond start, {self.start}, got {shown(self.stop)}")
-        _check_words(self.member)
+        _check_words(member=self.member)
 
 
 AppliedLoad = PointLoad | LineLoad
 
 
-def _check_words(*names: str | None) -> None:
-    for name in names:
-        if name is not None and not isinstance(name, str):
-            raise TypeError(f"member and joint must be names, got {shown(name)}")
+def _check_words(**words: str | None) -> None:
+    for name, word in words.items():
+        if word is not None and not isinstance(word, str):
+            raise TypeError(f"{name} must be the name of a {name}, got {shown(word)}")
 
 
 def _place(name: str, value: object) -> Number:
