@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from pathlib import Path
+from xml.etree import ElementTree
 
 import numpy as np
 import pytest
@@ -97,3 +98,14 @@ def test_what_is_no_tree_is_refused(tmp_path: Path) -> None:
     with pytest.raises(ValueError, match="timestep must be left out of files of structures"):
         bm.export_chain(bm.StructureChain(AFLOAT, 3), path, timestep=1e-3)
     assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("suffix", [".xml", ".sdf", ".urdf"])
+def test_no_name_ends_a_comment(suffix: str, tmp_path: Path) -> None:
+    joints = {"a---b\nmodel: other": FOOT, "-->": bm.Joint(0, 1)}
+    chain = bm.StructureChain(bm.Structure(joints, [bm.Member(UNIT, *joints)]), 2, bm.Rule("x---", ["1/2"]))
+    path, *beside = bm.export_chain(chain, tmp_path / f"tree{suffix}")
+    ElementTree.parse(path)
+    if beside:
+        lines = beside[0].read_text("utf-8").splitlines()
+        assert [line for line in lines if line.startswith("model:")] == ["model: chain"]

@@ -40,7 +40,7 @@ from beammodes.exporters.model_tree import (
 from beammodes.numerics.arrays import Floats
 from beammodes.numerics.rotations import quaternion
 
-__all__ = ["FORMATS", "MAX_NESTED", "Format", "Model"]
+__all__ = ["FORMATS", "MAX_NESTED", "XML_HEAD", "Format", "Model", "yaml_number"]
 
 
 @dataclass(frozen=True)
@@ -306,7 +306,7 @@ def _mjcf_ties(ties: Sequence[Tie], timestep: float) -> Iterator[str]:
         yield " </equality>"
 
 
-_XML = '<?xml version="1.0" encoding="utf-8"?>'
+XML_HEAD = '<?xml version="1.0" encoding="utf-8"?>'
 _KINDS = {"hinge": "revolute", "slide": "prismatic"}
 
 
@@ -357,7 +357,7 @@ def _sdf(model: Model) -> Sequence[Iterable[str]]:
             *(f" {line}" for line in inner),
             "</world>",
         ]
-    head = [_XML, *_comment(model, *notes), '<sdf version="1.7">']
+    head = [XML_HEAD, *_comment(model, *notes), '<sdf version="1.7">']
     return (["\n".join([*head, *(f" {line}" for line in inner), "</sdf>", ""])],)
 
 
@@ -411,7 +411,7 @@ def _urdf(model: Model) -> Sequence[Iterable[str]]:
         "gravity is not part of a URDF file: with it the beam sags and rings at other frequencies",
         *_carriers(model.tree),
     )
-    lines = [_XML, *_comment(model, *notes), f'<robot name="{model.name}">']
+    lines = [XML_HEAD, *_comment(model, *notes), f'<robot name="{model.name}">']
     if not any(joint.kind == "free" for body in model.tree.bodies for joint in body.joints):
         lines.append(' <link name="world"/>')
     thickness = _thickness(model.tree)
@@ -460,10 +460,20 @@ def _springs_yaml(model: Model) -> Iterator[str]:
     joints = [joint for body in model.tree.bodies for joint in body.joints if joint.stiffness]
     yield "springs:" if joints else "springs: []"
     for joint in joints:
-        text = repr(float(joint.stiffness))
-        # YAML 1.1 takes 1e-05 for a word: a number has a point.
-        number = text if "." in text else text.replace("e", ".0e")
-        yield f"  - {{joint: {joint.name}, type: {joint.kind}, stiffness: {number}, rest: 0.0}}"
+        stiffness = yaml_number(joint.stiffness)
+        yield f"  - {{joint: {joint.name}, type: {joint.kind}, stiffness: {stiffness}, rest: 0.0}}"
+
+
+def yaml_number(value: float) -> str:
+    """Return a number as YAML 1.1 reads it, which takes 1e-05 for a word: with a point.
+
+    Examples
+    --------
+    >>> yaml_number(1e-5), yaml_number(2)
+    ('1.0e-05', '2.0')
+    """
+    text = repr(float(value))
+    return text if "." in text else text.replace("e", ".0e")
 
 
 @_format("csv", ".csv")

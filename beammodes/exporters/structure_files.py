@@ -9,6 +9,8 @@ from types import MappingProxyType
 from beammodes.accuracy.structure_errors import errors_of_structure
 from beammodes.chains.structure_chain import StructureChain
 from beammodes.checks import percent
+from beammodes.exporters.export_facts import one_line
+from beammodes.exporters.formats import MAX_NESTED, XML_HEAD, yaml_number
 from beammodes.exporters.structure_tree import TreeBody, structure_tree
 from beammodes.vibration.stability import stable_time_step
 from beammodes.vibration.structure_vibration import structure_chain_modes
@@ -16,9 +18,6 @@ from beammodes.vibration.structure_vibration import structure_chain_modes
 __all__ = ["STRUCTURE_FORMATS", "structure_texts"]
 
 _REPORTED = 3
-#: MuJoCo's reader gives up at elements nested 500 deep.
-_MOST_DEEP = 490
-_XML = '<?xml version="1.0" encoding="utf-8"?>'
 
 
 def structure_texts(chain: StructureChain, format: str, name: str) -> list[str]:
@@ -41,9 +40,11 @@ def structure_texts(chain: StructureChain, format: str, name: str) -> list[str]:
         f"first frequencies without gravity: {frequencies} Hz; against the exact structure: {errors}",
         "x and y of the structure are x and z here; twist, stretch and shear are not modelled",
     )
+    # Names are the user's: they shall not end a comment.
+    said = tuple(map(one_line, facts))
     # Half of the largest stable one, as of other files.
     step = 0.5 * stable_time_step(chain, "rk4" if format == "mjcf" else "Drake discrete")
-    return [f"{text}\n" for text in STRUCTURE_FORMATS[format](name, bodies, facts, step)]
+    return [f"{text}\n" for text in STRUCTURE_FORMATS[format](name, bodies, said, step)]
 
 
 Writer = Callable[[str, list[TreeBody], tuple[str, ...], float], list[str]]
@@ -54,8 +55,7 @@ def _n(*values: float) -> str:
 
 
 def _comment(*facts: str) -> list[str]:
-    # Two hyphens may not stand in a comment.
-    return ["<!--", *(f"  {fact.replace('--', '- -')}" for fact in facts), "-->"]
+    return ["<!--", *(f"  {fact}" for fact in facts), "-->"]
 
 
 def _mjcf(name: str, bodies: list[TreeBody], facts: tuple[str, ...], step: float) -> list[str]:
@@ -65,8 +65,8 @@ def _mjcf(name: str, bodies: list[TreeBody], facts: tuple[str, ...], step: float
     size = math.fsum(math.dist(*rod) for body in bodies for rod in body.rods) / 200
 
     def lines(body: TreeBody, depth: int) -> Iterator[str]:
-        if depth > _MOST_DEEP:
-            raise ValueError(f"chain must be at most {_MOST_DEEP} bodies long for mjcf files, got more")
+        if depth > MAX_NESTED:
+            raise ValueError(f"chain must be at most {MAX_NESTED} bodies long for mjcf files, got more")
         pad = " " * depth
         x, z = body.place
         yield f'{pad}<body name="{body.name}" pos="{_n(x, 0, z)}">'
@@ -112,7 +112,7 @@ def _moments(inertia: float) -> list[tuple[str, float]]:
 def _sdf(name: str, bodies: list[TreeBody], facts: tuple[str, ...], step: float) -> list[str]:
     _check_hinges(bodies, "sdf")
     lines = [
-        _XML,
+        XML_HEAD,
         *_comment(*facts, "gravity is off; step: half of what Drake's discrete plants are stable to"),
         '<sdf version="1.7">',
         f' <world name="{name}_world">',
@@ -146,7 +146,7 @@ def _urdf(name: str, bodies: list[TreeBody], facts: tuple[str, ...], step: float
     del step  # A URDF file has none.
     _check_hinges(bodies, "urdf")
     notes = (*facts, "URDF knows no springs: they are in the file beside this one")
-    lines = [_XML, *_comment(*notes), f'<robot name="{name}">', ' <link name="world"/>']
+    lines = [XML_HEAD, *_comment(*notes), f'<robot name="{name}">', ' <link name="world"/>']
     springs = [f"# {fact}" for fact in facts]
     springs += [
         "# hinges in N m/rad; the moment is -stiffness * (position - rest)",
@@ -168,10 +168,8 @@ def _urdf(name: str, bodies: list[TreeBody], facts: tuple[str, ...], step: float
             '  <limit lower="-3" upper="3" effort="1e9" velocity="1e9"/>',
             " </joint>",
         ]
-        text = repr(float(joint.stiffness))
-        # YAML 1.1 takes 1e-05 for a word: a number has a point.
-        number = text if "." in text else text.replace("e", ".0e")
-        springs.append(f"  - {{joint: {joint.name}, type: hinge, stiffness: {number}, rest: 0.0}}")
+        stiffness = yaml_number(joint.stiffness)
+        springs.append(f"  - {{joint: {joint.name}, type: hinge, stiffness: {stiffness}, rest: 0.0}}")
     return ["\n".join([*lines, "</robot>"]), "\n".join(springs)]
 
 
