@@ -527,6 +527,11 @@ def test_all_frequencies_are_met_by_positive_springs() -> None:
         segments_needed("fixed-free", 0.01, 1, rule, motion="stretch")
     with pytest.raises(ValueError, match="hold_tip_stiffness must be left out for motion twist"):
         match_springs("fixed-free", 3, 2, hold_tip_stiffness=True, motion="twist")  # type: ignore[call-overload]  # on purpose
+    # A chain that was found before answers True, of which 1 is the equal.
+    assert match_springs("fixed-fixed", 4, 2, symmetric=True, motion="twist").symmetric
+    for wrong in (1, []):
+        with pytest.raises(TypeError, match="symmetric must be True, False or None"):
+            match_springs("fixed-fixed", 4, 2, symmetric=wrong, motion="twist")  # type: ignore[call-overload]  # on purpose
 
 
 @pytest.mark.parametrize(

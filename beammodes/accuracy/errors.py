@@ -39,6 +39,7 @@ from beammodes.problem.loading import NO_LOAD, Load
 
 if TYPE_CHECKING:
     from beammodes.accuracy.rooted_errors import Pairs
+    from beammodes.problem.axial_ends import AxialBoundary
 
 __all__ = ["MAX_MODES", "errors_in_multiples", "exact_frequencies", "frequency_error"]
 
@@ -54,7 +55,7 @@ _MODES_KEPT = 8
 
 @overload
 def frequency_error(
-    boundary: str | Boundary,
+    boundary: str | Boundary | AxialBoundary,
     *,
     segments: int,
     mode: int,
@@ -67,7 +68,7 @@ def frequency_error(
 
 @overload
 def frequency_error(
-    boundary: BoundaryLike | ManyPairs | Iterable[BoundaryLike] | NDArray[Any],
+    boundary: BoundaryLike | AxialBoundary | ManyPairs | Iterable[BoundaryLike] | NDArray[Any],
     *,
     segments: ArrayLike,
     mode: ArrayLike,
@@ -79,7 +80,7 @@ def frequency_error(
 
 
 def frequency_error(
-    boundary: BoundaryLike | ManyPairs | Iterable[BoundaryLike] | NDArray[Any],
+    boundary: BoundaryLike | AxialBoundary | ManyPairs | Iterable[BoundaryLike] | NDArray[Any],
     *,
     segments: ArrayLike,
     mode: ArrayLike,

@@ -24,6 +24,7 @@ from beammodes.problem.axial_ends import AxialBoundary
 from beammodes.problem.beam import Beam
 from beammodes.problem.ends import Boundary
 from beammodes.problem.loading import Load
+from beammodes.problem.motions import unit_beam
 from beammodes.problem.sections import SECTIONS
 
 __all__ = ["MATERIAL", "MOVING_ALONG", "UNIFORM_BEAM", "Case", "Cases"]
@@ -100,8 +101,7 @@ class Case:
         if "length" in given:
             along: dict[str, Any] = {name: float(given[name]) for name in MOVING_ALONG if name in given}
             return Beam(*(float(given[name]) for name in UNIFORM_BEAM), **along)
-        ones: dict[str, Any] = {} if self.motion == "bending" else dict.fromkeys(MOVING_ALONG, 1.0)
-        return Beam(1.0, 1.0, 1.0, **ones)
+        return Beam.unit() if self.motion == "bending" else unit_beam()
 
     @cached_property
     def _held(self) -> tuple[Any, Load]:

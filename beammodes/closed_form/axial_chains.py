@@ -44,7 +44,7 @@ from beammodes.chains.rules import Rule, Weight
 from beammodes.exact.axial_beam import axial_wavenumber
 from beammodes.numerics.arrays import Floats
 from beammodes.problem.axial_ends import AxialBoundary
-from beammodes.problem.beam import Beam
+from beammodes.problem.motions import unit_beam
 from beammodes.vibration.axial_spectrum import solve_axial_modes
 
 __all__ = ["EndWaves", "axial_errors", "axial_frequencies", "end_waves", "existing"]
@@ -415,8 +415,7 @@ def _low_frequencies(record: Any, pair: AxialBoundary, segments: int, modes: int
 
 
 def _chain(record: Any, pair: AxialBoundary, segments: int) -> AxialChain:
-    unit = Beam(1.0, 1.0, 1.0, torsional_stiffness=1.0, polar_inertia_per_length=1.0, axial_stiffness=1.0)
-    return AxialChain(unit, pair, segments, record, motion=pair.motion)
+    return AxialChain(unit_beam(), pair, segments, record, motion=pair.motion)
 
 
 def axial_frequencies(record: Any, pair: AxialBoundary, segments: int, mode: NDArray[np.int64]) -> Floats:

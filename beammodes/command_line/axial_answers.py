@@ -13,14 +13,14 @@ from beammodes.checks import percent
 from beammodes.command_line.options import Answer
 from beammodes.command_line.text_tables import (
     DECLARED,
+    frequency_rows,
     frequency_table,
+    hinge_table,
     number,
-    text_table,
-    typed_in,
 )
 from beammodes.problem.axial_ends import AxialBoundary, axial_motion
 from beammodes.problem.beam import Beam
-from beammodes.problem.motions import Motion
+from beammodes.problem.motions import Motion, unit_beam
 
 __all__ = ["ANSWERS", "AxialCase"]
 
@@ -74,9 +74,7 @@ class AxialCase:
     @property
     def whole_beam(self) -> Beam:
         """The beam, or the one of unit numbers."""
-        if self.beam is not None:
-            return self.beam
-        return Beam(1.0, 1.0, 1.0, torsional_stiffness=1.0, polar_inertia_per_length=1.0, axial_stiffness=1.0)
+        return self.beam if self.beam is not None else unit_beam()
 
     @property
     def holds_for(self) -> str:
@@ -147,7 +145,7 @@ def _error(case: AxialCase) -> Answer:
 
     options = case.options
     asked = {name: getattr(options, name) for name in ("segments", "mode", "rule")}
-    error: float = frequency_error(case.boundary, **asked, beam=case.beam, motion=case.motion.name)  # type: ignore[call-overload]
+    error = frequency_error(case.boundary, **asked, beam=case.beam, motion=case.motion.name)
     if math.isnan(error):
         raise ValueError(
             f"mode {options.mode} does not exist: {options.boundary} with {options.segments} segments "
@@ -165,10 +163,8 @@ def _springs(case: AxialCase) -> Answer:
         "motion": case.motion.name,
         "hinges": [{"hinge": j, "position": x, "stiffness": k} for j, (x, k) in enumerate(pairs, start=1)],
     }
-    heads = ["hinge", f"position [{units['length']}]", f"stiffness [{units['joint_stiffness']}]"]
-    rows = [[str(j), number(x), typed_in(k)] for j, (x, k) in enumerate(pairs, start=1)]
     said = case.said(position=units["length"], stiffness=units["joint_stiffness"])
-    lines = [text_table(heads, rows), *case.notes(), f"rule {case.options.rule}, {case.holds_for}"]
+    lines = [hinge_table(pairs, units), *case.notes(), f"rule {case.options.rule}, {case.holds_for}"]
     return answer | said, "\n".join(lines)
 
 
@@ -180,17 +176,7 @@ def _frequencies(case: AxialCase) -> Answer:
     found = solve_modes(chain, case.options.modes)
     count = len(found.frequency)
     exact = axial_modes(case.whole_beam, case.boundary, max(count, 1), motion=case.motion).frequency[:count]
-    rows = [
-        {
-            "mode": n,
-            "frequency": f,
-            "exact_frequency": g,
-            "angular_frequency": 2 * math.pi * f,
-            "exact_angular_frequency": 2 * math.pi * g,
-            "relative_error": f / g - 1,
-        }
-        for n, (f, g) in enumerate(zip(found.frequency.tolist(), exact.tolist(), strict=True), start=1)
-    ]
+    rows = frequency_rows(found.frequency, exact, found.frequency / exact - 1)
     kinds = f"{found.rigid_body_modes} rigid-body and {chain.elastic_modes} elastic modes"
     title = (
         f"{case.boundary.name} in {case.motion.name}, {chain.segments} segments, {case.options.rule}: {kinds}"

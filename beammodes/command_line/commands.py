@@ -39,7 +39,9 @@ from beammodes.command_line.text_tables import (
     DECLARED,
     GIVEN,
     OWN,
+    frequency_rows,
     frequency_table,
+    hinge_table,
     number,
     percents,
     text_table,
@@ -77,10 +79,24 @@ def _command(
     """Register a function as the answer of a command."""
 
     def register(answer: _Answering) -> _Answering:
-        _FOUND.append(Command(stage, name, question, f"beammodes {name} {example}", options, answer))
+        whole = _in_any_motion(name, answer) if MOTION[0] in options else answer
+        _FOUND.append(Command(stage, name, question, f"beammodes {name} {example}", options, whole))
         return answer
 
     return register
+
+
+def _in_any_motion(name: str, bending: _Answering) -> _Answering:
+    """Return the answer of a command that is for twist and stretch too."""
+
+    def answer(options: argparse.Namespace) -> Answer:
+        if options.motion == "bending":
+            return bending(options)
+        from beammodes.command_line.axial_answers import ANSWERS, AxialCase
+
+        return ANSWERS[name](AxialCase.of(options, _system(options), _units(options)))
+
+    return answer
 
 
 @_command(
@@ -162,8 +178,6 @@ def _way(way: Recommendation) -> list[str]:
     *MOTION,
 )
 def _segments(options: argparse.Namespace) -> Answer:
-    if options.motion != "bending":
-        return _along("segments", options)
     from beammodes.accuracy.segments import segments_needed
 
     count = segments_needed(
@@ -190,8 +204,6 @@ def _segments(options: argparse.Namespace) -> Answer:
     *MOTION,
 )
 def _error(options: argparse.Namespace) -> Answer:
-    if options.motion != "bending":
-        return _along("error", options)
     from beammodes.accuracy.errors import frequency_error
     from beammodes.accuracy.remarks import error_remarks
 
@@ -223,8 +235,6 @@ def _error(options: argparse.Namespace) -> Answer:
     *MOTION,
 )
 def _springs(options: argparse.Namespace) -> Answer:
-    if options.motion != "bending":
-        return _along("springs", options)
     chain, units = _chain(options), _units(options)
     pairs = [*zip(chain.hinge_position.tolist(), chain.joint_stiffness.tolist(), strict=True)]
     answer: dict[str, Any] = {
@@ -237,7 +247,7 @@ def _springs(options: argparse.Namespace) -> Answer:
         stiffness=units["joint_stiffness"],
         rotational_stiffness=units["joint_stiffness"],
     )
-    lines = [_hinge_table(pairs, units)]
+    lines = [hinge_table(pairs, units)]
     for side, support in zip(("left", "right"), chain.support_stiffness.tolist(), strict=True):
         for kind, stiffness in zip(("translational", "rotational"), support, strict=True):
             if 0 < stiffness < math.inf:
@@ -264,8 +274,6 @@ def _springs(options: argparse.Namespace) -> Answer:
     *MOTION,
 )
 def _frequencies(options: argparse.Namespace) -> Answer:
-    if options.motion != "bending":
-        return _along("frequencies", options)
     import numpy as np
 
     from beammodes.accuracy.errors import frequency_error
@@ -285,18 +293,7 @@ def _frequencies(options: argparse.Namespace) -> Answer:
         errors = np.asarray(
             frequency_error(options.boundary, segments=options.segments, mode=each, rule=options.rule)
         )
-    numbers = zip(found.frequency.tolist(), exact.tolist(), errors.tolist(), strict=True)
-    rows = [
-        {
-            "mode": n,
-            "frequency": f,
-            "exact_frequency": g,
-            "angular_frequency": 2 * math.pi * f,
-            "exact_angular_frequency": 2 * math.pi * g,
-            "relative_error": e,
-        }
-        for n, (f, g, e) in enumerate(numbers, start=1)
-    ]
+    rows = frequency_rows(found.frequency, exact, errors)
     kinds = f"{found.rigid_body_modes} rigid-body and {model.elastic_modes} elastic modes"
     title = f"{chain.boundary.name}, {options.segments} segments, {options.rule}: {kinds}"
     units = _units(options)
@@ -320,8 +317,6 @@ def _frequencies(options: argparse.Namespace) -> Answer:
     *MOTION,
 )
 def _time_step(options: argparse.Namespace) -> Answer:
-    if options.motion != "bending":
-        return _along("time-step", options)
     from beammodes.problem.loading import Load
     from beammodes.vibration.integrators import fixed_step_integrator
     from beammodes.vibration.stability import (
@@ -611,7 +606,7 @@ def _changes(found: Audit, units: Mapping[str, Any]) -> list[str]:
     for item in found.suggestions:
         if item.moves_hinges:
             pairs = [*zip(item.hinge_position.tolist(), item.joint_stiffness.tolist(), strict=True)]
-            lines += ["", f"{item.name}, hinges moved", _hinge_table(pairs[:_SHOWN_HINGES], units)]
+            lines += ["", f"{item.name}, hinges moved", hinge_table(pairs[:_SHOWN_HINGES], units)]
             lines += _more_hinges(len(pairs) - _SHOWN_HINGES)
     return lines
 
@@ -630,21 +625,7 @@ def _more_hinges(count: int) -> list[str]:
     return [f"{count} more hinges: see --json"] if count > 0 else []
 
 
-def _hinge_table(pairs: list[tuple[float, float]], units: Mapping[str, Any]) -> str:
-    return text_table(
-        ["hinge", f"position [{units['length']}]", f"stiffness [{units['joint_stiffness']}]"],
-        [[str(j), number(x), typed_in(k)] for j, (x, k) in enumerate(pairs, start=1)],
-    )
-
-
 # What the options of several commands describe.
-
-
-def _along(command: str, options: argparse.Namespace) -> Answer:
-    """Return a command's answer in twist or stretch."""
-    from beammodes.command_line.axial_answers import ANSWERS, AxialCase
-
-    return ANSWERS[command](AxialCase.of(options, _system(options), _units(options)))
 
 
 def _beam(options: argparse.Namespace) -> Any:

@@ -2,19 +2,23 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from types import MappingProxyType
 from typing import Any
 
 from beammodes.checks import percent
 from beammodes.exporters.unit_systems import UNIT_SYSTEMS
+from beammodes.numerics.arrays import Floats
 
 __all__ = [
     "DECLARED",
     "GIVEN",
     "OWN",
     "UNITS",
+    "frequency_rows",
     "frequency_table",
+    "hinge_table",
     "number",
     "percents",
     "text_table",
@@ -111,6 +115,31 @@ def percents(fraction: float) -> str:
     ('-0.3518', '0', 'nan')
     """
     return percent(fraction, 4, "", rounding=1e-14)
+
+
+def hinge_table(pairs: Sequence[tuple[float, float]], units: Mapping[str, Any]) -> str:
+    """Return the hinges' positions and stiffnesses, numbered from 1."""
+    return text_table(
+        ["hinge", f"position [{units['length']}]", f"stiffness [{units['joint_stiffness']}]"],
+        [[str(j), number(x), typed_in(k)] for j, (x, k) in enumerate(pairs, start=1)],
+    )
+
+
+def frequency_rows(found: Floats, exact: Floats, errors: Floats) -> list[dict[str, Any]]:
+    """Return modes as scripts get them, and `frequency_table` takes them: a chain's, the beam's, errors."""
+    return [
+        {
+            "mode": n,
+            "frequency": f,
+            "exact_frequency": g,
+            "angular_frequency": 2 * math.pi * f,
+            "exact_angular_frequency": 2 * math.pi * g,
+            "relative_error": e,
+        }
+        for n, (f, g, e) in enumerate(
+            zip(found.tolist(), exact.tolist(), errors.tolist(), strict=True), start=1
+        )
+    ]
 
 
 def frequency_table(rows: Sequence[dict[str, Any]], key: str = "frequency_hz", unit: str = "Hz") -> str:

@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Elementary", "Floats", "elementary", "signs_of_largest"]
+__all__ = ["Elementary", "Floats", "elementary", "frozen", "signs_of_largest"]
 
 #: An array of double-precision numbers.
 Floats = NDArray[np.float64]
@@ -49,6 +49,13 @@ def elementary(number: Any) -> Elementary:
     (1.5, array([1.5, 2. ]))
     """
     return _OF_FLOATS if type(number) is float else _OF_ARRAYS
+
+
+def frozen(values: Floats) -> Floats:
+    """Return a read-only copy."""
+    copy = values.copy()
+    copy.flags.writeable = False
+    return copy
 
 
 def signs_of_largest(rows: Floats) -> Floats:

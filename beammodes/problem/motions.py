@@ -20,13 +20,14 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cache
 from types import MappingProxyType
 
 from beammodes.checks import choice, shown
 from beammodes.problem.beam import Beam
 from beammodes.problem.profiles import Profile, mean_over
 
-__all__ = ["MOTIONS", "Motion", "motion_named"]
+__all__ = ["MOTIONS", "Motion", "motion_named", "unit_beam"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -188,3 +189,15 @@ def motion_named(motion: str | Motion) -> Motion:
     'GJ'
     """
     return motion if isinstance(motion, Motion) else MOTIONS[choice("motion", motion, MOTIONS)]
+
+
+@cache
+def unit_beam() -> Beam:
+    """Return the beam of unit numbers in every motion, on which results in multiples are stated.
+
+    Examples
+    --------
+    >>> [motion.numbers(unit_beam()) for motion in MOTIONS.values()]
+    [(1.0, 1.0), (1.0, 1.0), (1.0, 1.0)]
+    """
+    return Beam(1.0, 1.0, 1.0, torsional_stiffness=1.0, polar_inertia_per_length=1.0, axial_stiffness=1.0)

@@ -16,18 +16,22 @@ from numpy.typing import NDArray
 from beammodes.chains.axial_chain import AxialChain
 from beammodes.checks import flag, row_shown, shown, whole_number
 from beammodes.exact.axial_beam import axial_wavenumber, uniform_numbers
-from beammodes.numerics.arrays import Floats
+from beammodes.numerics.arrays import Floats, frozen
 from beammodes.problem.axial_ends import AxialBoundary, AxialBoundaryLike
 from beammodes.problem.beam import Beam
-from beammodes.problem.motions import MOTIONS, Motion
-from beammodes.springs.inverse_eigenvalue import Conditions, State, closest, symmetric_basis
+from beammodes.problem.motions import MOTIONS, Motion, unit_beam
+from beammodes.springs.inverse_eigenvalue import (
+    MAX_MATCHED,
+    Conditions,
+    ExactModes,
+    State,
+    closest,
+    symmetric_basis,
+)
 from beammodes.vibration.axial_spectrum import solve_axial_modes
 from beammodes.vibration.stability import stable_time_step
 
 __all__ = ["AxialMatched", "AxialMatchedSprings", "NoPositiveAxialSprings", "match_axial_springs"]
-
-# Longer chains are not matched: every step of the search decomposes a dense matrix.
-_MOST = 200
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -81,8 +85,7 @@ class _Springs:
     @classmethod
     def of(cls, pair: AxialBoundary, segments: int) -> _Springs:
         """Return those of unit numbers, with 1/2 at the walls."""
-        unit = Beam(1.0, 1.0, 1.0, torsional_stiffness=1.0, polar_inertia_per_length=1.0, axial_stiffness=1.0)
-        chain = AxialChain(unit, pair, segments, "double_wall", motion=pair.motion)
+        chain = AxialChain(unit_beam(), pair, segments, "double_wall", motion=pair.motion)
         _, inertia, springs = chain.moving
         sought = np.ones(len(springs), dtype=bool)
         for end, at in ((pair.left, 0), (pair.right, -1)):
@@ -146,14 +149,14 @@ def match_axial_springs(
     (array([6.021, 0.725, 1.062]), True)
     """
     pair = AxialBoundary.of(boundary, motion)
-    count, wanted = whole_number("segments", segments, most=_MOST), whole_number("modes", modes)
-    if beam is None:
-        beam = Beam(1.0, 1.0, 1.0, torsional_stiffness=1.0, polar_inertia_per_length=1.0, axial_stiffness=1.0)
+    count, wanted = whole_number("segments", segments, most=MAX_MATCHED), whole_number("modes", modes)
+    mirrored = None if symmetric is None else flag("symmetric", symmetric, or_none=True)
+    beam = unit_beam() if beam is None else beam
     stiffness, inertia = uniform_numbers(beam, MOTIONS[pair.motion])
-    weights = _weights(pair.scaled(stiffness / beam.length, inertia * beam.length), count, wanted, symmetric)
-    chain = AxialChain(beam, pair, count, _Given(weights), motion=pair.motion)
     scaled = pair.scaled(stiffness / beam.length, inertia * beam.length)
-    exact = axial_wavenumber([scaled], np.zeros(wanted, dtype=np.intp), np.arange(1, wanted + 1))
+    weights = _weights(scaled, count, wanted, mirrored)
+    chain = AxialChain(beam, pair, count, _Given(weights), motion=pair.motion)
+    exact = _first_wavenumbers(scaled, wanted)
     omega = solve_axial_modes(chain, wanted).angular_frequency
     ratio = 1.0 / np.array(weights)
     return AxialMatchedSprings(
@@ -161,8 +164,8 @@ def match_axial_springs(
         count,
         wanted,
         chain,
-        ratio,
-        omega / (exact * MOTIONS[pair.motion].frequency_unit(beam)) - 1.0,
+        frozen(ratio),
+        frozen(omega / (exact * MOTIONS[pair.motion].frequency_unit(beam)) - 1.0),
         stable_time_step(chain),
         bool(np.allclose(ratio, ratio[::-1], rtol=1e-9, atol=0)),
     )
@@ -177,6 +180,10 @@ class _Given:
 
     def axial_weights(self, _boundary: AxialBoundary, _segments: int) -> tuple[float, ...]:
         return self.weights
+
+
+def _first_wavenumbers(pair: AxialBoundary, modes: int) -> Floats:
+    return axial_wavenumber([pair], np.asarray(0), np.arange(1, modes + 1))
 
 
 @lru_cache(maxsize=1024)
@@ -194,16 +201,15 @@ def _weights(
     hinges, alike = int(chain.sought.sum()), pair.left == pair.right
     mirrored = alike and (hinges + 1) // 2 >= modes
     if symmetric is not None:
-        flag("symmetric", symmetric, or_none=True)
         if symmetric and not mirrored:
             raise ValueError(
                 f"symmetric must not be True where the ends differ or modes exceed {(hinges + 1) // 2}, half "
                 f"the springs, got {pair.name} with {modes} modes"
             )
-        mirrored = bool(symmetric)
+        mirrored = symmetric
     basis = symmetric_basis(hinges, mirrored)
-    exact = axial_wavenumber([pair], np.zeros(modes, dtype=np.intp), np.arange(1, modes + 1))
-    conditions = Conditions(chain.state, basis, tuple(range(modes)), 2 * np.log(exact))
+    target = 2 * np.log(_first_wavenumbers(pair, modes))
+    conditions = Conditions(chain.state, basis, tuple(range(modes)), target)
     wanted = basis.T @ np.log(chain.springs[chain.sought])
     solution = closest(conditions, wanted, [wanted])
     # Springs of pieces over N, the unit in which a weight is 1.
@@ -219,8 +225,7 @@ def _weights(
     return tuple((1.0 / found).tolist())
 
 
-@dataclass(frozen=True)
-class AxialMatched:
+class AxialMatched(ExactModes):
     """Chains in twist or stretch with exact first frequencies; `matched(modes, motion="twist")` makes it.
 
     Parameters
@@ -233,21 +238,6 @@ class AxialMatched:
     >>> [round(weight, 4) for weight in AxialMatched(1).axial_weights(AxialBoundary.of("free-free"), 3)]
     [0.9119, 0.9119]
     """
-
-    modes: int
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "modes", whole_number("modes", self.modes, most=_MOST))
-
-    @property
-    def name(self) -> str:
-        """Name in tables, such as "matched(3)"."""
-        return f"matched({self.modes})"
-
-    @property
-    def exact_modes(self) -> int:
-        """Number of frequencies, from the first, that are the beam's at every N that has them."""
-        return self.modes
 
     def axial_weights(self, boundary: AxialBoundary, segments: int) -> tuple[float, ...]:
         """Return the flexibility weights of the hinges, left to right; NaN where no springs are found."""

@@ -1,6 +1,6 @@
 """Springs that meet given conditions exactly: an inverse eigenvalue problem, solved by its own derivatives.
 
-Newton's method, in the unknowns and with the derivatives of `spring_conditions`, finds springs that meet the
+Newton's method, in the unknowns and with the derivatives below, finds springs that meet the
 conditions; steps along them, Newton's again, lead to those that are closest to the springs wanted.
 """
 
@@ -14,10 +14,20 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from beammodes.checks import whole_number
 from beammodes.numerics.arrays import Floats
 from beammodes.vibration.spectrum import FlexibilityForm
 
-__all__ = ["Conditions", "Solution", "State", "closest", "spring_state", "symmetric_basis"]
+__all__ = [
+    "MAX_MATCHED",
+    "Conditions",
+    "ExactModes",
+    "Solution",
+    "State",
+    "closest",
+    "spring_state",
+    "symmetric_basis",
+]
 
 
 # Conditions on a chain's springs, and the derivatives of what they do to frequencies and statics.
@@ -36,6 +46,37 @@ __all__ = ["Conditions", "Solution", "State", "closest", "spring_state", "symmet
 #
 # Source: first and second-order perturbation of K u = ω² M u, derived here; the sums run over elastic modes,
 # because a rigid-body mode stores nothing.
+
+
+#: Longer chains are not matched: every step of the search decomposes a dense matrix, and at 200 segments
+#: rule gregory already has the first three modes of bending within 1e-8.
+MAX_MATCHED = 200
+
+
+@dataclass(frozen=True)
+class ExactModes:
+    """What rules of springs that are sought here have in common.
+
+    Parameters
+    ----------
+    modes : int
+        How many frequencies, from the first.
+    """
+
+    modes: int
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "modes", whole_number("modes", self.modes, most=MAX_MATCHED))
+
+    @property
+    def name(self) -> str:
+        """Name in tables, such as "matched(3)"."""
+        return f"matched({self.modes})"
+
+    @property
+    def exact_modes(self) -> int:
+        """Number of frequencies, from the first, that are the beam's at every N that has them."""
+        return self.modes
 
 
 @dataclass(frozen=True, eq=False)

@@ -20,14 +20,16 @@ from beammodes.chains.chain import Chain
 from beammodes.chains.rules import RULES, hinges_at_nodes
 from beammodes.checks import choice, flag, positive_real, row_shown, shown, whole_number
 from beammodes.exact.exact_beam import plain_modes, wavenumber
-from beammodes.numerics.arrays import Floats
+from beammodes.numerics.arrays import Floats, frozen
 from beammodes.problem.axial_ends import AxialBoundaryLike
 from beammodes.problem.beam import Beam
 from beammodes.problem.ends import Boundary, BoundaryLike
 from beammodes.problem.motions import motion_named
 from beammodes.springs.axial_matching import AxialMatched, AxialMatchedSprings, match_axial_springs
 from beammodes.springs.inverse_eigenvalue import (
+    MAX_MATCHED,
     Conditions,
+    ExactModes,
     Solution,
     closest,
     spring_state,
@@ -38,7 +40,7 @@ from beammodes.vibration.modes import solve_modes
 from beammodes.vibration.spectrum import FlexibilityForm, flexibility_form
 from beammodes.vibration.stability import stable_time_step
 
-__all__ = ["MAX_MATCHED", "Matched", "MatchedSprings", "NoPositiveSprings", "match_springs", "matched"]
+__all__ = ["Matched", "MatchedSprings", "NoPositiveSprings", "match_springs", "matched"]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -149,18 +151,6 @@ def shape_agreement(chain: Chain, first: Floats, second: Floats) -> Floats:
     return np.asarray((a * b).sum(axis=1) ** 2 / (a**2).sum(axis=1) / (b**2).sum(axis=1))
 
 
-def frozen(values: Floats) -> Floats:
-    """Return a read-only copy."""
-    copy = values.copy()
-    copy.flags.writeable = False
-    return copy
-
-
-#: Longer chains are not matched: every step of the search decomposes a dense matrix, and at 200 segments
-#: rule gregory already has the first three modes within 1e-8.
-MAX_MATCHED = 200
-
-
 #: Deflection of the right tip under a unit force there, in L³/EI, of the canonical pairs where it is finite.
 _TIP_COMPLIANCE = {"clamped-free": 1 / 3, "clamped-guided": 1 / 12, "pinned-guided": 1 / 3}
 
@@ -205,10 +195,9 @@ class SpringTask:
             raise TypeError(f"beam must be a Beam, got {shown(beam)}")
         if beam is not None and not beam.is_uniform:
             raise ValueError(f"beam must be uniform for matched springs, got {shown(beam)}")
-        word = choice("criterion", criterion, _CRITERIA)
         mirrored = _mirrored(pair, wanted_modes, len(layout.scaled.joint_stiffness), symmetric)
         unit = flexibility_form(layout)
-        return cls(pair, count, wanted_modes, word, mirrored, beam or Beam.unit(), unit)
+        return cls(pair, count, wanted_modes, criterion, mirrored, beam or Beam.unit(), unit)
 
     @property
     def pair(self) -> Boundary:
@@ -426,15 +415,15 @@ def match_springs(
     >>> bool(abs(springs.frequency_errors).max() < 1e-12)
     True
     """
+    word, held = choice("criterion", criterion, _CRITERIA), flag("hold_tip_stiffness", hold_tip_stiffness)
     if motion_named(motion).along:
-        others = {"criterion": "gregory", "hold_tip_stiffness": False, "highest_frequency": None}
-        given = {"criterion": criterion, "hold_tip_stiffness": hold_tip_stiffness}
+        given = {"criterion": None if word == "gregory" else word, "hold_tip_stiffness": held or None}
         for name, value in (given | {"highest_frequency": highest_frequency}).items():
-            if value != others[name]:
+            if value is not None:
                 raise ValueError(f"{name} must be left out for motion {motion}, got {shown(value)}")
         return match_axial_springs(boundary, segments, modes, symmetric=symmetric, beam=beam, motion=motion)
-    task = SpringTask.of(boundary, segments, modes, criterion, symmetric, beam)
-    conditions = task.conditions(flag("hold_tip_stiffness", hold_tip_stiffness))
+    task = SpringTask.of(boundary, segments, modes, word, symmetric, beam)
+    conditions = task.conditions(held)
     highest = None if highest_frequency is None else task.highest(highest_frequency)
     solution = task.search(conditions)
     if highest is not None:
@@ -445,8 +434,7 @@ def match_springs(
     return springs
 
 
-@dataclass(frozen=True)
-class Matched:
+class Matched(ExactModes):
     """Chains whose springs make their first frequencies exact; `matched` makes it.
 
     Parameters
@@ -460,21 +448,7 @@ class Matched:
     [0.5589, 0.7643, 0.8635, 0.5309]
     """
 
-    modes: int
     rotary_inertia: ClassVar[Fraction] = Fraction(1, 12)
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "modes", whole_number("modes", self.modes, most=MAX_MATCHED))
-
-    @property
-    def name(self) -> str:
-        """Name in tables, such as "matched(3)"."""
-        return f"matched({self.modes})"
-
-    @property
-    def exact_modes(self) -> int:
-        """Number of frequencies, from the first, that are the beam's at every N that has them."""
-        return self.modes
 
     def springs(self, boundary: BoundaryLike, segments: int) -> MatchedSprings:
         """Return the springs for one pair of ends and N, of the beam with L = EI = ρA = 1; solved once.
