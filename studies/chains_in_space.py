@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from functools import cache
 from typing import NamedTuple
 
 import numpy as np
@@ -61,8 +62,9 @@ class Panel(NamedTuple):
     mode: int = 1
 
 
-def panels() -> list[Panel]:
-    """Return the panels in reading order."""
+@cache
+def panels() -> tuple[Panel, ...]:
+    """Return the panels in reading order, their modes and shapes solved for once."""
     helix = bm.SpatialChain(HELIX, "clamped-free", 36, "gregory")
     modes = bm.spatial_modes(helix, 3)
     found = [Panel(helix, "helix of 3 turns, N = 36, at rest")]
@@ -71,12 +73,12 @@ def panels() -> list[Panel]:
     hook = bm.SpatialChain(HOOK, ("clamped", bm.RodEnd(mass=0.2)), 14, "gregory")
     bend = bm.SpatialChain(BEND, "clamped-free", 10, "gregory")
     load = bm.SpatialLoad(force=(0.0, 0.0, 600.0))
-    return [
+    return (
         *found,
         Panel(blade, "blade, twisted by 90°, N = 12"),
         Panel(hook, "hook with a mass at its tip, N = 14"),
         Panel(bend, "bend of 45° under F = 600, N = 10", bm.spatial_equilibrium(bend, load)),
-    ]
+    )
 
 
 def data(progress: Progress) -> xarray.Dataset:

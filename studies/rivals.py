@@ -32,6 +32,7 @@ __all__ = [
     "duration",
     "joint_stiffness",
     "kane_equations",
+    "kane_units",
     "measure",
     "nodal_matrices",
     "timed",
@@ -42,11 +43,10 @@ Array = NDArray[np.float64]
 #: What a method may take, in bytes.
 MEMORY = 8 * 10**9
 _FIRST = 3
-#: What this project's symbols are in units of a segment.
 
 
 def kane_units() -> dict[Any, Any]:
-    """Return what makes this project's symbols of a unit chain numbers."""
+    """Return what this project's symbols are in units of a segment."""
     import sympy
 
     return {sympy.Symbol(name, positive=True): sympy.Integer(1) for name in ("m", "ell", "EI")}

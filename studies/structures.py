@@ -12,6 +12,7 @@ from matplotlib.figure import Figure
 
 import beammodes as bm
 from beammodes.views.symbols import COLOURS, GREY
+from studies.common import picture
 from studies.plots import method_style, plain_ticks
 from studies.study import Kind, Progress, Sheet, Study
 
@@ -105,10 +106,7 @@ def _sketch(ax: Axes, structure: bm.Structure) -> None:
             ax.plot(node.place[0], node.place[1] - 0.11, "^", color=COLOURS[0], markersize=9)
         if node.mass:
             ax.plot(*node.place, "o", color=COLOURS[1], markersize=11)
-    ax.set(xlim=(-0.2, 1.2), ylim=(-0.3, 1.2), aspect="equal", xticks=[], yticks=[])
-    ax.grid(visible=False)
-    for spine in ax.spines.values():
-        spine.set_visible(False)
+    picture(ax, (-0.2, 1.2), (-0.3, 1.2))
 
 
 STUDY = Study(

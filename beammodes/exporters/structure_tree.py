@@ -90,10 +90,10 @@ def structure_tree(chain: StructureChain, name: str) -> list[TreeBody]:
     ['arm_1', 'arm_2', 'arm_3', 'arm_4']
     """
     points = _points(chain)
-    edges = [(*_where(hinge, points), hinge.bodies, hinge.stiffness) for hinge in chain.hinges]
+    edges = [(_place(hinge, points), hinge.bodies, hinge.stiffness) for hinge in chain.hinges]
     root, slides = _root(chain, points)
     for point in points:
-        edges += _pins(point, [pair for place, _, pair, _ in edges if place == point.place], point is root)
+        edges += _pins(point, [pair for place, pair, _ in edges if place == point.place], point is root)
     return _bodies(chain, name, edges, root, slides)
 
 
@@ -118,13 +118,13 @@ def _points(chain: StructureChain) -> list[_Point]:
     return at_nodes + inner
 
 
-def _where(hinge: Hinge, points: list[_Point]) -> tuple[tuple[float, float], int | None]:
-    """Return the place of a hinge, and its node."""
+def _place(hinge: Hinge, points: list[_Point]) -> tuple[float, float]:
+    """Return where a hinge is."""
     bodies = set(hinge.bodies)
     for point in points:
         own = set(point.bodies) | ({GROUND} if point.node is not None else set())
         if bodies <= own and bodies & set(point.bodies):
-            return point.place, point.node
+            return point.place
     raise AssertionError(hinge)
 
 
@@ -153,10 +153,11 @@ def _slides(node: Node) -> list[tuple[int, float]]:
     return slides
 
 
-Edge = tuple[tuple[float, float], int | None, tuple[int, int], float]
+#: The place of a hinge, the bodies that it joins, and its stiffness.
+_Edge = tuple[tuple[float, float], tuple[int, int], float]
 
 
-def _pins(point: _Point, joined: list[tuple[int, int]], is_root: bool) -> list[Edge]:
+def _pins(point: _Point, joined: list[tuple[int, int]], is_root: bool) -> list[_Edge]:
     """Return the pins of bodies that meet at a node and are not joined by a hinge there."""
     if point.node is None:
         return []
@@ -166,10 +167,10 @@ def _pins(point: _Point, joined: list[tuple[int, int]], is_root: bool) -> list[E
         whole = together.setdefault(a, {a}) | together.setdefault(b, {b})
         for body in whole:
             together[body] = whole
-    pins: list[Edge] = []
+    pins: list[_Edge] = []
     for body in bodies[1:]:
         if body not in together[bodies[0]]:
-            pins.append((point.place, point.node, (bodies[0], body), 0.0))
+            pins.append((point.place, (bodies[0], body), 0.0))
             whole = together[bodies[0]] | together[body]
             for one in whole:
                 together[one] = whole
@@ -177,7 +178,7 @@ def _pins(point: _Point, joined: list[tuple[int, int]], is_root: bool) -> list[E
 
 
 def _bodies(
-    chain: StructureChain, name: str, edges: list[Edge], root: _Point, slides: list[tuple[int, float]]
+    chain: StructureChain, name: str, edges: list[_Edge], root: _Point, slides: list[tuple[int, float]]
 ) -> list[TreeBody]:
     if len(edges) != chain.body_count - 1:
         raise ValueError(
@@ -189,7 +190,7 @@ def _bodies(
     origins = {GROUND: (0.0, 0.0)}
     while pending:
         parent = pending.pop(0)
-        for place, _, pair, stiffness in edges:
+        for place, pair, stiffness in edges:
             body = pair[1] if pair[0] == parent else pair[0]
             if parent not in pair or body in names:
                 continue
