@@ -65,8 +65,9 @@ def chosen(motion: Motion, integrator: str | None, longest: float) -> Chosen:
     """Return an integrator of fixed step, the given one if any, and a step that divides `longest`."""
     explicit = "rk4" if integrator is None else integrator
     if INTEGRATORS[explicit].springs == "implicit":
-        return _by_accuracy(motion, explicit, longest, "method as given")
-    step = _divided(longest, _stable_step(motion, explicit))
+        return _by_accuracy(motion, explicit, longest, _stable_step(motion, "rk4"), "method as given")
+    limit = _stable_step(motion, explicit)
+    step = _divided(longest, limit)
     half = "half its longest stable step or less"
     if integrator is not None:
         return Chosen(explicit, step, f"method as given; {half}")
@@ -80,7 +81,7 @@ def chosen(motion: Motion, integrator: str | None, longest: float) -> Chosen:
         if damped
         else "nothing damps the motion, and midpoint keeps its energy"
     )
-    found = _by_accuracy(motion, kind, longest, f"rk4 would take {count:,} steps; {why}")
+    found = _by_accuracy(motion, kind, longest, limit, f"rk4 would take {count:,} steps; {why}")
     if math.ceil(motion.span / found.step) * _COST[kind] < count:
         return found
     return Chosen(explicit, step, f"{kind} would cost as much as {count:,} steps of rk4; {half}")
@@ -123,12 +124,15 @@ def _sampled(motion: Motion) -> Floats:
     return motion.base.at(np.linspace(0.0, motion.span, OUTPUTS + 1))
 
 
-def _by_accuracy(motion: Motion, integrator: str, longest: float, why: str) -> Chosen:
-    """Return the longest step of an implicit method that resolves the modes asked for or excited."""
+def _by_accuracy(motion: Motion, integrator: str, longest: float, stable: float, why: str) -> Chosen:
+    """Return the longest step of an implicit method that resolves the modes asked for or excited.
+
+    `stable` is one of an explicit method: none need be shorter.
+    """
     pulled = linearize(motion.chain, load=Load(axial_force=_largest_pull(motion)))
     number, reason = _modes_wanted(motion, pulled)
     omega = solve_modes(pulled, number).angular_frequency if number else np.zeros(0)
-    rates = {f"mode {number}": float(omega[-1]) if len(omega) else 0.0} | _rates(motion)
+    rates = {f"mode {number}": float(omega[-1]) if len(omega) else 0.0} | _rates(motion, 1 / stable)
     fastest = max(rates, key=lambda name: rates[name])
     if not rates[fastest]:
         return Chosen(integrator, longest, f"{why}; nothing vibrates or turns")
@@ -148,12 +152,10 @@ def _step_error(integrator: str, step: float, omega: Floats) -> str:
     return "; ".join(parts)
 
 
-def _rates(motion: Motion) -> dict[str, float]:
-    """Return how fast the base moves and turns, and the start turns [rad/s]."""
+def _rates(motion: Motion, most: float) -> dict[str, float]:
+    """Return how fast the base moves and turns, and the start turns, that `most` at most [rad/s]."""
     speeds = motion.start[1][len(tip_names(motion.chain)) :]
-    # No step need be shorter than an explicit one.
-    fastest = 1 / _stable_step(motion, "rk4")
-    rates = {"the start's rate of turning": min(float(np.abs(speeds).max(initial=0.0)), fastest)}
+    rates = {"the start's rate of turning": min(float(np.abs(speeds).max(initial=0.0)), most)}
     if motion.base != BaseMotion():
         course = np.abs(_sampled(motion)).max(axis=2)
         rates["the base's rate of turning"] = float(course[2, 1])
