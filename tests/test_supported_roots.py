@@ -169,7 +169,7 @@ def test_counts_in_doubles() -> None:
     ends, tension, _ = random_cases(6, 500)
     omega = 10.0 ** np.random.default_rng(7).uniform(-3.0, 4.0, 500)
     sides = [
-        EndNumbers.of(ARRAYS, *(getattr(side, name) for name in list(EndColumns.__dataclass_fields__)[:5]))
+        EndNumbers.of(*(getattr(side, name) for name in list(EndColumns.__dataclass_fields__)[:5]))
         for side in (ends.left, ends.right)
     ]
     reading = read(ARRAYS, *sides, omega, tension, 0.0)

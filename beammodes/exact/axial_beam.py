@@ -190,7 +190,7 @@ class AxialModes:
 
     def _waves(self) -> tuple[Floats, Floats]:
         """Return amplitude and phase of u = A cos(βx/L - φ)."""
-        pair, beta = self._in_multiples, self.wavenumber
+        pair, beta = _in_multiples(self.beam, self.boundary), self.wavenumber
         left = _End.of(np.array(pair.left.stiffness), np.array(pair.left.inertia))
         phase = np.arctan2(*left.at(beta)[::-1])
         # ∫cos²(βx - φ) dx over the beam, and the bodies at its ends.
@@ -200,14 +200,15 @@ class AxialModes:
         _, inertia = uniform_numbers(self.beam, MOTIONS[self.boundary.motion])
         return 1.0 / np.sqrt(square * inertia * self.beam.length), phase
 
-    @property
-    def _in_multiples(self) -> AxialBoundary:
-        stiffness, inertia = uniform_numbers(self.beam, MOTIONS[self.boundary.motion])
-        return self.boundary.scaled(stiffness / self.beam.length, inertia * self.beam.length)
-
     def __repr__(self) -> str:
         told = row_shown(self.frequency, "{:.4g}", "Hz")
         return f"AxialModes({self.boundary.name} in {self.boundary.motion}: {told})"
+
+
+def _in_multiples(beam: Beam, boundary: AxialBoundary) -> AxialBoundary:
+    """Return the boundary in multiples of k/L and m L."""
+    stiffness, inertia = uniform_numbers(beam, MOTIONS[boundary.motion])
+    return boundary.scaled(stiffness / beam.length, inertia * beam.length)
 
 
 def uniform_axial_modes(beam: Beam, boundary: AxialBoundary, modes: int) -> AxialModes:
@@ -219,8 +220,5 @@ def uniform_axial_modes(beam: Beam, boundary: AxialBoundary, modes: int) -> Axia
     >>> uniform_axial_modes(shaft, AxialBoundary.of("free-free"), 2).wavenumber / math.pi
     array([1., 2.])
     """
-    kind = MOTIONS[boundary.motion]
-    stiffness, inertia = uniform_numbers(beam, kind)
-    scaled = boundary.scaled(stiffness / beam.length, inertia * beam.length)
-    beta = axial_wavenumber([scaled], np.asarray(0), np.arange(1, modes + 1))
-    return AxialModes(beam, boundary, beta, beta * kind.frequency_unit(beam))
+    beta = axial_wavenumber([_in_multiples(beam, boundary)], np.asarray(0), np.arange(1, modes + 1))
+    return AxialModes(beam, boundary, beta, beta * MOTIONS[boundary.motion].frequency_unit(beam))

@@ -62,8 +62,8 @@ def axial_displacement(
     array([-0.00286667, -0.0042    , -0.003     ])
     """
     pair = AxialBoundary.of(boundary, motion)
-    position = positions_on(beam, x) if isinstance(beam, Beam) else np.zeros(0)
     stiffness, _ = MOTIONS[pair.motion].numbers(beam)
+    position = positions_on(beam, x)
     if not isinstance(loads, Mapping):
         raise TypeError(f"loads must map positions to loads, got {shown(loads)}")
     if pair.rigid_body_modes:

@@ -24,7 +24,7 @@ from beammodes.numerics.arrays import Floats
 from beammodes.numerics.counted_secants import Reading
 from beammodes.numerics.double_double import DoubleDouble
 
-__all__ = ["ARRAYS", "DECIMALS", "FLOATS", "PAIRS", "Algebra", "EndNumbers", "read", "residual"]
+__all__ = ["ARRAYS", "DECIMALS", "FLOATS", "PAIRS", "Algebra", "Counting", "EndNumbers", "read", "residual"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,11 +36,17 @@ class Algebra:
     cosine_and_sine: Callable[[Any], tuple[Any, Any]]
     decay: Callable[[Any], Any]
     where: Callable[[Any, Any, Any], Any]
+
+
+@dataclass(frozen=True, slots=True)
+class Counting(Algebra):
+    """An algebra of doubles, in which roots are counted, too."""
+
     ceil: Callable[[Any], Any]
     angle: Callable[[Any, Any], Any]
 
 
-FLOATS = Algebra(
+FLOATS = Counting(
     0.5,
     math.sqrt,
     lambda x: (math.cos(x), math.sin(x)),
@@ -49,7 +55,7 @@ FLOATS = Algebra(
     math.ceil,
     math.atan2,
 )
-ARRAYS = Algebra(
+ARRAYS = Counting(
     0.5,
     np.sqrt,
     lambda x: (np.cos(x), np.sin(x)),
@@ -58,31 +64,19 @@ ARRAYS = Algebra(
     np.ceil,
     np.arctan2,
 )
-
-
-def _no_count(*_: Any) -> Any:
-    raise NotImplementedError("roots are counted in doubles")
-
-
 PAIRS = Algebra(
     0.5,
     DoubleDouble.sqrt,
     double_double.cosine_and_sine,
     double_double.decay,
     DoubleDouble.where,
-    _no_count,
-    _no_count,
 )
-
-
 DECIMALS = Algebra(
     Decimal("0.5"),
     Decimal.sqrt,
     long_decimals.cosine_and_sine,
     long_decimals.decay,
     FLOATS.where,
-    _no_count,
-    _no_count,
 )
 
 
@@ -102,17 +96,15 @@ class EndNumbers(NamedTuple):
     carried: Any
 
     @classmethod
-    def of(
-        cls, algebra: Algebra, spring: Any, turning: Any, mass: Any, inertia: Any, offset: Any
-    ) -> EndNumbers:
-        """Return an end in the numbers of `EndColumns`, doubles."""
+    def of(cls, spring: Floats, turning: Floats, mass: Floats, inertia: Floats, offset: Floats) -> EndNumbers:
+        """Return ends from the numbers of `EndColumns`."""
         held, fixed = spring == math.inf, turning == math.inf
         may_deflect, may_turn = 1.0 - held, 1.0 - fixed
         across = mass * may_deflect
         return cls(
-            algebra.where(held, 1.0, spring),
+            np.where(held, 1.0, spring),
             may_deflect,
-            algebra.where(fixed, 1.0, turning),
+            np.where(fixed, 1.0, turning),
             may_turn,
             inertia,
             across,
@@ -260,7 +252,7 @@ def residual(
 
 
 def read(
-    algebra: Algebra,
+    algebra: Counting,
     left: EndNumbers,
     right: EndNumbers,
     frequency: Any,

@@ -61,7 +61,7 @@ class RodModes:
     rod : Rod
     ends : RodEnds
     angular_frequency : ndarray, shape (modes,) [rad/s]
-        Equal ones each for itself: a straight round rod bends alike in two planes.
+        Equal ones each for itself: a straight round rod bends alike in two planes. Read-only.
     rigid_body_modes : int
         Number of motions of frequency zero before them.
     """
@@ -129,8 +129,9 @@ def rod_modes(rod: Rod, boundary: RodBoundaryLike, modes: int) -> RodModes:
             raise ArithmeticError(
                 f"frequencies did not settle to {_SETTLED}: the rod varies too steeply; give its breaks"
             )
+    omega = omega * unit
     omega.flags.writeable = False
-    return RodModes(rod, ends, omega * unit, rigid)
+    return RodModes(rod, ends, omega, rigid)
 
 
 def _roots(problem: _Problem, rigid: int, count: int) -> Floats:
@@ -194,7 +195,6 @@ class _Problem:
         samples = (np.arange(33) + 0.5) / 33
         self._samples = self._coefficients(samples)
         # Nothing vibrates below ω² = 0: the count there is that of none.
-        self._none = 0
         self._none = int(self._counted(np.array([-1.0]))[0][0])
 
     def _coefficients(self, place: Floats) -> tuple[Floats, Floats, Floats]:

@@ -24,8 +24,10 @@ __all__ = [
     "FLOOR",
     "LAST",
     "NOISE",
+    "ROOT_OF_SHAPE",
     "Rise",
     "apart",
+    "cutoff",
     "in_decimals",
     "rigid_modes",
     "supported_frequency",
@@ -77,10 +79,20 @@ def supported_frequency(
     return math.nan if omega is None else float(omega)
 
 
-def rigid_modes(left: Sequence[float], right: Sequence[float], tension: float) -> int:
-    """Return how many motions leave the beam straight and feel neither supports nor force."""
-    across, turning = (left[0] > 0) + (right[0] > 0), left[1] > 0 or right[1] > 0
-    return int(not across) if tension else 2 - min(2, across + turning)
+def rigid_modes(left: Sequence[Any], right: Sequence[Any], tension: Any) -> Any:
+    """Return how many motions leave the beam straight and feel neither supports nor force.
+
+    The ends' numbers are floats, or arrays of them.
+
+    Examples
+    --------
+    >>> free, pinned = (0.0, 0.0), (math.inf, 0.0)
+    >>> [rigid_modes(free, end, force) for end in (free, pinned) for force in (0.0, 1.0)]
+    [2, 1, 1, 0]
+    """
+    across = 1 * (left[0] > 0) + (right[0] > 0)
+    turns = (across < 2) & (left[1] <= 0) & (right[1] <= 0) & (tension == 0)
+    return (across == 0) + 1 * turns
 
 
 def apart(number: Any) -> Any:

@@ -12,7 +12,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from beammodes.exact.end_waves import ARRAYS, PAIRS, EndNumbers, read, residual
-from beammodes.exact.supported_root import FLOOR, LAST, NOISE, Rise, apart, in_decimals, supported_frequency
+from beammodes.exact.supported_root import (
+    FLOOR,
+    LAST,
+    NOISE,
+    Rise,
+    apart,
+    in_decimals,
+    rigid_modes,
+    supported_frequency,
+)
 from beammodes.exact.uniform_beam import ABOVE_CRITICAL
 from beammodes.numerics.arrays import Floats
 from beammodes.numerics.counted_secants import Reading, counted_roots
@@ -68,7 +77,8 @@ def supported_frequencies(
 
 
 def _found(ends: BoundaryColumns, tension: Floats, mode: NDArray[np.int64], gyration: float) -> Floats:
-    found, total = np.full(len(mode), np.nan), _rigid_modes(ends, tension) + mode
+    rigid: NDArray[np.int64] = rigid_modes(_columns(ends.left), _columns(ends.right), tension)
+    found, total = np.full(len(mode), np.nan), rigid + mode
     possible = np.flatnonzero(tension > -float(ABOVE_CRITICAL))
     for i in range(0, len(possible), _SEARCHED):
         many = possible[i : i + _SEARCHED]
@@ -124,7 +134,7 @@ class _Cases(NamedTuple):
 
 
 def _numbers(side: EndColumns) -> EndNumbers:
-    return EndNumbers.of(ARRAYS, *_columns(side))
+    return EndNumbers.of(*_columns(side))
 
 
 def _closed_in(case: _Cases) -> Floats:
@@ -168,14 +178,6 @@ def _exact_residual(case: _Cases, ends: BoundaryColumns, omega: Floats) -> Float
     square, tension = DoubleDouble(*two_product(omega, omega)), DoubleDouble.of(case.tension)
     exact: DoubleDouble = residual(PAIRS, left, right, square, tension, case.gyration)
     return exact.high
-
-
-def _rigid_modes(ends: BoundaryColumns, tension: Floats) -> NDArray[np.int64]:
-    """Return how many motions leave the beam straight and feel neither supports nor force."""
-    sides = (ends.left, ends.right)
-    across = sum((side.translational_stiffness > 0).astype(np.int64) for side in sides)
-    turning = (sides[0].rotational_stiffness > 0) | (sides[1].rotational_stiffness > 0)
-    return np.asarray(np.where(tension == 0.0, 2 - np.minimum(2, across + turning), across == 0))
 
 
 def _ends(ends: BoundaryColumns, i: int) -> tuple[list[float], list[float]]:

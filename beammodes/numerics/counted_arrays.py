@@ -46,7 +46,8 @@ class CountedRoot(NamedTuple):
 def counted_roots(evaluate: Evaluate, number: Floats, start: Floats, reach: Floats) -> CountedRoots:
     """Return from each equation the root of that number, from 1, looked for from `start` in steps of `reach`.
 
-    For equations of which nothing but counts and values is known; `counted_secants` take a phase besides.
+    For equations of which nothing but counts and values is known: `counted_secants` need a bracket and a
+    phase besides, and leave the proof to their callers.
 
     Counts on either side prove a root to be alone and to have its number, whatever lies between the places
     sampled. Where counts and signs contradict each other, or roots lie too close together, it is not proved.

@@ -3,6 +3,9 @@
 The count of roots below a place brackets the one that is wanted, so that none is missed or taken for
 another. A phase that rises by about π from root to root takes secants there in a few steps. Where it is no
 guide, brackets are halved, by ratios, until they hold one root, and chords of the residual close in.
+
+Its callers know such a phase and a bracket, and prove the root by a correction of their own; `counted_arrays`
+is for those who know neither, and proves it by the counts on either side.
 """
 
 from __future__ import annotations
