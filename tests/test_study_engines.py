@@ -259,6 +259,30 @@ def _chunks(folder: Path) -> int:
     return len(list(folder.glob("chunk-*.nc")))
 
 
+def test_an_interrupt_waits_until_a_chunk_is_kept(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    # Within a library's own clean-up an interrupt would be printed and forgotten, or lose the chunk.
+    import h5netcdf
+
+    plain = h5netcdf.File.__init__
+
+    def interrupted(self: object, *arguments: object) -> None:
+        signal.raise_signal(signal.SIGINT)
+        plain(self, *arguments)
+
+    study = bm.Study.grid(
+        boundary="clamped-free", segments=range(2, 12), mode=[1], compute="relative_error", chunk=5
+    )
+    with monkeypatch.context() as patch:
+        patch.setattr(h5netcdf.File, "__init__", interrupted)
+        with pytest.raises(KeyboardInterrupt) as caught:
+            study.run(store=tmp_path / "store")
+    assert any("1 of 2 chunks are stored" in note for note in caught.value.__notes__)
+    assert _chunks(tmp_path / "store") == 1
+    np.testing.assert_array_equal(
+        study.run(store=tmp_path / "store").relative_error, study.run().relative_error
+    )
+
+
 @pytest.mark.skipif(not Path("/proc/self/stat").exists(), reason="reads /proc")
 @pytest.mark.parametrize("number", [pytest.param(signal.SIGKILL, marks=pytest.mark.slow), signal.SIGINT])
 def test_workers_end_with_their_parent(tmp_path: Path, number: signal.Signals) -> None:

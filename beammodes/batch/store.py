@@ -28,6 +28,7 @@ from beammodes.batch.quantities import REASON
 from beammodes.checks import shown
 from beammodes.files import write_atomically
 from beammodes.numerics.arrays import Floats
+from beammodes.progress import held, pause
 
 __all__ = [
     "BadChunk",
@@ -170,10 +171,12 @@ class Store:
         return sorted(found)
 
     def save(self, number: int, chunk: Evaluated) -> None:
-        """Keep a finished chunk."""
-        data = chunk.to_bytes(self.digest, number)
-        path = self.folder / f"chunk-{number:09d}-{_digest(data)}.nc"
-        write_atomically(path, lambda file: file.write(data))
+        """Keep a finished chunk; an interrupt waits until it is kept."""
+        with held():
+            data = chunk.to_bytes(self.digest, number)
+            path = self.folder / f"chunk-{number:09d}-{_digest(data)}.nc"
+            write_atomically(path, lambda file: file.write(data))
+            pause()
 
     def load(self, number: int, path: Path) -> Evaluated:
         """Return a finished chunk; raise BadChunk for a damaged file, or one of another study or chunk."""
