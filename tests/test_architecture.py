@@ -242,6 +242,14 @@ def test_the_linter_refuses_what_no_file_may_contain() -> None:
         assert set(enumerate(FORBIDDEN.values())) <= found, folder
 
 
+def test_the_continuous_checks_name_every_test_of_an_engine() -> None:
+    """The plain set-up has no engines, where such tests are skipped."""
+    run = (ROOT / ".ci" / "run").read_text(encoding="utf-8")
+    for path in (ROOT / "tests").glob("test_*.py"):
+        if re.search(r'importorskip\("(mujoco|pinocchio|pydrake)"', path.read_text(encoding="utf-8")):
+            assert f"tests/{path.name}" in run
+
+
 def test_no_file_switches_those_rules_off() -> None:
     for path in [*PACKAGE.rglob("*.py"), *(ROOT / "studies").rglob("*.py")]:
         text = path.read_text(encoding="utf-8")

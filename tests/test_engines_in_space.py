@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 import pytest
 from numpy.typing import NDArray
+from shared_cases import BEND, ROUND
 
 import beammodes as bm
 
-ROUND = {"bending_stiffness": 1.0, "torsional_stiffness": 1 / 1.3, "mass_per_length": 1.0}
 POLAR = {**ROUND, "polar_inertia_per_length": 1e-4}
 RODS = {
     "straight": bm.Rod(1.0, **POLAR),
@@ -20,14 +20,6 @@ RODS = {
     "arc": bm.Rod.arc(1.5, length=1.0, **POLAR),
     "helix": bm.Rod(1.0, curvature=(1.0, 0.5, 2 * math.pi), **POLAR),
 }
-# The bend of 45 degrees of test_equilibria_in_space.py.
-BEND = bm.Rod.arc(
-    math.pi / 4,
-    length=25 * math.pi,
-    bending_stiffness=1e7 / 12,
-    torsional_stiffness=1e7 / 12,
-    mass_per_length=1.0,
-)
 
 
 def read(chain: bm.SpatialChain, folder: Path, **options: Any) -> tuple[Any, Any, Any]:

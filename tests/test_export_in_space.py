@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 import scipy.linalg
+from shared_cases import BEND, INF
 from test_engines import drake_matrices, springs_of, spurious_twist
 
 import beammodes as bm
@@ -24,7 +25,6 @@ from beammodes.exporters.spatial_tree import spatial_tree
 from beammodes.exporters.tree_matrices import tree_matrices
 from beammodes.numerics.rotations import quaternion, rotation
 
-INF = math.inf
 #: Of a flat bar, in SI units.
 BAR: dict[str, Any] = {
     "bending_stiffness": 40.0,
@@ -127,19 +127,6 @@ def test_drake_has_them_by_sdformat_and_pinocchio_by_urdf(case: str, tmp_path: P
         pytest.importorskip("pydrake")
         mass, stiffness = drake_matrices(sdf, {})
         assert elastic(mass, stiffness, (), len(known)) == pytest.approx(known, rel=1e-8)
-
-
-#: Bathe and Bolourchi's bend of 45 degrees, with the inertias of its section of 1 x 1.
-BEND = bm.Rod.arc(
-    math.pi / 4,
-    length=25 * math.pi,
-    bending_stiffness=1e7 / 12,
-    torsional_stiffness=1e7 / 12,
-    mass_per_length=1.0,
-    polar_inertia_per_length=1 / 6,
-    rotary_inertia_per_length=1 / 12,
-    second_rotary_inertia_per_length=1 / 12,
-)
 
 
 def placed(mujoco: Any, path: Path, q: Any) -> tuple[Any, Any]:

@@ -37,6 +37,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from shared_cases import WIRE
 
 import beammodes as bm
 from beammodes import checks
@@ -121,7 +122,6 @@ def of(**given: Any) -> Arguments:
     return lambda: dict(given)
 
 
-WIRE: dict[str, Any] = {"bending_stiffness": 1.0, "torsional_stiffness": 0.8, "mass_per_length": 1.0}
 PIECES: dict[str, Any] = {
     "length": [0.0, 0.5, 0.5],
     "mass": [0.0, 0.5, 0.5],

@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from shared_cases import WIRE, ell
 
 import beammodes as bm
 
@@ -36,11 +37,7 @@ def spread() -> Any:
     return bm.frequency_spread(bar, ENDS, {"height": 0.025}, modes=1, samples=100, seed=1, **given)
 
 
-WIRE = bm.Rod(1.0, bending_stiffness=1.0, torsional_stiffness=0.8, mass_per_length=1.0)
-ELL = bm.Structure(
-    {"foot": bm.Joint(0, 0, "clamped"), "corner": bm.Joint(0, 1), "tip": bm.Joint(1, 1)},
-    [bm.Member(bm.Beam.unit(), "foot", "corner"), bm.Member(bm.Beam.unit(), "corner", "tip")],
-)
+ROD = bm.Rod(1.0, **WIRE)
 
 
 # Every public function that takes a rule, called with one; the answers are numbers.
@@ -51,12 +48,12 @@ TAKEN: dict[str, Callable[[Any], Any]] = {
             bm.Beam(1.0, 1.0, 1.0, axial_stiffness=2.0), "fixed-free", 6, rule, motion="stretch"
         ).joint_stiffness
     ),
-    "SpatialChain": lambda rule: bm.spatial_modes(bm.SpatialChain(WIRE, ENDS, 6, rule), 2).angular_frequency,
+    "SpatialChain": lambda rule: bm.spatial_modes(bm.SpatialChain(ROD, ENDS, 6, rule), 2).angular_frequency,
     "StructureChain": lambda rule: (
-        bm.structure_chain_modes(bm.StructureChain(ELL, 6, rule), 2).angular_frequency
+        bm.structure_chain_modes(bm.StructureChain(ell(), 6, rule), 2).angular_frequency
     ),
     "rod_error_dataset": lambda rule: (
-        bm.rod_error_dataset(WIRE, ENDS, segments=6, modes=2, rule=rule).relative_error.values
+        bm.rod_error_dataset(ROD, ENDS, segments=6, modes=2, rule=rule).relative_error.values
     ),
     "axially_corrected": lambda rule: (
         bm.Chain(bm.Beam.unit(), ENDS, 6, bm.axially_corrected(rule, LOAD, bm.Beam.unit())).joint_stiffness

@@ -246,7 +246,9 @@ def test_every_source_is_referred_to(page: str) -> None:
 
 
 def test_nothing_is_fetched_and_everything_is_there(page: str) -> None:
-    assert len(page.encode()) < 10_000_000  # small enough to send
+    assert (
+        len(page.encode()) < 10_000_000
+    )  # small enough to send by mail; 7.9 million today, figures are added
     targets = re.findall(r'(?:src|href|action)="([^"]{0,60})', page)
     assert targets and all(target.startswith(("data:", "#")) for target in targets)
     assert not re.search(

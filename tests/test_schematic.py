@@ -21,6 +21,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Circle, Polygon
 from matplotlib.text import Text
+from shared_cases import WIRE
 
 import beammodes as bm
 from beammodes.views.schematic import pose_of, spring_texts, support_texts
@@ -316,8 +317,7 @@ def test_what_is_no_chain_or_too_long_is_refused() -> None:
 
 
 def test_a_chain_in_space_stands_where_it_is_to_one_scale() -> None:
-    wire = {"bending_stiffness": 1.0, "torsional_stiffness": 0.8, "mass_per_length": 1.0}
-    helix = bm.Rod.helix(radius=0.1, pitch=0.05, turns=1, **wire)
+    helix = bm.Rod.helix(radius=0.1, pitch=0.05, turns=1, **WIRE)
     chain = bm.SpatialChain(helix, ("clamped", bm.RodEnd(mass=1.0)), 8, "gregory")
     bent = bm.spatial_equilibrium(chain, bm.SpatialLoad(force=(0.0, 1.0, 1.0)))
     modes = bm.spatial_modes(chain, 2)

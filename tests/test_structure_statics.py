@@ -10,28 +10,17 @@ from typing import Any
 import numpy as np
 import pytest
 from random_structures import structure
+from shared_cases import INF, UNIT, portal
 
 import beammodes as bm
 from beammodes.exact.structure_judge import _Model
 from beammodes.vibration.structure_vibration import StructureCoordinates
 
-INF = math.inf
-UNIT = bm.Beam.unit()
 HALF = Fr(1, 2)
 
 
 def of(boundary: Any, *stations: bm.Station, beam: bm.Beam = UNIT) -> bm.Structure:
     return bm.Structure.of_beam(beam, boundary, stations)
-
-
-def portal() -> bm.Structure:
-    joints = {
-        "a": bm.Joint(0, 0, "clamped"),
-        "b": bm.Joint(0, 1),
-        "c": bm.Joint(1, 1),
-        "d": bm.Joint(1, 0, "clamped"),
-    }
-    return bm.Structure(joints, [bm.Member(UNIT, *pair) for pair in ("ab", "bc", "cd")])
 
 
 def across(found: Any, name: str) -> tuple[Fr, Fr]:

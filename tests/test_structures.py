@@ -4,20 +4,17 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator
-from typing import Any
 
 import numpy as np
 import pytest
 from random_structures import structure
 from scipy.linalg import eigh
+from shared_cases import INF, UNIT, ell, portal
 
 import beammodes as bm
 from beammodes.chains.structure_chain import Hinge
 from beammodes.exact.structure_judge import modes_below
 from beammodes.numerics.blas import one_thread
-
-INF = math.inf
-UNIT = bm.Beam.unit()
 
 
 @pytest.fixture(autouse=True)
@@ -25,22 +22,6 @@ def _one_thread() -> Iterator[None]:
     # Many small matrices: threads of BLAS would only wait for each other.
     with one_thread():
         yield
-
-
-def ell() -> bm.Structure:
-    joints = {"foot": bm.Joint(0, 0, "clamped"), "corner": bm.Joint(0, 1), "tip": bm.Joint(1, 1)}
-    return bm.Structure(joints, [bm.Member(UNIT, "foot", "corner"), bm.Member(UNIT, "corner", "tip")])
-
-
-def portal() -> bm.Structure:
-    """Fixed feet, three equal bars."""
-    joints = {
-        "a": bm.Joint(0, 0, "clamped"),
-        "b": bm.Joint(0, 1),
-        "c": bm.Joint(1, 1),
-        "d": bm.Joint(1, 0, "clamped"),
-    }
-    return bm.Structure(joints, [bm.Member(UNIT, *pair) for pair in ("ab", "bc", "cd")])
 
 
 def tee() -> bm.Structure:
@@ -163,7 +144,7 @@ def test_a_portal_frame() -> None:
 
     found = bm.structure_modes(portal(), 4)
     is_sway = np.abs(found.displacement["b"][:, 0]) > 1e-9
-    assert is_sway.tolist() == [True, False, False, True] or is_sway.tolist() == [True, False, True, False]
+    assert is_sway.tolist() == [True, False, True, False]
     assert changes(sway, found.angular_frequency[is_sway])
     assert changes(symmetric, found.angular_frequency[~is_sway])
 
@@ -231,6 +212,16 @@ def test_a_chain_without_stations_is_the_chain_of_the_beam() -> None:
             )
 
 
+def test_an_end_is_guided_whichever_way_its_beam_stands() -> None:
+    # What moves across the bar only: of a mast sideways, of a bar that lies up and down.
+    for at, support in (((0, 1), (0.0, INF, INF)), ((1, 0), (INF, 0.0, INF)), ((-1, 0), (0.0, 0.0, INF))):
+        joints = {"foot": bm.Joint(0, 0, "clamped"), "tip": bm.Joint(*at, support)}
+        given = bm.Structure(joints, [bm.Member(UNIT, "foot", "tip")])
+        plain = bm.solve_modes(bm.linearize(bm.Chain(UNIT, "clamped-guided", 8, "gregory")), 4)
+        ours = bm.structure_chain_modes(bm.StructureChain(given, 8, "gregory"), 4)
+        np.testing.assert_allclose(ours.angular_frequency, plain.angular_frequency, rtol=1e-11)
+
+
 def test_the_L_frame_to_every_digit() -> None:
     # "Beyond the single plane beam", section 3: exact, and percent errors of mode 2. The last stands there as
     # 0.0000121; the chain's and the judge's frequencies have 14 digits and give 0.0000120.
@@ -275,7 +266,7 @@ def test_order_four_through_stations_and_corners(rule: str) -> None:
 
 
 def sweep(seeds: range) -> None:
-    """Chains extrapolated to endless N find every mode of the judge, in order."""
+    """Chains extrapolated to endless N find every mode of the judge, in order; seen 1.6e-3 in 500 draws."""
     for seed in seeds:
         given = structure(seed)
         count = len(given.parts.stretches)
@@ -317,7 +308,7 @@ def test_shapes_of_the_judge_and_of_chains() -> None:
                 np.testing.assert_allclose(shape[:, at], moved, atol=1e-11)
     weight = np.full(x.size, x[1]) * np.where((x == 0.0) | (x == 1.0), 0.5, 1.0)
     ends = exact.shape(x)
-    np.testing.assert_allclose((weight * ends) @ ends.T, np.eye(3), atol=1e-2)
+    np.testing.assert_allclose((weight * ends) @ ends.T, np.eye(3), atol=1e-3)
 
 
 def test_segments_that_are_enough() -> None:
@@ -334,6 +325,7 @@ def test_segments_that_are_enough() -> None:
 def test_what_a_structure_refuses() -> None:
     joints = {"a": bm.Joint(0, 0), "b": bm.Joint(2, 0)}
     cases: list[tuple[Callable[[], object], str]] = [
+        (lambda: bm.Structure({}, []), r"^joints must be one or more, got \{\}"),
         (lambda: bm.Structure(joints, [bm.Member(UNIT, "a", "b")]), "1.0 between joints 2.0 apart"),
         (lambda: bm.Structure(joints, [bm.Member(UNIT, "a", "c")]), "joint of a member must be one of a, b"),
         (lambda: bm.Structure.of_beam(UNIT, "free-free", [bm.Station(1.0, INF)]), "what is at an end"),
@@ -348,12 +340,12 @@ def test_what_a_structure_refuses() -> None:
             call()
 
 
-@pytest.mark.parametrize("number", [{"translational_stiffness": 1e40}, {"mass": 1e25}])
-def test_numbers_beyond_every_digit_are_refused(number: dict[str, Any]) -> None:
-    bar = bm.Structure.of_beam(bm.Beam.unit(), "clamped-free", [bm.Station(0.5, **number)])
+@pytest.mark.parametrize(
+    "station", [bm.Station(0.5, translational_stiffness=1e40), bm.Station(0.5, mass=1e25)], ids=repr
+)
+def test_numbers_beyond_every_digit_are_refused(station: bm.Station) -> None:
+    bar = bm.Structure.of_beam(UNIT, "clamped-free", [station])
     with pytest.raises(
         ArithmeticError, match=r"differ by more than about 10 decades\? What holds has stiffness"
     ):
         bm.structure_modes(bar, 2)
-    with pytest.raises(ValueError, match=r"^joints must be one or more, got \{\}"):
-        bm.Structure({}, [])

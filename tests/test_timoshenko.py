@@ -187,8 +187,9 @@ def test_roots_in_fifty_digits(boundary: str, case: tuple[float, float]) -> None
     shear, gyration = case
     pair = Boundary.of(boundary)
     beam = unit(shear, gyration)
+    assert isinstance(beam.shear_stiffness, float)
     with localcontext(prec=90):
-        s = 1 / Decimal(beam.shear_stiffness)  # type: ignore[arg-type]
+        s = 1 / Decimal(beam.shear_stiffness)
         for omega in timoshenko(beam, boundary, 3).angular_frequency:
             near = [
                 determinant(s, Decimal(gyration), pair, Decimal(float(omega)) * (1 + side * Decimal("4e-16")))

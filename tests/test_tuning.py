@@ -358,9 +358,9 @@ def test_bad_arguments(arguments: tuple[Any, Any, Any], error: type[Exception], 
         ("beam", 1.0, TypeError, "beam must be a Beam"),
     ],
 )
-def test_bad_keywords(keyword: str, value: object, error: type[Exception], words: str) -> None:
+def test_bad_keywords(keyword: str, value: Any, error: type[Exception], words: str) -> None:
     with pytest.raises(error, match=words):
-        match_springs("clamped-free", 4, 3, **{keyword: value})  # type: ignore[arg-type]
+        match_springs("clamped-free", 4, 3, **{keyword: value})
 
 
 # --- the record that others look up --------------------------------------------------------------------

@@ -16,6 +16,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from shared_cases import WIRE
 
 import beammodes as bm
 
@@ -23,7 +24,6 @@ UNIT = bm.Beam.unit()
 BAR = bm.Beam(1.0, 1.0, 1.0, axial_stiffness=2.0)
 TAPERED = bm.Beam(1.0, bm.Table([0.0, 0.5, 1.0], [1.0, 0.8, 0.7]), 1.0)
 CHAIN = bm.Chain(UNIT, "clamped-free", 3)
-WIRE = {"bending_stiffness": 1.0, "torsional_stiffness": 0.8, "mass_per_length": 1.0}
 SPAN = bm.Structure.of_beam(UNIT, "clamped-pinned")
 BODY = bm.Boundary.of(("clamped", bm.End(mass=0.5)))
 
