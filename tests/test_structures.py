@@ -220,6 +220,14 @@ def test_an_end_is_guided_whichever_way_its_beam_stands() -> None:
         plain = bm.solve_modes(bm.linearize(bm.Chain(UNIT, "clamped-guided", 8, "gregory")), 4)
         ours = bm.structure_chain_modes(bm.StructureChain(given, 8, "gregory"), 4)
         np.testing.assert_allclose(ours.angular_frequency, plain.angular_frequency, rtol=1e-11)
+    # Beside a station it is, too: half of a beam in its symmetric modes, whose middle is no node.
+    heavy = [bm.Station(x, mass=0.3) for x in (0.6, 1.4)]
+    whole = bm.Structure.of_beam(bm.Beam(2.0, 1.0, 1.0), "clamped-clamped", heavy)
+    half = bm.Structure.of_beam(UNIT, "clamped-guided", heavy[:1])
+    for rule in ("gregory", "half_stub_corrected"):
+        symmetric = bm.structure_chain_modes(bm.StructureChain(whole, [6, 8, 6], rule), 5)
+        ours = bm.structure_chain_modes(bm.StructureChain(half, [6, 4], rule), 3)
+        np.testing.assert_allclose(ours.angular_frequency, symmetric.angular_frequency[::2], rtol=1e-11)
 
 
 def test_the_L_frame_to_every_digit() -> None:
