@@ -21,7 +21,7 @@ from beammodes.accuracy.segments import (
 from beammodes.accuracy.statics import LOADS, beam_statics, chain_statics
 from beammodes.chains.chain import Chain
 from beammodes.chains.rules import RULES, AnyRule, Layout, layout_of
-from beammodes.checks import bounded, percent, shown, small_fraction, whole_number
+from beammodes.checks import bounded, percent, small_fraction, whole_number
 from beammodes.exact.beam_theory import euler_bernoulli
 from beammodes.numerics.arrays import Floats
 from beammodes.problem.beam import Beam
@@ -232,10 +232,7 @@ class _Judge(NamedTuple):
             lambda count: not (np.abs(self.errors(record, count)) <= self.tolerance).all(), grid, ahead=3
         )
         if needed is None:
-            raise ToleranceOutOfReach(
-                f"tolerance must be larger: with rule {record.name} and {self.modes} modes no chain of up to "
-                f"{grid[-1]} segments of this beam stays within {shown(self.tolerance)}"
-            )
+            raise ToleranceOutOfReach.of(self.tolerance, record, self.modes, "this beam", grid[-1])
         return needed
 
 

@@ -109,17 +109,8 @@ class BentStretch(NamedTuple):
 
     def bent(self, ends: tuple[Any, ...]) -> Piecewise:
         """Return M."""
-        first, second = self.weights()
-        return self.moment_of_load.plus(
-            Piecewise(
-                first.edges,
-                (
-                    tuple(
-                        ends[0] * a + ends[1] * b for a, b in zip(*first.pieces, *second.pieces, strict=True)
-                    ),
-                ),
-            )
-        )
+        slope = (ends[1] - ends[0]) / self.length
+        return self.moment_of_load.plus(Piecewise.one(0 * self.length, self.length, ends[0], slope))
 
     def moment(self, x: Any, ends: tuple[Any, ...], side: int) -> Any:
         """Return M at a place."""

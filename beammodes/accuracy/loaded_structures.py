@@ -240,9 +240,7 @@ def beam_under(beam: Beam, boundary: BoundaryLike, load: Loads) -> StructureStat
     >>> beam_under(Beam.unit(), "clamped-free", Load(tip_force=3.0)).deflection(Fraction(1))
     Fraction(1, 1)
     """
-    pair = Boundary.of(boundary)
-    plain = Boundary(*(replace(end, on_segment=False) for end in (pair.left, pair.right)))
-    structure = Structure.of_beam(beam, plain)
+    structure = _alone(beam, Boundary.of(boundary))
     return _solved(structure, structure.parts, None, load, tip="right")
 
 
@@ -257,18 +255,20 @@ def chain_under(chain: Chain, load: Loads) -> StructureStatics:
     """
     if chain.beam is None or chain.segments is None or chain.rule is None:
         raise ValueError("chain must be one that a rule made for a beam under such a load, got one of pieces")
-    beam, (left, right) = chain.beam, (chain.boundary.left, chain.boundary.right)
-    plain = Boundary(replace(left, on_segment=False), replace(right, on_segment=False))
-    structure = Structure.of_beam(beam, plain)
+    structure = _alone(chain.beam, chain.boundary)
     # The whole chain is one stretch. A wall's hinge may be in series with the support, and part of it then.
     nodes = [
-        node._replace(
-            rotational_stiffness=k if k == math.inf else Fraction(k) * chain.exact_units.stiffness  # type: ignore[arg-type]
-        )
+        node._replace(rotational_stiffness=k if k == math.inf else Fraction(k) * chain.exact_units.stiffness)
         for node, (_, k) in zip(structure.parts.nodes, chain.scaled.supports, strict=False)
     ]
-    whole = Stretch("left-right", 0.0, beam, (0, 1), (1.0, 0.0), (math.inf, math.inf))
+    whole = Stretch("left-right", 0.0, chain.beam, (0, 1), (1.0, 0.0), (math.inf, math.inf))
     return _solved(structure, Parts(tuple(nodes), (whole,)), (chain,), load, tip="right")
+
+
+def _alone(beam: Beam, boundary: Boundary) -> Structure:
+    """Return a beam as a structure; where a body at its end has its hinge, statics do not tell."""
+    ends = (replace(end, on_segment=False) for end in (boundary.left, boundary.right))
+    return Structure.of_beam(beam, Boundary(*ends))
 
 
 def _solved(

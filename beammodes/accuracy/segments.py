@@ -10,13 +10,13 @@ from numpy.typing import NDArray
 
 from beammodes.accuracy.lookups import lookup_of
 from beammodes.chains.axial_chain import AnyAxialRule
-from beammodes.chains.rules import Layout, fits_of, layout_of
+from beammodes.chains.rules import Layout, fits_of
 from beammodes.checks import shown, small_fraction, whole_number
 from beammodes.closed_form.uniform_chains import MAX_SEGMENTS
 from beammodes.problem.axial_ends import AxialBoundaryLike
 from beammodes.problem.beam import Beam
 from beammodes.problem.loading import Load, check_unloaded
-from beammodes.problem.motions import Motion
+from beammodes.problem.motions import Motion, motion_named
 from beammodes.problem.structure import Structure
 
 __all__ = [
@@ -47,6 +47,14 @@ Fails = Callable[[Counts], NDArray[np.bool_]]
 
 class ToleranceOutOfReach(ValueError):
     """Error: no chain that is looked at stays within the tolerance."""
+
+    @classmethod
+    def of(cls, tolerance: float, rule: Layout, modes: int, beam: str, longest: int) -> ToleranceOutOfReach:
+        """Return the error, which tells what was looked at."""
+        return cls(
+            f"tolerance must be larger: with rule {rule.name} and {modes} modes no chain of up to {longest} "
+            f"segments of {beam} stays within {shown(tolerance)}"
+        )
 
 
 def segments_needed(
@@ -99,12 +107,11 @@ def segments_needed(
     26
     """
     if isinstance(boundary, Structure):
-        if beam is not None or motion != "bending":
+        if beam is not None or motion_named(motion).along:
             raise ValueError("beam and motion must be left out with a structure, which bends its own beams")
         check_unloaded(load)
-        return _segments_of_structure(boundary, tolerance, modes, layout_of(rule))  # type: ignore[arg-type]
-    limit = small_fraction("tolerance", tolerance)
-    how = lookup_of(motion)
+        return _segments_of_structure(boundary, tolerance, modes, lookup_of("bending").layout(rule))
+    limit, how = small_fraction("tolerance", tolerance), lookup_of(motion)
     ends, pull = how.in_multiples(how.boundary(boundary), load, beam)
     record, mode = how.layout(rule), np.arange(1, whole_number("modes", modes, most=MAX_MODES_SOUGHT) + 1)
     exact = getattr(record, "exact_modes", None)
@@ -132,10 +139,7 @@ def segments_needed(
         grid = _doubtful(half, solved_grid(len(mode), record), max(30, 3 * len(mode)), stride=3)
     needed = first_lasting(fails, grid, at_a_time, fits_of(record))
     if needed is None:
-        raise ToleranceOutOfReach(
-            f"tolerance must be larger: with rule {record.name}, {ends.name} and {len(mode)} modes no chain "
-            f"of up to {grid[-1]} segments stays within {shown(tolerance)}"
-        )
+        raise ToleranceOutOfReach.of(tolerance, record, len(mode), ends.name, grid[-1])
     return needed
 
 
@@ -148,10 +152,7 @@ def _segments_of_structure(structure: Structure, tolerance: float, modes: int, r
     grid = solved_grid(modes, rule)
     needed = first_lasting_upwards(fails, grid[grid >= least], _AHEAD)
     if needed is None:
-        raise ToleranceOutOfReach(
-            f"tolerance must be larger: with rule {rule.name} and {modes} modes no chain of {structure!r} "
-            f"of up to {grid[-1]} segments stays within {shown(tolerance)}"
-        )
+        raise ToleranceOutOfReach.of(tolerance, rule, modes, repr(structure), grid[-1])
     return needed
 
 
@@ -244,14 +245,10 @@ def solved_grid(modes: int, record: Layout) -> Counts:
 
     A rule whose pattern does not fit one of them stands there for the next that it fits.
     """
-    grid, fits = _sparse_grid(modes, _LONGEST_SOLVED), fits_of(record)
+    grid, fits = _grid(min(max(30, 3 * modes), _LONGEST_SOLVED), 1.1, _LONGEST_SOLVED), fits_of(record)
     if fits is None:
         return grid
     return np.unique([next(n for n in itertools.count(count) if fits(n)) for count in grid.tolist()])
-
-
-def _sparse_grid(modes: int, most: int) -> Counts:
-    return _grid(min(max(30, 3 * modes), most), 1.1, most)
 
 
 def _grid(dense: int, ratio: float, most: int) -> Counts:

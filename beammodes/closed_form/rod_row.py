@@ -28,30 +28,14 @@ minors with the right cut held, wholly or in part, come along; their signs tell 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from beammodes.closed_form.end_planes import Plane
+from beammodes.numerics.arrays import OF_ARRAYS, OF_FLOATS, Elementary
 
-__all__ = ["ARRAYS", "FLOATS", "Elementary", "Row", "joined", "row"]
-
-
-class Elementary(NamedTuple):
-    """Elementary functions of floats or of arrays."""
-
-    sqrt: Callable[[Any], Any]
-    sin: Callable[[Any], Any]
-    cos: Callable[[Any], Any]
-    arcsin: Callable[[Any], Any]
-    arcsinh: Callable[[Any], Any]
-    exp: Callable[[Any], Any]
-    expm1: Callable[[Any], Any]
-
-
-FLOATS = Elementary(math.sqrt, math.sin, math.cos, math.asin, math.asinh, math.exp, math.expm1)
-ARRAYS = Elementary(np.sqrt, np.sin, np.cos, np.arcsin, np.arcsinh, np.exp, np.expm1)
+__all__ = ["Row", "joined", "row"]
 
 
 class Row(NamedTuple):
@@ -79,27 +63,29 @@ def waves(square: Any, p: Any, tension: Any, of: Elementary) -> tuple[Any, Any]:
 
     Examples
     --------
-    >>> x, evanescent = waves(1.0, 1.0, 0.0, FLOATS)
+    >>> x, evanescent = waves(1.0, 1.0, 0.0, OF_FLOATS)
     >>> round(16 * x * evanescent, 15), round(16 * x * x + x, 15)            # w, and 16 x² = w (1 - x)
     (1.0, 1.0)
     """
     middle = 4.0 * tension + p * square
     size = of.sqrt(middle * middle + 64.0 * square) + abs(middle)
     small, large = 2.0 * square / size, size / 32.0
-    if of is FLOATS:
+    if of is OF_FLOATS:
         return (small, large) if middle > 0.0 else (large, small)
     slow = middle > 0.0
     return np.where(slow, small, large), np.where(slow, large, small)
 
 
-def row(square: Any, p: Any, tension: Any, rods: Any, of: Elementary = ARRAYS, *, sizes: bool = False) -> Row:
+def row(
+    square: Any, p: Any, tension: Any, rods: Any, of: Elementary = OF_ARRAYS, *, sizes: bool = False
+) -> Row:
     """Return a row of `rods` > 1 at w = `square` > 0.
 
     With `sizes` the sums of the absolute values of their terms instead.
 
     Examples
     --------
-    >>> row(2e-8, 2 / 3, 0.0, 1000.0, FLOATS).clamped      # qn = 4.73, 7.85, 11.0, 14.1 of a beam; here 11.9
+    >>> row(2e-8, 2 / 3, 0.0, 1000.0, OF_FLOATS).clamped    # qn = 4.73, 7.85, 11.0, 14.1 of a beam; here 11.9
     3
     """
     x, decaying = waves(square, p, tension, of)
@@ -121,7 +107,7 @@ def row(square: Any, p: Any, tension: Any, rods: Any, of: Elementary = ARRAYS, *
     sigma_too, square_x, square_decaying = third + minus * fourth, x * x, decaying * decaying
     delta_too = minus * square_x * third + square_decaying * fourth
     slow = (wave.angle < 1.0) & (growth < 1.0) & (x < 1.0)
-    if of is FLOATS:
+    if of is OF_FLOATS:
         if slow:
             sigma_too, beta = _slow(wave, chi, growth, x, decaying, rods, of)
     elif slow.any():
@@ -132,7 +118,7 @@ def row(square: Any, p: Any, tension: Any, rods: Any, of: Elementary = ARRAYS, *
     if sizes:
         sigma_too, beta, excess = abs(sigma_too), abs(beta), abs(excess)
     slow_delta = minus * square_x * sigma_too + excess * gamma * fourth
-    if of is FLOATS:
+    if of is OF_FLOATS:
         delta_too = slow_delta if slow else delta_too
         clamped = wave.pinned - (sigma * cos < 0.0) - (sigma_too * sin_over < 0.0)
     else:
@@ -158,7 +144,7 @@ def row(square: Any, p: Any, tension: Any, rods: Any, of: Elementary = ARRAYS, *
 
 
 def _oscillation(x: Any, rods: Any, of: Elementary) -> _Oscillation:
-    if of is FLOATS:
+    if of is OF_FLOATS:
         return _within(x, rods, of) if x < 1.0 else _beyond(x, rods, of)
     beyond = np.flatnonzero(x >= 1.0)
     wave = _within(np.minimum(x, 0.5) if len(beyond) == len(x) else np.where(x < 1.0, x, 0.5), rods, of)
@@ -175,7 +161,7 @@ def _within(x: Any, rods: Any, of: Elementary) -> _Oscillation:
     cos, sin = of.cos(angle), of.sin(angle)
     # The sign of sin nq says whether k is even: so a rounded angle is enough to know k = ⌊nq/π⌋.
     odd = sin * cos < 0.0
-    if of is FLOATS:
+    if of is OF_FLOATS:
         pinned = 2 * round(angle / math.pi - 0.25 - 0.5 * odd) + odd
         return _Oscillation(cos, sin_q * sin, sin / sin_q, cos, q, angle, pinned)
     pinned = 2.0 * np.rint(angle / math.pi - 0.25 - 0.5 * odd) + odd
@@ -189,7 +175,7 @@ def _beyond(x: Any, rods: Any, of: Elementary) -> _Oscillation:
     fade = of.exp(-2.0 * growth)
     cosh, sinh = 0.5 + 0.5 * fade, -0.5 * of.expm1(-2.0 * growth)
     none = 0.0 * x
-    if of is FLOATS:
+    if of is OF_FLOATS:
         if rods % 2:
             return _Oscillation(sinh, sinh_q * cosh, cosh / sinh_q, -sinh, none, none, rods - 1.0)
         return _Oscillation(cosh, sinh_q * sinh, -sinh / sinh_q, cosh, none, none, rods - 1.0)

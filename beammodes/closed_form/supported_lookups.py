@@ -16,9 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from beammodes.chains.rules import Rule
-from beammodes.closed_form.rod_row import FLOATS
 from beammodes.closed_form.supported_tables import ChainColumns, OneChain, one_chain, sample, sizes
-from beammodes.numerics.arrays import Floats
+from beammodes.numerics.arrays import OF_FLOATS, Floats
 from beammodes.numerics.counted_arrays import counted_root, counted_roots
 from beammodes.problem.ends import Boundary
 
@@ -187,7 +186,7 @@ def _solved_one(chain: OneChain, mode: int, tension: float, near: float | None) 
     rows, number = chain.rows, mode + chain.rigid
 
     def evaluate(place: float) -> tuple[float, float]:
-        return sample(rows, place, long=chain.long, of=FLOATS)
+        return sample(rows, place, long=chain.long, of=OF_FLOATS)
 
     start, reach = max(1.5, (number - 1.0) * math.pi), 1.5
     if near:
@@ -198,7 +197,7 @@ def _solved_one(chain: OneChain, mode: int, tension: float, near: float | None) 
     if not found.proved or (tension < 0.0 and evaluate(_FLOOR)[1] != chain.rigid):
         return math.nan, math.inf
     root, slope, bent = _closed_in(*found[:5], evaluate(found.root)[0])
-    size = sizes(rows, found.root, long=chain.long, of=FLOATS)
+    size = sizes(rows, found.root, long=chain.long, of=OF_FLOATS)
     return root * root, np.finfo(np.float64).eps * _rounded(size, root, slope) + bent
 
 

@@ -19,8 +19,8 @@ from numpy.typing import NDArray
 
 from beammodes.chains.rules import Rule
 from beammodes.closed_form.end_planes import EndNumbers, Plane, over_hinge, over_rod, plane_at_end
-from beammodes.closed_form.rod_row import ARRAYS, Elementary, joined, row
-from beammodes.numerics.arrays import Floats
+from beammodes.closed_form.rod_row import joined, row
+from beammodes.numerics.arrays import OF_ARRAYS, Elementary, Floats
 from beammodes.problem.end_columns import BoundaryColumns, EndColumns
 from beammodes.problem.ends import Boundary, End
 
@@ -310,7 +310,7 @@ def _in_segments(end: End, size: float) -> list[float]:
     return [*rows, float(mass) * size, float(inertia) * size**3, float(offset) * size]
 
 
-def sample(rows: Any, place: Any, *, long: bool, of: Elementary = ARRAYS) -> tuple[Any, Any]:
+def sample(rows: Any, place: Any, *, long: bool, of: Elementary = OF_ARRAYS) -> tuple[Any, Any]:
     """Return a chain's determinant, scaled, and how many modes lie below ω = `place`² (L = EI = ρA = 1).
 
     Its sign changes at every mode and nowhere else.
@@ -321,7 +321,7 @@ def sample(rows: Any, place: Any, *, long: bool, of: Elementary = ARRAYS) -> tup
     return value / size, below
 
 
-def sizes(rows: Any, place: Any, *, long: bool, of: Elementary = ARRAYS) -> Any:
+def sizes(rows: Any, place: Any, *, long: bool, of: Elementary = OF_ARRAYS) -> Any:
     """Return the sum of the absolute values of all terms of `sample`'s determinant.
 
     Springs add to what bodies take away: all terms have one sign at -w.

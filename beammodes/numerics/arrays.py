@@ -13,7 +13,15 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Elementary", "Floats", "elementary", "frozen", "signs_of_largest"]
+__all__ = [
+    "OF_ARRAYS",
+    "OF_FLOATS",
+    "Elementary",
+    "Floats",
+    "elementary",
+    "frozen",
+    "signs_of_largest",
+]
 
 #: An array of double-precision numbers.
 Floats = NDArray[np.float64]
@@ -30,14 +38,17 @@ class Elementary(NamedTuple):
     exp: Function
     expm1: Function
     arcsin: Function
+    arcsinh: Function
     arctan2: Function
     hypot: Function
 
 
-_OF_FLOATS = Elementary(
-    math.sin, math.cos, math.sqrt, math.exp, math.expm1, math.asin, math.atan2, math.hypot
+#: Of Python's floats.
+OF_FLOATS = Elementary(
+    math.sin, math.cos, math.sqrt, math.exp, math.expm1, math.asin, math.asinh, math.atan2, math.hypot
 )
-_OF_ARRAYS = Elementary(np.sin, np.cos, np.sqrt, np.exp, np.expm1, np.arcsin, np.arctan2, np.hypot)
+#: Of arrays, and of all else that NumPy takes.
+OF_ARRAYS = Elementary(np.sin, np.cos, np.sqrt, np.exp, np.expm1, np.arcsin, np.arcsinh, np.arctan2, np.hypot)
 
 
 def elementary(number: Any) -> Elementary:
@@ -48,7 +59,7 @@ def elementary(number: Any) -> Elementary:
     >>> elementary(0.5).sqrt(2.25), elementary(np.array([0.5])).sqrt(np.array([2.25, 4.0]))
     (1.5, array([1.5, 2. ]))
     """
-    return _OF_FLOATS if type(number) is float else _OF_ARRAYS
+    return OF_FLOATS if type(number) is float else OF_ARRAYS
 
 
 def frozen(values: Floats) -> Floats:

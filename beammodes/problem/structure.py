@@ -13,6 +13,7 @@ import itertools
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
+from fractions import Fraction
 from functools import cached_property
 from types import MappingProxyType
 from typing import Any, NamedTuple
@@ -236,7 +237,7 @@ class Node(NamedTuple):
     place : (float, float) [m]
     supports : tuple of (direction, stiffness)
         Of springs to the ground along unit vectors, `math.inf` where they hold [N/m].
-    rotational_stiffness : float [N m/rad]
+    rotational_stiffness : float or Fraction [N m/rad]
     mass, rotary_inertia : float [kg], [kg m²]
     offset : (float, float) [m]
         From the node to the body's centre of mass.
@@ -245,7 +246,7 @@ class Node(NamedTuple):
     name: str
     place: tuple[float, float]
     supports: tuple[tuple[tuple[float, float], float], ...] = ()
-    rotational_stiffness: float = 0.0
+    rotational_stiffness: float | Fraction = 0.0
     mass: float = 0.0
     rotary_inertia: float = 0.0
     offset: tuple[float, float] = (0.0, 0.0)
