@@ -43,6 +43,7 @@ from beammodes.chains.pieces import MAX_PIECES
 from beammodes.chains.rules import Rule, Weight
 from beammodes.exact.axial_beam import axial_wavenumber
 from beammodes.numerics.arrays import Floats
+from beammodes.numerics.roots import secants
 from beammodes.problem.axial_ends import AxialBoundary
 from beammodes.problem.motions import unit_beam
 from beammodes.vibration.axial_spectrum import solve_axial_modes
@@ -274,9 +275,9 @@ class _Cases:
     def errors(self) -> Floats:
         """Return ω_chain/ω_beam - 1."""
         delta = np.zeros_like(self.beta)
-        terms = max(self.left.waves.terms, self.right.waves.terms)
         if self._turning:
-            delta = self._root(terms)
+            value = self._excess(delta)
+            delta = secants(self._excess, delta, value, -value, most=30)
         kappa = self.beta + delta
         part, shape = delta / self.beta, _sinc_less_one(0.5 * kappa / self.count)
         return part + shape + part * shape
@@ -286,23 +287,13 @@ class _Cases:
         """The ends that do not reflect as the beam's."""
         return [end for end in (self.left, self.right) if not end.mirrors]
 
-    def _excess(self, delta: Floats, terms: int) -> Floats:
-        wave = _Wave.of(self.beta + delta, self.count, terms)
-        return delta - sum(end.turned(self.beta, delta, self.count, wave) for end in self._turning)
+    @cached_property
+    def _terms(self) -> int:
+        return max(self.left.waves.terms, self.right.waves.terms)
 
-    def _root(self, terms: int) -> Floats:
-        """Return δ by secants, the first of slope 1."""
-        old = np.zeros_like(self.beta)
-        value = self._excess(old, terms)
-        new, before = -value, value
-        for _ in range(30):
-            value = self._excess(new, terms)
-            rise, run = value - before, new - old
-            step = -value * run / (rise + (rise == 0.0))
-            old, before, new = new, value, new + step
-            if np.all(step * step <= 1e-15 * np.abs(run * new)):
-                break
-        return new
+    def _excess(self, delta: Floats) -> Floats:
+        wave = _Wave.of(self.beta + delta, self.count, self._terms)
+        return delta - sum(end.turned(self.beta, delta, self.count, wave) for end in self._turning)
 
 
 def existing(rule: Rule, pair: AxialBoundary, count: Any, mode: Any) -> NDArray[np.bool_]:
@@ -318,6 +309,7 @@ def existing(rule: Rule, pair: AxialBoundary, count: Any, mode: Any) -> NDArray[
     pieces = np.asarray(count) + (rule.stub == Fraction(1, 2))
     for end in (pair.left, pair.right):
         if end.statics == "clamped" and not rule.stub:
+            # A disc adds a piece of its own, a spring alone does not.
             pieces = pieces + (end.inertia > 0.0)
         elif end.is_fixed and rule.stub:
             pieces = pieces - 1
@@ -358,21 +350,20 @@ def axial_errors(
         return error
     known, place = np.unique(which * np.int64(2**40) + mode, return_inverse=True)
     beta = axial_wavenumber(pairs, known >> 40, known & (2**40 - 1))[place]
-    kinds: dict[tuple[str, str], list[int]] = {}
+    # What exists depends on which numbers there are, and not on how large they are.
+    alike: dict[tuple[bool, ...], list[int]] = {}
     for k, pair in enumerate(pairs):
-        kinds.setdefault((pair.left.statics, pair.right.statics), []).append(k)
+        key = [(end.is_fixed, end.stiffness > 0.0, end.inertia > 0.0) for end in (pair.left, pair.right)]
+        alike.setdefault((*key[0], *key[1]), []).append(k)
     numbers = np.array(
         [[p.left.stiffness, p.left.inertia, p.right.stiffness, p.right.inertia] for p in pairs]
     )
-    # A disc adds a piece of its own, a spring alone does not.
-    exists = np.zeros(which.shape, dtype=bool)
-    for k in np.unique(which):
-        here = which == k
-        exists[here] = existing(rule, pairs[k], count[here], mode[here])
-    for (left, right), members in kinds.items():
-        here = np.flatnonzero(exists & np.isin(which, members))
-        waves = end_waves(rule, left), end_waves(rule, right)
-        smooth = _smooth(waves, (left, right), count[here], beta[here])
+    for members in alike.values():
+        here, pair = np.flatnonzero(np.isin(which, members)), pairs[members[0]]
+        here = here[existing(rule, pair, count[here], mode[here])]
+        kinds = pair.left.statics, pair.right.statics
+        waves = end_waves(rule, kinds[0]), end_waves(rule, kinds[1])
+        smooth = _smooth(waves, kinds, count[here], beta[here])
         for at in np.array_split(here[smooth], -(-int(smooth.sum()) // _BLOCK) or 1):
             if not len(at):
                 continue

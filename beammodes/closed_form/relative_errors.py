@@ -33,6 +33,7 @@ from beammodes.closed_form.uniform_chains import Boundaries, Rules, UniformChain
 from beammodes.closed_form.waves import Parts, amplitude, end_table, inside, parts
 from beammodes.exact.exact_beam import wavenumber_of_code
 from beammodes.numerics.arrays import Floats, elementary
+from beammodes.numerics.roots import secants
 
 __all__ = ["relative_error"]
 
@@ -123,18 +124,9 @@ def _shift(chains: UniformChains, beta: Any, segments: Any, exchange: _Exchange 
         total = delta + left.turn + right.turn
         return total if exchange is None else total - exchange.change(delta, rows[1], left, right)
 
-    old, before = 0.0 * beta, excess(0.0 * beta)
-    new = -before if exchange is None else -before / exchange.slope
-    for _ in range(15):
-        value = excess(new)
-        rise, run = value - before, new - old
-        step = -value * run / (rise + (rise == 0.0))
-        old, before, new = new, value, new + step
-        # Secants multiply errors: this step's error is about its square over the step before.
-        close = step * step <= 1e-15 * abs(run * new)
-        if close if isinstance(close, bool) else close.all():
-            break
-    return new
+    none = 0.0 * beta
+    value = excess(none)
+    return secants(excess, none, value, -value if exchange is None else -value / exchange.slope, most=15)
 
 
 @lru_cache(maxsize=1024)

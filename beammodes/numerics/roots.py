@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from fractions import Fraction
+from typing import Any
 
 import numpy as np
 
 from beammodes.numerics.arrays import Floats
 
-__all__ = ["NotFollowed", "increasing_root", "polynomial_roots", "sign_changes"]
+__all__ = ["NotFollowed", "increasing_root", "polynomial_roots", "secants", "sign_changes"]
 
 
 class NotFollowed(ArithmeticError):
@@ -42,6 +43,29 @@ def increasing_root(
         rise, run = value - y, new - x
         step = -value * np.where(rise * run > 0.0, run, 1.0) / np.where(rise * run > 0.0, rise, 1.0)
         x, y = new, value
+    return new
+
+
+def secants(function: Callable[[Any], Any], old: Any, value: Any, new: Any, most: int) -> Any:
+    """Return a root by at most so many secants: of single floats, or of arrays until all have settled.
+
+    `value` is that at `old`, a first estimate; `new` is the next.
+
+    Examples
+    --------
+    >>> round(secants(lambda x: x * x - 2.0, 1.0, -1.0, 2.0, 15), 12)
+    1.414213562373
+    """
+    before = value
+    for _ in range(most):
+        value = function(new)
+        rise, run = value - before, new - old
+        step = -value * run / (rise + (rise == 0.0))
+        old, before, new = new, value, new + step
+        # Secants multiply errors: this step's error is about its square over the step before.
+        close = step * step <= 1e-15 * abs(run * new)
+        if close if isinstance(close, bool) else close.all():
+            break
     return new
 
 

@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from beammodes.checks import bounded, choice, distinct, not_negative, shown
-from beammodes.problem.ends import ENDS, Boundary, End, ends_in
+from beammodes.problem.ends import ENDS, Boundary, End, ends_in, is_pair
 from beammodes.problem.motions import MOTIONS, Motion, motion_named
 
 __all__ = ["AxialBoundary", "AxialBoundaryLike", "AxialEnd", "distinct_axial"]
@@ -249,14 +249,7 @@ def _is_one(value: Any) -> bool:
     """Return True for one boundary: a name, a record, or a pair of two words of ends or ends."""
     if isinstance(value, str | Boundary | AxialBoundary) or not isinstance(value, Iterable):
         return True
-    return (
-        isinstance(value, tuple | list)
-        and len(value) == 2
-        and all(
-            isinstance(item, AxialEnd | End) or (isinstance(item, str) and len(ends_in(item)) == 1)
-            for item in value
-        )
-    )
+    return is_pair(value, (AxialEnd, End))
 
 
 def _objects(values: list[Any]) -> NDArray[Any]:

@@ -418,8 +418,10 @@ def boundary_codes(value: BoundaryLike | Iterable[BoundaryLike] | NDArray[Any]) 
     return np.asarray(np.array([boundary_code(pair) for pair in pairs], dtype=np.intp)[which])
 
 
-def is_pair(value: object) -> bool:
+def is_pair(value: object, kinds: type | tuple[type, ...] = End) -> bool:
     """Return True if `value` is one pair of ends: two words of ends or `End`s, and not two boundaries.
+
+    `kinds` are those of the records of ends.
 
     Examples
     --------
@@ -428,7 +430,9 @@ def is_pair(value: object) -> bool:
     """
     if not isinstance(value, tuple | list) or len(value) != 2:
         return False
-    return all(isinstance(item, End) or (isinstance(item, str) and len(ends_in(item)) == 1) for item in value)
+    return all(
+        isinstance(item, kinds) or (isinstance(item, str) and len(ends_in(item)) == 1) for item in value
+    )
 
 
 def with_pairs_read(value: Any) -> Any:
