@@ -30,6 +30,7 @@ __all__ = [
     "row_shown",
     "shown",
     "small_fraction",
+    "together",
     "whole_number",
     "whole_numbers",
 ]
@@ -250,6 +251,29 @@ def distinct(
     places = {key: found.setdefault(read(item), len(found)) for key, item in items.items()}
     which = np.fromiter(map(places.__getitem__, keys), dtype=np.intp, count=len(keys))
     return list(found), which.reshape(array.shape)
+
+
+def together(**arrays: NDArray[Any]) -> tuple[NDArray[Any], ...]:
+    """Return arrays broadcast to one shape.
+
+    Raises
+    ------
+    ValueError
+        If they have none in common; the message names them.
+
+    Examples
+    --------
+    >>> [array.shape for array in together(segments=np.ones((2, 1)), mode=np.ones(3))]
+    [(2, 3), (2, 3)]
+    """
+    try:
+        return tuple(np.broadcast_arrays(*arrays.values()))
+    except ValueError:
+        *names, last = arrays
+        shapes = ", ".join(str(array.shape) for array in arrays.values())
+        raise ValueError(
+            f"{', '.join(names)} and {last} must broadcast together, got shapes {shapes}"
+        ) from None
 
 
 def _is_text(value: object) -> bool:

@@ -299,6 +299,11 @@ def test_ends_are_read_and_refused() -> None:
     names = np.array([["fixed-free"], ["clamped-free"]])
     assert distinct_axial(names, "twist")[1].tolist() == [[0], [0]]
     assert distinct_axial([("fixed", "free"), "free-free"], "twist")[1].tolist() == [0, 1]
+    # A pair of an end's record and a word is one boundary in tables, too.
+    pair = ("fixed", AxialEnd(inertia=0.5))
+    table = error_dataset(boundary=pair, segments=4, modes=1, motion="twist")
+    assert table.boundary.values.tolist() == ["fixed-free(inertia=0.5)"]
+    assert table.relative_error.item() == frequency_error(pair, segments=4, mode=1, motion="twist")
     for ends, motion, message in (
         ("pinned-free", "twist", 'did you mean "fixed-free".*pinned says what bending may do, not twist'),
         ("fixd-free", "twist", 'did you mean "fixed-free"'),

@@ -161,6 +161,18 @@ def test_more_than_possible_is_refused() -> None:
         bm.segments_needed("clamped-free", tolerance=1e-12, modes=1, rule="naive")
 
 
+def test_shapes_that_do_not_match_are_named_on_every_route() -> None:
+    for ends, motion, rule in (
+        ("clamped-free", "bending", "mitiguy"),
+        ("clamped-free(mass=1)", "bending", "mitiguy"),
+        ("clamped-free", "bending", bm.mode_tuned(1)),
+        ("clamped-free", "bending", ["simpson", "naive", "mitiguy"]),
+        ("fixed-free", "twist", "mitiguy"),
+    ):
+        with pytest.raises(ValueError, match=r"segments.*broadcast together, got shapes \(3,\), \(2,\)"):
+            bm.frequency_error([ends] * 3, segments=[4, 5], mode=1, rule=rule, motion=motion)
+
+
 BAD_COUNTS = [0, -3, 2.5, "six", 10**400, None, True, float("nan"), float("inf")]
 
 

@@ -7,16 +7,17 @@ Both motions obey one equation, so that in multiples of k/L and m L one error se
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
+from fractions import Fraction
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from beammodes.chains.axial_chain import AxialLayout, axial_layout_of
-from beammodes.chains.rules import HIGHEST_ORDER, Layout, Rule
-from beammodes.checks import distinct, shown, whole_number, whole_numbers
+from beammodes.chains.rules import Layout, Rule
+from beammodes.checks import distinct, shown, together, whole_number, whole_numbers
 from beammodes.closed_form.axial_chains import axial_errors, axial_frequencies
 from beammodes.closed_form.uniform_chains import MAX_MODE, MAX_SEGMENTS
 from beammodes.exact.axial_beam import axial_wavenumber, uniform_numbers
@@ -35,6 +36,7 @@ __all__ = [
     "axial_numbers",
     "axial_with_numbers",
     "no_load",
+    "zigzag_coefficient",
 ]
 
 
@@ -84,13 +86,7 @@ def axial_frequency_error(boundary: Any, segments: Any, mode: Any, rule: Any, mo
     records, chosen = distinct("rule", rule, (str, Layout, AxialLayout), axial_layout_of)
     counts = whole_numbers("segments", segments, most=MAX_SEGMENTS)
     modes = whole_numbers("mode", mode, most=MAX_MODE)
-    try:
-        which, chosen, counts, modes = np.broadcast_arrays(which, chosen, counts, modes)
-    except ValueError:
-        shapes = ", ".join(str(array.shape) for array in (which, counts, modes, chosen))
-        raise ValueError(
-            f"boundary, segments, mode and rule must broadcast together, got shapes {shapes}"
-        ) from None
+    which, counts, modes, chosen = together(boundary=which, segments=counts, mode=modes, rule=chosen)
     flat = [array.ravel() for array in (which, chosen, counts, modes)]
     error = np.full(which.size, np.nan)
     for r, record in enumerate(records):
@@ -201,24 +197,31 @@ def axial_law_terms(pair: AxialBoundary, mode: int, rule: Rule) -> tuple[float, 
         if 0.0 < end.stiffness < math.inf
     )
     whole = inside + springs
-    terms = [(2, (-1.0 / 24.0 + _zigzag(rule)) * beta**2 * inside / whole)]
+    zigzag = zigzag_coefficient(rule.inside, lambda square: 4.0 * square)
+    terms = [(2, (-1.0 / 24.0 + zigzag) * beta**2 * inside / whole)]
     for end, phase in zip((pair.left, pair.right), phases, strict=True):
         square = [beta**2 * math.sin(phase) ** 2, -(beta**3) * math.sin(2 * phase)]
         for k, (constant, per_segment) in enumerate(rule.end_defects(end.statics)[:2]):
             scale = -square[k] / (2.0 * whole)
             terms += [(k + 1, float(constant) * scale), (k + 2, float(per_segment) * scale)]
-    return beta, [(power, value) for power, value in terms if power <= min(2, HIGHEST_ORDER)]
+    return beta, [(power, value) for power, value in terms if power <= 2]
 
 
-def _zigzag(rule: Rule) -> float:
-    """Return  -½ Σ |p_G|²/(4 sin²(G/2))  of weights that repeat a pattern, p_G its harmonics G = 2πl/m.
+def zigzag_coefficient(inside: Sequence[Fraction], squared_frequency: Callable[[Floats], Floats]) -> float:
+    """Return  -½ Σ_G |p_G|²/λ_G  over the harmonics G = 2πl/m, l = 1..m-1, of m weights that repeat.
 
-    They scatter the torque of a wave into zigzags of squared frequency 4 sin²(G/2).
+    They, p_G = Σ_j p_j e^(-iGj)/m, scatter the torque, force or moment of a wave into zigzags, which chains
+    of equal springs would have at the squared frequency λ, told as a function of sin²(G/2).
+
+    Examples
+    --------
+    >>> round(zigzag_coefficient([Fraction(4, 3), Fraction(2, 3)], lambda square: 4.0 * square), 9)    # -1/72
+    -0.013888889
     """
-    period = len(rule.inside)
-    harmonics = np.fft.fft([float(weight) for weight in rule.inside]) / period
-    square = 4.0 * np.sin(np.pi * np.arange(1, period) / period) ** 2
-    return float(-0.5 * (np.abs(harmonics[1:]) ** 2 / square).sum())
+    period = len(inside)
+    harmonics = np.fft.fft([float(weight) for weight in inside]) / period
+    square = np.sin(np.pi * np.arange(1, period) / period) ** 2
+    return float(-0.5 * (np.abs(harmonics[1:]) ** 2 / squared_frequency(square)).sum())
 
 
 def _phase(end: AxialEnd, beta: float) -> float:

@@ -16,7 +16,7 @@ from beammodes.checks import shown, whole_number
 from beammodes.exact.axial_theory import axial_modes
 from beammodes.exact.beam_theory import euler_bernoulli
 from beammodes.exact.timoshenko_beam import MOST_MODES, theory_error_of
-from beammodes.numerics.arrays import Floats
+from beammodes.numerics.arrays import Floats, ratios_less_one
 from beammodes.problem.beam import Beam
 from beammodes.problem.ends import Boundary, BoundaryLike
 from beammodes.problem.loading import Load, check_unloaded, checked_load
@@ -92,24 +92,23 @@ def chain_errors(
         raise ValueError("chain must have a beam to be compared with; one from pieces has none")
     count = whole_number("modes", modes, most=MAX_MODES)
     found = solve_modes(linearize(chain, load=load), count).angular_frequency
-    errors = np.full(count, np.nan)
-    if len(found):
-        exact = euler_bernoulli(chain.beam, chain.boundary, len(found), load=load)
-        errors[: len(found)] = found / exact.angular_frequency - 1
-        # A load that the stiffer theory bears may buckle the softer one, which then has nothing to compare.
-        with suppress(ValueError, ArithmeticError):
-            if remark := _stout(errors[: len(found)], exact.theory_error, exact.theory_assumed):
-                warnings.warn(remark, SlendernessWarning, stacklevel=2)
+    if not len(found):
+        return np.full(count, np.nan)
+    exact = euler_bernoulli(chain.beam, chain.boundary, len(found), load=load)
+    errors = ratios_less_one(found, exact.angular_frequency, count)
+    # A load that the stiffer theory bears may buckle the softer one, which then has nothing to compare.
+    with suppress(ValueError, ArithmeticError):
+        if remark := _stout(errors[: len(found)], exact.theory_error, exact.theory_assumed):
+            warnings.warn(remark, SlendernessWarning, stacklevel=2)
     return errors
 
 
 def _errors_along(chain: AxialChain, count: int) -> Floats:
     found = solve_modes(chain, count).angular_frequency
-    errors = np.full(count, np.nan)
-    if len(found):
-        exact = axial_modes(chain.beam, chain.boundary, len(found), motion=chain.motion)
-        errors[: len(found)] = found / exact.angular_frequency - 1
-    return errors
+    if not len(found):
+        return np.full(count, np.nan)
+    exact = axial_modes(chain.beam, chain.boundary, len(found), motion=chain.motion)
+    return ratios_less_one(found, exact.angular_frequency, count)
 
 
 def theory_errors(

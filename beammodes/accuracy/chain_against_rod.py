@@ -7,12 +7,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from beammodes.accuracy.error_table import labelled, listed
+from beammodes.accuracy.error_table import labelled, listed, numbered
 from beammodes.chains.rules import AnyRule, Layout, layout_of
 from beammodes.chains.spatial_chain import SpatialChain
 from beammodes.checks import shown, whole_number
 from beammodes.exact.exact_rod import MOST_ROD_MODES, rod_modes
-from beammodes.numerics.arrays import Floats
+from beammodes.numerics.arrays import Floats, ratios_less_one
 from beammodes.problem.rod import Rod
 from beammodes.problem.rod_ends import RodBoundaryLike, RodEnds
 from beammodes.vibration.modes_in_space import spatial_modes
@@ -62,17 +62,12 @@ def rod_errors(chain: SpatialChain, modes: int = 3) -> Floats:
     if not isinstance(chain, SpatialChain):
         raise TypeError(f"chain must be a SpatialChain, got {shown(chain)}")
     count = whole_number("modes", modes, most=MOST_ROD_MODES)
-    return _against(spatial_modes(chain, count).angular_frequency, _exact(chain.rod, chain.ends, count))
+    found = spatial_modes(chain, count).angular_frequency
+    return ratios_less_one(found, _exact(chain.rod, chain.ends, count), count)
 
 
 def _exact(rod: Rod, ends: RodEnds, count: int) -> Floats:
     return rod_modes(rod.unstretched, ends, count).angular_frequency
-
-
-def _against(found: Floats, exact: Floats) -> Floats:
-    errors = np.full(len(exact), np.nan)
-    errors[: len(found)] = found / exact[: len(found)] - 1
-    return errors
 
 
 def rod_error_dataset(
@@ -138,10 +133,6 @@ def rod_error_dataset(
             "angular_frequency": (found, "angular frequency of the chain", "rad s-1"),
             "exact_angular_frequency": (judge.copy(), "angular frequency of the rod", "rad s-1"),
         },
-        {
-            "rule": [record.name for record in rules],
-            "segments": ("segments", counts, {"long_name": "number of rigid segments", "units": "1"}),
-            "mode": ("mode", np.arange(1, count + 1), {"long_name": "elastic mode", "units": "1"}),
-        },
+        {"rule": [record.name for record in rules]} | numbered(counts, count),
         "modes of chains in space and of the exact rod",
     )

@@ -16,9 +16,9 @@ from beammodes.chains.rules import AnyRule, layout_of
 from beammodes.checks import bounded, choice, shown, whole_number
 from beammodes.closed_form.uniform_chains import MAX_SEGMENTS
 from beammodes.numerics.arrays import Floats
-from beammodes.problem.axial_ends import AxialBoundaryLike
+from beammodes.problem.axial_ends import AxialBoundaryLike, AxialEnd
 from beammodes.problem.beam import Beam
-from beammodes.problem.ends import Boundary, BoundaryLike, is_pair
+from beammodes.problem.ends import Boundary, BoundaryLike, End, is_pair
 from beammodes.problem.loading import Load, checked_load
 from beammodes.problem.motions import Motion
 from beammodes.progress import Progress, progress_of
@@ -37,6 +37,7 @@ __all__ = [
     "error_dataset",
     "labelled",
     "listed",
+    "numbered",
     "stands_alone",
 ]
 
@@ -63,7 +64,7 @@ def stands_alone(value: Any, single: tuple[type, ...]) -> bool:
     [True, True, False, False]
     """
     if tuple in single and isinstance(value, tuple | list):
-        return is_pair(value)
+        return is_pair(value, (End, AxialEnd))
     return isinstance(value, single) or not isinstance(value, Iterable)
 
 
@@ -79,6 +80,19 @@ def listed(name: str, value: Any, single: tuple[type, ...]) -> list[Any]:
     if not items:
         raise ValueError(f"{name} must name at least one value, got none")
     return items
+
+
+def numbered(segments: list[int], modes: int = 0) -> dict[str, Any]:
+    """Return the coordinate of segment counts as xarray takes it, and that of the first modes.
+
+    Examples
+    --------
+    >>> [(name, list(values)) for name, (_, values, _) in numbered([4, 8], modes=2).items()]
+    [('segments', [4, 8]), ('mode', [1, 2])]
+    """
+    mode = {"mode": ("mode", np.arange(1, modes + 1), {"long_name": "elastic mode", "units": "1"})}
+    count = {"segments": ("segments", segments, {"long_name": "number of rigid segments", "units": "1"})}
+    return count | (mode if modes else {})
 
 
 class ChainGrid(NamedTuple):
@@ -125,12 +139,11 @@ class ChainGrid(NamedTuple):
 
     def coordinates(self, modes: int = 0) -> dict[str, Any]:
         """Return the coordinates as xarray takes them, and that of the first modes."""
-        mode = {"mode": ("mode", np.arange(1, modes + 1), {"long_name": "elastic mode", "units": "1"})}
-        return {
+        names = {
             "rule": [record.name for record in self.rules],
             "boundary": [pair.name for pair in self.boundaries],
-            "segments": ("segments", self.segments, {"long_name": "number of rigid segments", "units": "1"}),
-        } | (mode if modes else {})
+        }
+        return names | numbered(self.segments, modes)
 
     def chains(self) -> Iterator[tuple[tuple[int, int, int], Chain]]:
         """Yield indices and chains of the beam, leaving out those whose springs are not positive."""

@@ -16,9 +16,10 @@ from beammodes.chains.rules import (
     NotClosed,
     Rule,
     RuleMaker,
+    has_roots,
     layout_of,
 )
-from beammodes.checks import distinct, whole_numbers
+from beammodes.checks import distinct, together, whole_numbers
 from beammodes.closed_form.relative_errors import relative_error
 from beammodes.closed_form.uniform_chains import MAX_MODE, MAX_SEGMENTS
 from beammodes.exact.exact_beam import wavenumber
@@ -188,10 +189,10 @@ def errors_in_multiples(boundary: Any, segments: Any, mode: Any, rule: Any, load
 
 
 def _errors_of_maker(boundary: Any, segments: Any, mode: Any, maker: RuleMaker) -> float | Floats:
-    codes, counts, modes = np.broadcast_arrays(
-        boundary_codes(boundary),
-        whole_numbers("segments", segments, most=MAX_SEGMENTS),
-        whole_numbers("mode", mode, most=MAX_MODE),
+    codes, counts, modes = together(
+        boundary=boundary_codes(boundary),
+        segments=whole_numbers("segments", segments, most=MAX_SEGMENTS),
+        mode=whole_numbers("mode", mode, most=MAX_MODE),
     )
     found = np.full(codes.shape, np.nan)
     for code in np.unique(codes):
@@ -204,7 +205,9 @@ def _errors_by_rule(boundary: Any, segments: Any, mode: Any, rule: Any) -> Float
     """Return errors where only some of several rules have closed forms."""
     records, which = distinct("rule", rule, (str, Layout), layout_of)
     pairs, ends = distinct("boundary", with_pairs_read(boundary), (str, Boundary), Boundary.of)
-    which, ends, counts, modes = np.broadcast_arrays(which, ends, np.asarray(segments), np.asarray(mode))
+    ends, counts, modes, which = together(
+        boundary=ends, segments=np.asarray(segments), mode=np.asarray(mode), rule=which
+    )
     found = np.full(which.shape, np.nan)
     for k, record in enumerate(records):
         here = which == k
@@ -217,7 +220,7 @@ def _errors_of_roots(
     boundary: Any, segments: ArrayLike, mode: ArrayLike, rule: Any, load: Load
 ) -> float | Floats:
     """Return errors to 1e-14 absolute, from both frequencies, each solved for to all but its last digit."""
-    from beammodes.accuracy.rooted_errors import check_ratios, has_roots, rooted_errors
+    from beammodes.accuracy.rooted_errors import check_ratios, rooted_errors
 
     pairs, which = _pairs(boundary)
     records, chosen = distinct("rule", rule, (str, Layout), layout_of)
@@ -225,10 +228,10 @@ def _errors_of_roots(
     plain = load == NO_LOAD and isinstance(pairs, list) and all(pair.is_plain for pair in pairs)
     modes = whole_numbers("mode", mode, most=MAX_MODE if plain else _MAX_MODE_FOUND)
     check_ratios(pairs, load)
-    which, chosen, counts, modes = np.broadcast_arrays(which, chosen, counts, modes)
+    which, counts, modes, chosen = together(boundary=which, segments=counts, mode=modes, rule=chosen)
     error, shape = np.full(which.size, np.nan), which.shape
     which, chosen, counts, modes = (each.ravel() for each in (which, chosen, counts, modes))
-    rooted = np.array([has_roots(record, load) for record in records])[chosen]
+    rooted = np.array([load.is_axial and has_roots(record) for record in records])[chosen]
     if rooted.any():
         w, r, n, m = (each[rooted] for each in (which, chosen, counts, modes))
         error[rooted] = rooted_errors(pairs, w, records, r, n, m, load)

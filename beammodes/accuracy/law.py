@@ -42,7 +42,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from beammodes.accuracy.axial_errors import axial_law_terms
+from beammodes.accuracy.axial_errors import axial_law_terms, zigzag_coefficient
 from beammodes.accuracy.lookups import lookup_of
 from beammodes.accuracy.segments import first_lasting, segment_grid, solved_grid
 from beammodes.chains.rules import (
@@ -242,18 +242,14 @@ def interior_coefficient() -> Fraction:
 def _zigzag_coefficient(inside: Sequence[Fraction]) -> float:
     """Return what springs that repeat a pattern add to the coefficient of q⁴ in  ω_chain/q² - 1.
 
-    Equal to  -½ Σ_G |p_G|²/λ_G  over the pattern's harmonics G = 2πl/m, l = 1..m-1, p_G = Σ_j p_j e^(-iGj)/m:
-    the M of a wave is scattered into them, where rods of equal springs would have the squared frequency
-    λ = 16 s⁴/(1 - (2/3) s²), s = sin(G/2).
+    Rods of equal springs have zigzags of the squared frequency λ = 16 s⁴/(1 - (2/3) s²), s = sin(G/2).
 
     Examples
     --------
     >>> round(1 / _zigzag_coefficient([Fraction(4, 3), Fraction(2, 3)]), 6)              # p_π = ±1/3
     -864.0
     """
-    harmonics = np.fft.fft([float(weight) for weight in inside]) / len(inside)
-    square = np.sin(np.pi * np.arange(1, len(inside)) / len(inside)) ** 2
-    return float(-0.5 * (np.abs(harmonics[1:]) ** 2 * (1 - 2 / 3 * square) / (16 * square**2)).sum())
+    return zigzag_coefficient(inside, lambda square: 16 * square**2 / (1 - 2 / 3 * square))
 
 
 def _end_derivatives(beam: BeamModes, left: bool) -> list[float]:

@@ -21,7 +21,7 @@ from beammodes.accuracy.axial_errors import (
 from beammodes.accuracy.beam_units import BEAM_NUMBERS, NUMBERS, looked_up, with_numbers
 from beammodes.accuracy.errors import errors_in_multiples, exact_frequencies
 from beammodes.chains.axial_chain import AxialLayout, axial_layout_of
-from beammodes.chains.rules import AxiallyCorrected, Layout, is_closed, layout_of
+from beammodes.chains.rules import Layout, has_roots, is_closed, layout_of
 from beammodes.numerics.arrays import Floats
 from beammodes.problem.axial_ends import AxialBoundary
 from beammodes.problem.beam import Beam
@@ -76,11 +76,9 @@ class Lookup(ABC):
 
     def cost(self, ends: Any, rule: Any, load: Load) -> str:
         """Return "looked up", "roots" (some to find for each N) or "solved" (each chain as a whole)."""
-        closed = is_closed(rule)
-        if closed and load == Load() and self.is_plain(ends):
+        if is_closed(rule) and load == Load() and self.is_plain(ends):
             return "looked up"
-        corrected = isinstance(rule, AxiallyCorrected) and is_closed(rule.rule)
-        return "roots" if (closed or corrected) and load.is_axial else "solved"
+        return "roots" if has_roots(rule) and load.is_axial else "solved"
 
     @abstractmethod
     def is_plain(self, ends: Any) -> bool:

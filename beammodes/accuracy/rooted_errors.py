@@ -5,6 +5,7 @@ Chain and beam are each solved for to some 1e-15, so that an error is within 1e-
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
@@ -12,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from beammodes.chains.rules import AnyRule, AxiallyCorrected, Layout, Rule, RuleMaker, is_closed
+from beammodes.chains.rules import AxiallyCorrected, Layout, Rule, RuleMaker
 from beammodes.closed_form.supported_lookups import one_supported_frequency, supported_frequencies
 from beammodes.closed_form.supported_tables import ChainColumns, end_weights
 from beammodes.exact import supported_root, supported_roots
@@ -24,26 +25,13 @@ from beammodes.problem.end_columns import BoundaryColumns
 from beammodes.problem.ends import NUMBERS_OF_END, Boundary
 from beammodes.problem.loading import NO_LOAD, Load
 
-__all__ = ["Pairs", "beam_frequencies", "beam_frequencies_of", "check_ratios", "has_roots", "rooted_errors"]
+__all__ = ["Pairs", "beam_frequencies", "beam_frequencies_of", "check_ratios", "rooted_errors"]
 
 Counts = NDArray[np.int64]
 # Fewer are quicker one by one.
 _FEW = 16
 #: Ends as records or as columns, each of them once.
 Pairs = list[Boundary] | BoundaryColumns
-
-
-def has_roots(record: AnyRule, load: Load) -> bool:
-    """Return whether errors of a rule under a load are found by a root each, not by solving whole chains.
-
-    Examples
-    --------
-    >>> from beammodes.chains.rules import RULES
-    >>> [has_roots(RULES[name], Load(axial_force=1.0)) for name in ("gregory", "simpson")]
-    [True, False]
-    """
-    rule = record.rule if isinstance(record, AxiallyCorrected) else record
-    return load.is_axial and not isinstance(rule, str) and is_closed(rule)
 
 
 def check_ratios(pairs: Pairs, load: Load) -> None:
@@ -130,7 +118,7 @@ def _single(pair: Boundary, rule: Rule, segments: int, mode: int, load: Load) ->
         ]
         left, right = ([float(number) for number in side] for side in sides)
         beam = supported_root.supported_frequency(left, right, mode, force)
-    if beam != beam:
+    if math.isnan(beam):
         _refuse(pair, load)
     return one_supported_frequency(pair, segments, mode, rule, force, near=beam) / beam - 1.0
 

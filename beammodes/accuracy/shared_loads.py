@@ -55,10 +55,10 @@ class SharedLoads:
             start, stop = number(stretch.start), number(stretch.start) + number(stretch.beam.length)
             if not start - small <= x <= stop + small:
                 continue
-            (c, s), (u, v) = stretch.axis, stretch.normal
             if isinstance(load.force, tuple):
                 pair = (number(load.force[0]), number(load.force[1]))
             else:
+                u, v = stretch.normal
                 pair = (number(u) * number(load.force), number(v) * number(load.force))
             at = [
                 node for node, end in zip(stretch.nodes, (start, stop), strict=True) if abs(x - end) <= small
@@ -66,11 +66,16 @@ class SharedLoads:
             if at:
                 self._push(at[0], pair, load.moment)
                 return
-            across = number(u) * pair[0] + number(v) * pair[1]
-            along = number(c) * pair[0] + number(s) * pair[1]
+            across, along = self._resolved(stretch, pair)
             self.points[i].append((x - start, across, number(load.moment)))
-            self._push(stretch.nodes[0], (number(c) * along, number(s) * along), 0)
+            self._push(stretch.nodes[0], along, 0)
             return
+
+    def _resolved(self, stretch: Stretch, force: tuple[Any, Any]) -> tuple[Any, tuple[Any, Any]]:
+        """Return what a force has across a stretch, and the force along it, which moves all of it."""
+        (c, s), (u, v) = (map(self.number, axis) for axis in (stretch.axis, stretch.normal))
+        along = c * force[0] + s * force[1]
+        return u * force[0] + v * force[1], (c * along, s * along)
 
     def _add_line(self, load: LineLoad) -> None:
         number, member = self.number, self.structure.member(load.member)
@@ -123,16 +128,14 @@ class SharedLoads:
                 "forces and moments as PointLoads"
             )
         if any(load.weight):
-            self.add_weight(load.weight)
+            self._add_weight(load.weight)
 
-    def add_weight(self, gravity: tuple[Any, Any]) -> None:
+    def _add_weight(self, gravity: tuple[Any, Any]) -> None:
         """Add the weight of beams and bodies."""
         number = self.number
         pull = number(gravity[0]), number(gravity[1])
         for stretch in self.parts.stretches:
-            (c, s), (u, v) = stretch.axis, stretch.normal
-            across = number(u) * pull[0] + number(v) * pull[1]
-            along = number(c) * pull[0] + number(s) * pull[1]
+            across, along = self._resolved(stretch, pull)
             profile, start = stretch.beam.mass_per_length, number(stretch.start)
             if isinstance(profile, Table):
                 self._add_table(stretch.member, profile, start, across)
@@ -144,8 +147,8 @@ class SharedLoads:
             else:
                 stop = start + number(stretch.beam.length)
                 self._spread(stretch.member, start, stop, start, (across * number(profile),))
-            weight = along * number(stretch.beam.mean_mass_per_length) * number(stretch.beam.length)
-            self._push(stretch.nodes[0], (number(c) * weight, number(s) * weight), 0)
+            mass = number(stretch.beam.mean_mass_per_length) * number(stretch.beam.length)
+            self._push(stretch.nodes[0], (mass * along[0], mass * along[1]), 0)
         for i, node in enumerate(self.parts.nodes):
             force = number(node.mass) * pull[0], number(node.mass) * pull[1]
             self._push(i, force, number(node.offset[0]) * force[1] - number(node.offset[1]) * force[0])

@@ -10,7 +10,7 @@ from beammodes.chains.rules import Layout
 from beammodes.chains.structure_chain import StructureChain, shared_segments
 from beammodes.checks import whole_number
 from beammodes.exact.structure_judge import MOST_MODES, structure_modes
-from beammodes.numerics.arrays import Floats
+from beammodes.numerics.arrays import Floats, ratios_less_one
 from beammodes.problem.structure import Structure
 from beammodes.vibration.structure_vibration import structure_chain_modes
 
@@ -57,7 +57,4 @@ def failing_segments(structure: Structure, limit: float, modes: int, rule: Layou
 
 
 def _errors(chain: StructureChain, exact: Floats) -> Floats:
-    found = structure_chain_modes(chain).angular_frequency[: len(exact)]
-    errors = np.full(len(exact), np.nan)
-    errors[: len(found)] = found / exact[: len(found)] - 1.0
-    return errors
+    return ratios_less_one(structure_chain_modes(chain).angular_frequency, exact, len(exact))

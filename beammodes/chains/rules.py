@@ -623,6 +623,19 @@ def is_closed(layout: Layout) -> bool:
     return isinstance(layout, RuleMaker) or (isinstance(layout, Rule) and layout.has_equal_springs)
 
 
+def has_roots(layout: Layout) -> bool:
+    """Say whether each frequency of its chains is one root to find, under an axial force too.
+
+    So it is of a rule with closed forms, and where its springs are `axially_corrected`.
+
+    Examples
+    --------
+    >>> [has_roots(RULES[name]) for name in ("gregory", "simpson")]
+    [True, False]
+    """
+    return is_closed(layout.rule if isinstance(layout, AxiallyCorrected) else layout)
+
+
 RuleLike = str | Rule
 
 

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from beammodes.chains.rules import Rule, RuleLike, Weight, closed_rule
-from beammodes.checks import distinct, whole_number, whole_numbers
+from beammodes.checks import distinct, together, whole_number, whole_numbers
 from beammodes.closed_form.waves import SHORT, EndWaves, Minors, Swing, end_waves, phase, swing
 from beammodes.exact.exact_beam import wavenumber_of_code
 from beammodes.numerics.arrays import Floats
@@ -222,12 +222,7 @@ def looked_up(
     n, m = whole_numbers("segments", segments, most=MAX_SEGMENTS), whole_numbers("mode", mode, most=MAX_MODE)
     if not (codes.ndim or chosen.ndim or n.ndim or m.ndim):
         return _single(kernel, chains_of(records[0], int(codes)), float(n), float(m))
-    try:
-        codes, n, m, chosen = np.broadcast_arrays(codes, n, m, chosen)
-    except ValueError:
-        shapes = ", ".join(str(array.shape) for array in (codes, n, m, chosen))
-        message = f"boundary, segments, mode and rule must broadcast together, got shapes {shapes}"
-        raise ValueError(message) from None
+    codes, n, m, chosen = together(boundary=codes, segments=n, mode=m, rule=chosen)
     result = np.full(codes.size, np.nan)
     for which, code, at in _groups(chosen.ravel(), codes.ravel()):
         chains = chains_of(records[which], code)

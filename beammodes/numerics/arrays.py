@@ -20,6 +20,7 @@ __all__ = [
     "Floats",
     "elementary",
     "frozen",
+    "ratios_less_one",
     "signs_of_largest",
 ]
 
@@ -67,6 +68,19 @@ def frozen(values: Floats) -> Floats:
     copy = values.copy()
     copy.flags.writeable = False
     return copy
+
+
+def ratios_less_one(found: Floats, exact: Floats, count: int) -> Floats:
+    """Return found/exact - 1 of as many as there are of both, then NaN up to `count`.
+
+    Examples
+    --------
+    >>> ratios_less_one(np.array([1.0, 3.0]), np.array([1.0, 2.0, 4.0]), 3)
+    array([0. , 0.5, nan])
+    """
+    ratios, both = np.full(count, np.nan), min(len(found), len(exact), count)
+    ratios[:both] = found[:both] / exact[:both] - 1.0
+    return ratios
 
 
 def signs_of_largest(rows: Floats) -> Floats:
