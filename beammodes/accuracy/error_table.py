@@ -87,7 +87,7 @@ def numbered(segments: list[int], modes: int = 0) -> dict[str, Any]:
 
     Examples
     --------
-    >>> [(name, list(values)) for name, (_, values, _) in numbered([4, 8], modes=2).items()]
+    >>> [(name, [*map(int, values)]) for name, (_, values, _) in numbered([4, 8], modes=2).items()]
     [('segments', [4, 8]), ('mode', [1, 2])]
     """
     mode = {"mode": ("mode", np.arange(1, modes + 1), {"long_name": "elastic mode", "units": "1"})}
