@@ -21,10 +21,12 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Circle, Polygon
 from matplotlib.text import Text
+from random_structures import structure
 from shared_cases import WIRE
 
 import beammodes as bm
 from beammodes.views.schematic import pose_of, spring_texts, support_texts
+from beammodes.views.schematic_of_structures import hinge_texts, pose_of_structure
 from beammodes.views.symbols import GROUND_SPRING, SPRING, body_of
 from studies import schematics
 
@@ -308,7 +310,7 @@ def test_bad_input(arguments: dict[str, Any], error: type[Exception], message: s
 
 def test_what_is_no_chain_or_too_long_is_refused() -> None:
     ax = Figure().subplots()
-    with pytest.raises(TypeError, match="chain must be a Chain or a SpatialChain, got 'clamped-free'"):
+    with pytest.raises(TypeError, match="a StructureChain or a SpatialChain, got 'clamped-free'"):
         bm.draw_chain("clamped-free", ax)  # type: ignore[arg-type]
     with pytest.raises(ValueError, match="chain must have at most 500 pieces to be drawn, got 501"):
         bm.draw_chain(bm.Chain(UNIT, "clamped-free", 500), ax)
@@ -353,6 +355,46 @@ def test_marks_across_a_blade_follow_its_twist() -> None:
     marks = [np.diff(line.get_data_3d())[:, 0] for line in ax.lines if len(line.get_data_3d()[0]) == 2]
     angles = [math.atan2(z, y) for _, y, z in marks]
     np.testing.assert_allclose(angles, np.arange(6) * math.pi / 12, atol=1e-12)
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_any_structure_is_drawn_whole(seed: int) -> None:
+    given = structure(seed)
+    chain = bm.StructureChain(given, [3] * len(given.parts.stretches), ["gregory", "half_stub"][seed % 2])
+    modes = bm.structure_chain_modes(chain, 2)
+    for shape in (None, modes):
+        ax = bm.draw_chain(chain, shape=shape, mode=2)
+        ax.get_figure().draw_without_rendering()
+        check_whole(ax)
+        spirals = [line for line in ax.lines if line.get_color() == SPRING and len(line.get_xdata()) > 100]
+        # Every spring once; those of supports are green.
+        sprung = sum(0.0 < node.rotational_stiffness < math.inf for node in given.parts.nodes)
+        assert len(chain.hinges) - sprung <= len(spirals) <= len(chain.hinges)
+    # All stretches that meet at a node still meet there, and nothing is higher than the amplitude.
+    pose, rest = pose_of_structure(chain, modes, mode=2), pose_of_structure(chain)
+    for stretch, line in zip(given.parts.stretches, pose.stretches, strict=True):
+        np.testing.assert_allclose(line[[0, -1]], pose.nodes[list(stretch.nodes)], atol=1e-9)
+    moved = np.concatenate([a - b for a, b in zip(pose.stretches, rest.stretches, strict=True)])
+    assert 0.0 < np.abs(moved).max() <= 0.15 * np.ptp(rest.nodes, axis=0).max() * (1 + 1e-12)
+
+
+def test_the_springs_of_a_frame_and_its_sag() -> None:
+    joints = {"foot": bm.Joint(0, 0, "clamped"), "corner": bm.Joint(0, 1), "tip": bm.Joint(1, 1, mass=0.2)}
+    ell = bm.Structure(joints, [bm.Member(UNIT, "foot", "corner"), bm.Member(UNIT, "corner", "tip")])
+    chain = bm.StructureChain(ell, [4, 4])
+    # Twice 3/8 at the corner (theory.md, section 11), in order along the frame.
+    texts = ["8/3", "6/7", "12/11", "6/7", "4/3", "6/7", "24/23", "1"]
+    assert list(hinge_texts(chain).values()) == texts
+    assert sorted(words(bm.draw_chain(chain))) == sorted(texts)
+    assert float(next(iter(hinge_texts(chain, "N m/rad").values()))) == pytest.approx(4 * 8 / 3, rel=1e-3)
+    pushed = bm.structure_chain_statics(chain, bm.PointLoad(joint="tip", force=(0, -0.1)))
+    nodes = pose_of_structure(chain, pushed, amplitude=0.2).nodes
+    # Largest at the tip: F (1/3 + 1) down by statics, F/2 along x at the corner and the tip.
+    np.testing.assert_allclose(nodes, [[0, 0], [0.075, 1], [1.075, 0.8]], atol=1e-12)
+    other = bm.StructureChain(ell, [4, 4])
+    for wrong, error in ((bm.structure_chain_modes(other, 1), ValueError), (UNIT, TypeError)):
+        with pytest.raises(error, match="shape must be"):
+            bm.draw_chain(chain, shape=wrong)
 
 
 @pytest.fixture(scope="module")

@@ -12,7 +12,6 @@ from scipy.linalg import eigh
 from shared_cases import INF, UNIT, ell, portal
 
 import beammodes as bm
-from beammodes.chains.structure_chain import Hinge
 from beammodes.exact.structure_judge import modes_below
 from beammodes.numerics.blas import one_thread
 
@@ -251,8 +250,7 @@ def test_the_L_frame_to_every_digit() -> None:
     def plain_corner(n: int) -> float:
         chain = bm.StructureChain(ell(), [n, n])
         hinges = (
-            Hinge(hinge.name, hinge.bodies, 1 / n) if hinge.name == "corner" else hinge
-            for hinge in chain.hinges
+            hinge._replace(flexibility=1 / n) if hinge.name == "corner" else hinge for hinge in chain.hinges
         )
         object.__setattr__(chain, "hinges", tuple(hinges))
         return 100 * float(bm.structure_chain_modes(chain, 2).angular_frequency[1] / found[1] - 1)

@@ -40,11 +40,13 @@ class Hinge(NamedTuple):
     bodies : (int, int)
         Which it joins; 0 is the ground.
     flexibility : float [rad/(N m)]
+    place : (float, float) [m]
     """
 
     name: str
     bodies: tuple[int, int]
     flexibility: float
+    place: tuple[float, float]
 
     @property
     def stiffness(self) -> float:
@@ -304,15 +306,19 @@ class _Joining:
                 if hinge == math.inf and body is not None and word != "free":
                     of[outer] = body
                 elif 0.0 < hinge < math.inf and word != "free" and body is not None:
-                    joining.hinges.append(Hinge(parts.nodes[i].name, (body, of[outer]), 1.0 / hinge))
+                    node = parts.nodes[i]
+                    joining.hinges.append(Hinge(node.name, (body, of[outer]), 1.0 / hinge, node.place))
             joining.bodies.append(of)
             joining.heavy |= {body for body, length in zip(of, chain.length, strict=True) if length}
-            places = [f"{stretch.member} at {stretch.start + x:g}" for x in chain.hinge_position.tolist()]
+            along = chain.hinge_position.tolist()
+            names = [f"{stretch.member} at {stretch.start + x:g}" for x in along]
+            (x0, y0), (across, up) = parts.nodes[stretch.nodes[0]].place, stretch.axis
+            places = [(x0 + x * across, y0 + x * up) for x in along]
             for outer, i in zip((0, -1), stretch.nodes, strict=True):
                 if not chain.length[outer]:
-                    places[outer] = parts.nodes[i].name
-            for j, (place, stiffness) in enumerate(zip(places, chain.joint_stiffness.tolist(), strict=True)):
-                joining.hinges.append(Hinge(place, (of[j], of[j + 1]), 1.0 / stiffness))
+                    names[outer], places[outer] = parts.nodes[i].name, parts.nodes[i].place
+            for j, stiffness in enumerate(chain.joint_stiffness.tolist()):
+                joining.hinges.append(Hinge(names[j], (of[j], of[j + 1]), 1.0 / stiffness, places[j]))
         return joining
 
     def _new(self) -> int:
@@ -328,7 +334,7 @@ class _Joining:
                 self.heavy.add(self.count - 1)
             if node.rotational_stiffness:
                 pair = (GROUND, self.count - 1)
-                self.hinges.append(Hinge(node.name, pair, 1.0 / node.rotational_stiffness))
+                self.hinges.append(Hinge(node.name, pair, 1.0 / node.rotational_stiffness, node.place))
         else:
             self.joints.append(None)
 
@@ -344,7 +350,7 @@ class _Joining:
                 one, other = (self.hinges[i] for i in about)
                 pair = sorted(b for hinge in (one, other) for b in hinge.bodies if b != body)
                 together = one.flexibility + other.flexibility
-                self.hinges[about.pop(0)] = Hinge(one.name, (pair[0], pair[1]), together)
+                self.hinges[about.pop(0)] = Hinge(one.name, (pair[0], pair[1]), together, one.place)
             for i in about:
                 del self.hinges[i]
             gone.add(body)
@@ -352,7 +358,6 @@ class _Joining:
         bodies = tuple(tuple(kept.get(body, -1) for body in of) for of in self.bodies)
         joints = tuple(None if body is None else kept.get(body) for body in self.joints)
         hinges = tuple(
-            Hinge(hinge.name, (kept[hinge.bodies[0]], kept[hinge.bodies[1]]), hinge.flexibility)
-            for hinge in self.hinges
+            hinge._replace(bodies=(kept[hinge.bodies[0]], kept[hinge.bodies[1]])) for hinge in self.hinges
         )
         return bodies, joints, hinges

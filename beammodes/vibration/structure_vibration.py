@@ -56,6 +56,8 @@ class StructureChainModes:
         Positions of the ends of all pieces of each stretch on its member, shape (pieces + 1,) [m].
     deflections : tuple of ndarray
         There, across the member, shape (modes, pieces + 1) [m].
+    rotation : ndarray, shape (modes, bodies) [rad]
+        Of each rigid body of the chain, the first of which is the ground.
     """
 
     chain: StructureChain
@@ -65,6 +67,7 @@ class StructureChainModes:
     displacement: dict[str, Floats]
     hinges: tuple[Floats, ...]
     deflections: tuple[Floats, ...]
+    rotation: Floats
 
     @property
     def frequency(self) -> Floats:
@@ -155,6 +158,7 @@ def structure_chain_modes(chain: StructureChain, modes: int | None = None) -> St
             )
             for stretch, pieces, bodies in zip(chain.parts.stretches, chain.chains, chain.bodies, strict=True)
         ),
+        turns.T,
     )
 
 

@@ -12,9 +12,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from beammodes.accuracy.loaded_structures import StructureStatics
 from beammodes.chains.chain import Chain
 from beammodes.chains.pieces import Number
 from beammodes.chains.spatial_chain import SpatialChain
+from beammodes.chains.structure_chain import StructureChain
 from beammodes.checks import choice, flag, positive_real, real_numbers, shown, whole_number
 from beammodes.equations.equilibria import Equilibrium
 from beammodes.equations.equilibria_in_space import SpatialEquilibrium
@@ -22,7 +24,9 @@ from beammodes.numerics.arrays import Floats
 from beammodes.problem.ends import End
 from beammodes.vibration.modes import Modes
 from beammodes.vibration.modes_in_space import SpatialModes
+from beammodes.vibration.structure_vibration import StructureChainModes
 from beammodes.views.schematic_in_space import draw_in_space
+from beammodes.views.schematic_of_structures import draw_structure
 from beammodes.views.symbols import (
     EDGE,
     GROUND_SPRING,
@@ -61,7 +65,7 @@ _ABOVE, _BESIDE = 0.11, 0.09
 
 
 def draw_chain(
-    chain: Chain | SpatialChain,
+    chain: Chain | StructureChain | SpatialChain,
     ax: Axes | None = None,
     *,
     shape: Shape | None = None,
@@ -71,12 +75,16 @@ def draw_chain(
     ends: bool = True,
     size: float = 10.0,
 ) -> Axes:
-    """Draw a chain of rigid segments as the report's Figures 3 and 5 do, or a chain in space.
+    """Draw a chain of rigid segments as the report's Figures 3 and 5 do, one of a structure, or one in space.
 
     Rods are blue, hinges circles, their springs orange spirals; what is welded to the ground is dark, springs
     of elastic supports are green; a wall holds deflection and rotation, a triangle the deflection, a plate on
     rollers the rotation. Bodies are blocks of the size that their mass and rotary inertia give; dots are
     point masses, at the hinges too where a rule gathers its masses there.
+
+    A chain of a structure is drawn likewise. Where several hinges meet at a joint, each stands beside it, on
+    the member that it holds; a hinge without a spring is a pin. A triangle on rollers holds one direction. A
+    thin grey line is where the structure is at rest.
 
     A chain in space is drawn in three axes [m], those of its section at s = 0, to one scale: pieces blue,
     hinges circles, an end that something holds a dark square, a body a dark disc. A grey mark across each
@@ -85,7 +93,7 @@ def draw_chain(
 
     Parameters
     ----------
-    chain : Chain or SpatialChain
+    chain : Chain, StructureChain or SpatialChain
         Of at most 500 pieces.
     ax : matplotlib.axes.Axes, optional
         Becomes a picture: equal scales, no frame; its limits grow to hold the drawing unless they were set.
@@ -94,16 +102,19 @@ def draw_chain(
         Where the chain is; straight by default. A mode from `solve_modes` about the straight chain; the
         bent shape from `find_equilibrium`; one moment of a motion from `simulate`, such as
         `motion.isel(time=-1)`; or deflections [m] of the nodes and rotations of the pieces, both small.
-        In space: `SpatialModes` from `spatial_modes`, or a shape from `spatial_equilibrium`.
+        In space: `SpatialModes` from `spatial_modes`, or a shape from `spatial_equilibrium`. Of a structure:
+        `StructureChainModes` of this chain, or its statics, also drawn to the amplitude.
     mode : int
         Which one of the modes.
     amplitude : float
-        Its largest deflection in lengths of the chain; less where a piece would turn by more than 60°.
+        Its largest deflection in lengths of the chain, or in larger sides of a structure; less where a piece
+        would turn by more than 60°.
     labels : str or None
         Springs as "EI/ell" (of the mean EI), as fractions where they are exact, or in "N m/rad"; None
         writes none. Supports' springs, then, are in EI/L and EI/L³, or in N m/rad and N/m. The numbers of a
-        chain from pieces are those given. Of more than 12 hinges, equal neighbours share a label. A chain
-        in space has three springs at each hinge and writes none.
+        chain from pieces are those given. Of more than 12 hinges, equal neighbours share a label. A
+        structure has the mean EI of each stretch over its longest segment, of the first one where two meet;
+        its supports' springs have none. A chain in space has three springs at each hinge and writes none.
     ends : bool
         Draw supports and bodies; in space, name the ends too.
     size : float [pt]
@@ -131,10 +142,9 @@ def draw_chain(
     >>> [text.get_text() for text in bm.draw_chain(bm.SpatialChain(arc, "clamped-free", segments=4)).texts]
     ['s = 0, clamped', 's = L, free']
     """
-    if not isinstance(chain, Chain | SpatialChain):
-        raise TypeError(f"chain must be a Chain or a SpatialChain, got {shown(chain)}")
-    in_space = isinstance(chain, SpatialChain)
-    pieces = chain.tree.pieces if isinstance(chain, SpatialChain) else chain.pieces
+    if not isinstance(chain, Chain | StructureChain | SpatialChain):
+        raise TypeError(f"chain must be a Chain, a StructureChain or a SpatialChain, got {shown(chain)}")
+    in_space, pieces = isinstance(chain, SpatialChain), _pieces(chain)
     if pieces > _MAX_DRAWN:
         raise ValueError(f"chain must have at most {_MAX_DRAWN} pieces to be drawn, got {pieces}")
     unit, points = None if labels is None else choice("labels", labels, LABELS), positive_real("size", size)
@@ -144,10 +154,46 @@ def draw_chain(
             chain, ax, shape=shape, mode=mode, amplitude=amplitude, ends=flag("ends", ends), size=points
         )
         return ax
+    if isinstance(chain, StructureChain):
+        draw_structure(
+            chain,
+            ax,
+            shape=shape,
+            mode=mode,
+            amplitude=amplitude,
+            unit=unit,
+            ends=flag("ends", ends),
+            size=points,
+        )
+    else:
+        _draw_beam(ax, chain, shape, mode, amplitude, unit, flag("ends", ends), points)
+    ax.set_aspect("equal")
+    ax.axis("off")
+    ax.margins(0.03)
+    ax.autoscale_view()
+    return ax
+
+
+def _pieces(chain: Chain | StructureChain | SpatialChain) -> int:
+    if isinstance(chain, StructureChain):
+        return sum(pieces.pieces for pieces in chain.chains)
+    return chain.tree.pieces if isinstance(chain, SpatialChain) else chain.pieces
+
+
+def _draw_beam(
+    ax: Axes,
+    chain: Chain,
+    shape: Shape | None,
+    mode: int,
+    amplitude: float,
+    unit: str | None,
+    ends: bool,
+    points: float,
+) -> None:
     pose = pose_of(chain, shape, mode=mode, amplitude=amplitude)
     radius = _spring_radius(chain)
     _draw_rods(ax, chain, pose, radius)
-    places = _places(chain, pose, radius) if flag("ends", ends) else ()
+    places = _places(chain, pose, radius) if ends else ()
     # Labels stand in one row, above whatever is at the ends.
     lift = max([1.1 * radius, *_draw_ends(ax, chain, places)])
     for x, y in zip(pose.x[1:-1], pose.y[1:-1], strict=True):
@@ -156,11 +202,6 @@ def draw_chain(
     if unit is not None:
         _draw_spring_labels(ax, chain, pose, unit, lift=lift, size=points)
         _draw_support_labels(ax, chain, places, unit, size=points)
-    ax.set_aspect("equal")
-    ax.axis("off")
-    ax.margins(0.03)
-    ax.autoscale_view()
-    return ax
 
 
 def _axes(ax: object, *, in_space: bool) -> Axes:
@@ -225,7 +266,16 @@ def _gathered(chain: Chain) -> set[int]:
     return {node for i in heavy for node in (i, i + 1)}
 
 
-Shape = Modes | Equilibrium | SpatialModes | SpatialEquilibrium | tuple[ArrayLike, ArrayLike] | Any
+Shape = (
+    Modes
+    | Equilibrium
+    | SpatialModes
+    | SpatialEquilibrium
+    | StructureChainModes
+    | StructureStatics
+    | tuple[ArrayLike, ArrayLike]
+    | Any
+)
 
 #: Smallest amplitude of a mode, in lengths of the chain; and the slope of its steepest piece: what is steeper
 #: is hard to read.

@@ -138,14 +138,22 @@ def draw_ground(ax: Axes, at: Point, width: float, *, angle: float = 0.0, depth:
     ax.plot(x, y, color=EDGE, linewidth=1.5, solid_capstyle="butt", zorder=1.5)
 
 
-def draw_pin(ax: Axes, at: Point, size: float) -> None:
-    """Draw a support that holds a point: a triangle of height `size` on the ground."""
+def draw_pin(ax: Axes, at: Point, size: float, *, angle: float = 0.0, rolls: bool = False) -> None:
+    """Draw a support that holds a point: a triangle of height `size` on the ground, or on rollers.
+
+    Upright at the angle 0 [rad], and turned counter-clockwise about the point.
+    """
     from matplotlib.patches import Circle, Polygon
 
-    triangle = placed([[0.0, 0.0], [-0.58 * size, -size], [0.58 * size, -size]], at)
+    triangle = placed([[0.0, 0.0], [-0.58 * size, -size], [0.58 * size, -size]], at, angle)
     ax.add_patch(Polygon(triangle, facecolor="white", edgecolor=EDGE, linewidth=1.2, zorder=2.3))
     ax.add_patch(Circle(at, 0.17 * size, facecolor="white", edgecolor=EDGE, linewidth=1.2, zorder=4.5))
-    draw_ground(ax, (at[0], at[1] - size), 1.9 * size, depth=0.28 * size)
+    roller = 0.16 * size if rolls else 0.0
+    for across in (-0.35 * size, 0.35 * size) if rolls else ():
+        x, y = placed([[across, -size - roller]], at, angle)[0]
+        ax.add_patch(Circle((x, y), roller, facecolor="white", edgecolor=EDGE, linewidth=1.1, zorder=2.3))
+    x, y = placed([[0.0, -size - 2 * roller]], at, angle)[0]
+    draw_ground(ax, (float(x), float(y)), 1.9 * size, angle=angle, depth=0.28 * size)
 
 
 def draw_slide(ax: Axes, at: Point, size: float, *, side: int, angle: float = 0.0, rest: float = 0.0) -> None:
