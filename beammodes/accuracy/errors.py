@@ -19,7 +19,7 @@ from beammodes.chains.rules import (
     has_roots,
     layout_of,
 )
-from beammodes.checks import distinct, together, whole_numbers
+from beammodes.checks import distinct, together, whole_number, whole_numbers
 from beammodes.closed_form.relative_errors import relative_error
 from beammodes.closed_form.uniform_chains import MAX_MODE, MAX_SEGMENTS
 from beammodes.exact.exact_beam import wavenumber
@@ -185,7 +185,21 @@ def errors_in_multiples(boundary: Any, segments: Any, mode: Any, rule: Any, load
                 return _errors_by_rule(boundary, segments, mode, rule)
         except NotPlain:
             pass
+    if type(segments) is type(mode) is int and isinstance(boundary, str | Boundary):
+        pair, record = Boundary.of(boundary), layout_of(rule)
+        if isinstance(record, Rule) and has_roots(record) and load.is_axial:
+            return _error_of_roots(pair, segments, mode, record, load)
     return _errors_of_roots(boundary, segments, mode, rule, load)
+
+
+def _error_of_roots(pair: Boundary, segments: int, mode: int, rule: Rule, load: Load) -> float:
+    """Return one of `_errors_of_roots` without the cost of arrays."""
+    from beammodes.accuracy.rooted_errors import check_ratios, rooted_error
+
+    whole_number("segments", segments, most=MAX_SEGMENTS)
+    whole_number("mode", mode, most=_MAX_MODE_FOUND)
+    check_ratios([pair], load)
+    return rooted_error(pair, rule, segments, mode, load)
 
 
 def _errors_of_maker(boundary: Any, segments: Any, mode: Any, maker: RuleMaker) -> float | Floats:

@@ -620,7 +620,7 @@ def fits_of(layout: Layout) -> Callable[[int], bool] | None:
 
 def is_closed(layout: Layout) -> bool:
     """Say whether a layout's chains have closed forms: those of a `Rule` with equal springs inside."""
-    return isinstance(layout, RuleMaker) or (isinstance(layout, Rule) and layout.has_equal_springs)
+    return layout.has_equal_springs if isinstance(layout, Rule) else isinstance(layout, RuleMaker)
 
 
 def has_roots(layout: Layout) -> bool:
