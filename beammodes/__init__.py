@@ -133,9 +133,10 @@ _NAMES = {
     "springs.matched_springs": "match_springs matched",
     "springs.tuning": "mode_tuned",
     "version": "__version__",
-    "vibration.damping": "Damping damped_modes joint_dampers",
+    "vibration.damping": "Damping DampingFitWarning damped_modes joint_dampers",
     "vibration.integrators": "INTEGRATORS Integrator",
     "vibration.linear": "BentModel LinearModel linearize",
+    "vibration.measured_damping": "DecayRatio ratio_from_decay rayleigh_damping",
     "vibration.modes": "Modes solve_modes",
     "vibration.modes_in_space": "SpatialModes spatial_modes",
     "vibration.stability": "published_time_step stable_time_step",
@@ -270,6 +271,7 @@ if TYPE_CHECKING:
     from beammodes.springs.tuning import mode_tuned as mode_tuned
     from beammodes.version import __version__ as __version__
     from beammodes.vibration.damping import Damping as Damping
+    from beammodes.vibration.damping import DampingFitWarning as DampingFitWarning
     from beammodes.vibration.damping import damped_modes as damped_modes
     from beammodes.vibration.damping import joint_dampers as joint_dampers
     from beammodes.vibration.integrators import INTEGRATORS as INTEGRATORS
@@ -277,6 +279,9 @@ if TYPE_CHECKING:
     from beammodes.vibration.linear import BentModel as BentModel
     from beammodes.vibration.linear import LinearModel as LinearModel
     from beammodes.vibration.linear import linearize as linearize
+    from beammodes.vibration.measured_damping import DecayRatio as DecayRatio
+    from beammodes.vibration.measured_damping import ratio_from_decay as ratio_from_decay
+    from beammodes.vibration.measured_damping import rayleigh_damping as rayleigh_damping
     from beammodes.vibration.modes import Modes as Modes
     from beammodes.vibration.modes import solve_modes as solve_modes
     from beammodes.vibration.modes_in_space import SpatialModes as SpatialModes

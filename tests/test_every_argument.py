@@ -175,6 +175,8 @@ GOOD: dict[str, dict[str, Any]] = {
     "mode_start": {"chain": CHAIN, "mode": 1, "amplitude": 0.1},
     "mode_tuned": {"mode": 1},
     "published_time_step": {"beam": BEAM, "modes": 2},
+    "ratio_from_decay": {"peaks": [10.0, 9.1, 8.3], "periods": [0.0, 1.0, 2.0]},
+    "rayleigh_damping": {"of": CHAIN, "ratios": {1: 0.01, 2: 0.02}},
     "recommend": {"boundary": "clamped-free", "tolerance": 0.01, "modes": 1, "rules": ["mitiguy", "gregory"]},
     "critical_factor": {
         "chain": GREENHILLS,

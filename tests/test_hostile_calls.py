@@ -489,6 +489,8 @@ CALLS: dict[str, Arguments] = {
     "open_study": lambda: {"path": study()},
     "published_time_step": lambda: {"beam": beam(), "modes": 3},
     "read_chain_csv": lambda: {"path": csv()},
+    "ratio_from_decay": of(peaks=[10.0, 9.1, 8.3], periods=[0, 1, 2]),
+    "rayleigh_damping": lambda: {"of": chain(), "ratios": {1: 0.01, 2: 0.02}},
     "recommend": lambda: {
         "boundary": "clamped-free",
         "tolerance": 0.05,
@@ -593,6 +595,7 @@ ANSWERS = {
     "BeamModes",
     "BentModel",
     "Case",
+    "DecayRatio",
     "DerivedChain",
     "Equilibrium",
     "Integrator",
@@ -613,6 +616,7 @@ ANSWERS = {
 #: Neither called nor made.
 CONSTANTS = {"BOUNDARIES", "ENDS", "INTEGRATORS", "JOINT_LAWS", "MODULI", "RULES", "__version__"}
 EXCEPTIONS = {
+    "DampingFitWarning",
     "DivergedWarning",
     "EquilibriumNotFound",
     "MissedFeatureWarning",

@@ -10,7 +10,8 @@ Without dampers d of its own and without a load G is diagonal: every mode keeps 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import warnings
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -21,10 +22,11 @@ from beammodes.chains.chain import Chain
 from beammodes.chains.pieces import MAX_PIECES
 from beammodes.checks import bounded, is_text, not_negative, positive_real, shown, whole_number
 from beammodes.numerics.arrays import Floats
+from beammodes.numerics.nonnegative import nearest_nonnegative
 from beammodes.problem.loading import Load
 from beammodes.version import SOURCE
 from beammodes.vibration.linear import linearize
-from beammodes.vibration.modes import MAX_DENSE, solve_modes
+from beammodes.vibration.modes import MAX_DENSE, Modes, solve_modes
 from beammodes.vibration.spectrum import is_turned
 
 if TYPE_CHECKING:
@@ -32,13 +34,21 @@ if TYPE_CHECKING:
 
 __all__ = [
     "Damping",
+    "DampingFitWarning",
     "ModalDamping",
     "damped_eigenvalues",
     "damped_modes",
     "damped_pairs",
     "damping_of_modes",
+    "given_for_asked",
     "joint_dampers",
+    "modal_ratios",
+    "ratios_of_modes",
 ]
+
+
+class DampingFitWarning(UserWarning):
+    """Only a negative damper gives the damping ratios that were asked for; others are returned."""
 
 
 @dataclass(frozen=True)
@@ -178,25 +188,39 @@ def damped_eigenvalues(omega: Floats, coupling: Floats) -> NDArray[np.complex128
     return np.linalg.eigvals(np.block([[-coupling, -size], [size, np.zeros_like(size)]])).astype(complex)
 
 
-def joint_dampers(chain: Chain, ratio: float, *, mode: int = 1) -> Damping:
-    """Return the joint dampers, proportional to the springs, that give a mode a damping ratio.
+def joint_dampers(chain: Chain, ratio: float | Mapping[int, float], *, mode: int = 1) -> Damping:
+    """Return joint dampers that give a mode a damping ratio, or several modes a ratio each.
 
         d_j = β k_j,   β = 2 ζ/ω_mode
 
     Every other mode gets ζ ω/ω_mode: the higher, the more. Springs of elastic supports are damped likewise.
 
+    Several ratios make dampers that differ from hinge to hinge: of all that give these ratios, and none of
+    which is negative, those nearest to β k_j, in multiples of the springs,
+
+        d_j = k_j max(0, β + Σ_n λ_n w_nj),   w_nj = k_j (joint rotation)²/(2 ω_n),   Σ_j w_nj d_j/k_j = ζ_n
+
+    with modes of unit modal mass; supports are not damped then. Engines have dampers of joints only, not α:
+    so a file can have two measured ratios. What all modes get, `damped_modes` says: unequal dampers couple
+    them, which shifts a ratio by less than ζ of itself.
+
     Parameters
     ----------
     chain : Chain
-    ratio : float
-        ζ, 1 for critical damping.
+    ratio : float, or mapping of modes to them
+        ζ, 1 for critical damping, such as {1: 0.008, 2: 0.011}.
     mode : int
-        From 1; rigid-body modes are not counted.
+        Of a single ratio, from 1; rigid-body modes are not counted.
 
     Raises
     ------
     TypeError, ValueError
-        If `chain` is no Chain or has no such mode, or `ratio` is not a finite real number greater than 0.
+        If `chain` is no Chain or has no such mode, or a ratio is not a finite real number greater than 0.
+
+    Warns
+    -----
+    DampingFitWarning
+        If no dampers but negative ones give these ratios: it says what those nearest to them give.
 
     Source
     ------
@@ -209,13 +233,115 @@ def joint_dampers(chain: Chain, ratio: float, *, mode: int = 1) -> Damping:
     >>> damping = bm.joint_dampers(chain, 0.01)
     >>> bm.damped_modes(chain, damping).damping_ratio.values.round(4)
     array([0.01  , 0.0585, 0.1536, 0.2662])
+    >>> both = bm.joint_dampers(chain, {1: 0.008, 2: 0.011})
+    >>> bm.damped_modes(chain, both).damping_ratio.values.round(4)
+    array([0.008 , 0.0109, 0.0939, 0.0704])
     """
-    wanted, model = positive_real("ratio", ratio), linearize(chain)
+    if isinstance(ratio, Mapping):
+        return _fitted_joints(chain, ratios_of_modes("ratio", ratio))
+    wanted = positive_real("ratio", ratio)
+    omega = float(_elastic(chain, mode).angular_frequency[-1])
+    return Damping(stiffness=2.0 * wanted / omega)
+
+
+def _elastic(chain: Chain, mode: int) -> Modes:
+    """Return the elastic modes up to one."""
+    model = linearize(chain)
     if not model.elastic_modes:
         raise ValueError(f"chain must have an elastic mode to damp, got {shown(chain)}")
-    number = whole_number("mode", mode, most=model.elastic_modes)
-    omega = float(solve_modes(model, number).angular_frequency[-1])
-    return Damping(stiffness=2.0 * wanted / omega)
+    return solve_modes(model, whole_number("mode", mode, most=model.elastic_modes))
+
+
+def _fitted_joints(chain: Chain, ratios: dict[int, float]) -> Damping:
+    modes = _elastic(chain, max(ratios))
+    chosen, wanted = np.array([*ratios]) - 1, np.array([*ratios.values()])
+    bend, stiffness = np.diff(modes.rotation, axis=1)[chosen], chain.joint_stiffness
+    shares = stiffness * bend**2 / (2 * modes.angular_frequency[chosen])[:, None]
+    whole = shares.sum(axis=1)
+    # β of the least squares; then all in its multiples, and each ratio in its own.
+    beta = float(whole @ wanted / (whole @ whole))
+    rows = beta * shares / wanted[:, None]
+    found = nearest_nonnegative(rows, np.ones(len(wanted)), np.ones(len(stiffness)))
+    if found is None:
+        from scipy.optimize import nnls
+
+        found, _ = nnls(rows, np.ones(len(wanted)), maxiter=100 * len(stiffness))
+        said = given_for_asked(ratios, wanted * (rows @ found))
+        warnings.warn(f"only negative dampers give these ratios: {said}", DampingFitWarning, stacklevel=3)
+    return Damping(joint=tuple((beta * found * stiffness).tolist()))
+
+
+def ratios_of_modes(name: str, given: object) -> dict[int, float]:
+    """Return damping ratios by their modes, of a mapping, or of a row of those of modes 1, 2, ...
+
+    Examples
+    --------
+    >>> ratios_of_modes("ratios", [0.01, 0.02])
+    {1: 0.01, 2: 0.02}
+    """
+    if isinstance(given, Mapping):
+        items = bounded(name, given.items(), most=MAX_DENSE)
+    elif isinstance(given, Sequence | np.ndarray) and not is_text(given):
+        items = [*enumerate(bounded(name, given, most=MAX_DENSE), 1)]
+    else:
+        raise TypeError(f"{name} must be ratios by mode, such as {{1: 0.01, 2: 0.02}}, got {shown(given)}")
+    if not items:
+        raise ValueError(f"{name} must have one ratio at least, got {shown(given)}")
+    return {
+        whole_number(f"mode in {name}", mode): positive_real(f"{name}[{mode}]", value)
+        for mode, value in items
+    }
+
+
+def modal_ratios(
+    damping: Damping | float | Mapping[int, float] | Sequence[float] | Floats, omega: Floats
+) -> Floats:
+    """Return the damping ratio of each mode: of Rayleigh's damping, one for all, or those given.
+
+    Parameters
+    ----------
+    damping : Damping, float, or mapping or row of ratios
+        A `Damping` without dampers of joints, which couple modes. A row gives those of modes 1, 2, ...; in a
+        mapping modes that are left out are undamped.
+    omega : ndarray, shape (modes,) [rad/s]
+
+    Examples
+    --------
+    >>> modal_ratios(Damping(mass=0.2, stiffness=0.01), np.array([1.0, 10.0])).round(4)
+    array([0.105, 0.06 ])
+    >>> modal_ratios({2: 0.03}, np.array([1.0, 10.0]))
+    array([0.  , 0.03])
+    """
+    if isinstance(damping, Damping):
+        if np.any(np.asarray(damping.joint)):
+            raise ValueError(f"damping must have joint=0 without a chain to have joints, got {damping}")
+        return damping.mass / (2 * omega) + damping.stiffness * omega / 2
+    if isinstance(damping, Sequence | np.ndarray) and not is_text(damping) and np.ndim(damping):
+        row = np.array([not_negative("damping", each) for each in bounded("damping", damping)])
+        if len(row) != len(omega):
+            raise ValueError(f"damping must have a ratio for each of {len(omega)} modes, got {len(row)}")
+        return row
+    if not isinstance(damping, Mapping):
+        return np.full(len(omega), not_negative("damping", damping))
+    ratios = ratios_of_modes("damping", damping)
+    if max(ratios) > len(omega):
+        raise ValueError(f"damping must be of modes up to {len(omega)}, got one of mode {max(ratios)}")
+    found = np.zeros(len(omega))
+    found[np.array([*ratios]) - 1] = [*ratios.values()]
+    return found
+
+
+def given_for_asked(wanted: Mapping[int, float], found: Floats) -> str:
+    """Return in words which ratios a fit gives for those that were asked for.
+
+    Examples
+    --------
+    >>> given_for_asked({1: 0.01, 3: 0.02}, np.array([0.01, 0.015]))
+    'modes 1, 3 get 0.01, 0.015 for 0.01, 0.02'
+    """
+    rows = (map(str, wanted), *((f"{ratio:.4g}" for ratio in each) for each in (found, wanted.values())))
+    modes, given, asked = (", ".join(row) for row in rows)
+    return f"modes {modes} get {given} for {asked}"
 
 
 def damped_modes(chain: Chain, damping: Damping) -> xarray.Dataset:
@@ -237,6 +363,7 @@ def damped_modes(chain: Chain, damping: Damping) -> xarray.Dataset:
         dampers d a row is one mode throughout; with them the last four are in order of |λ|. A pair of real λ
         has a ratio of at least 1 and its geometric mean as |λ|; where dampers d make several such pairs, the
         fastest λ is paired with the slowest, which is a convention. Rigid-body modes are left out.
+        The attribute `overdamped_modes` counts those that creep back and do not swing.
 
     Raises
     ------
@@ -275,7 +402,11 @@ def damped_modes(chain: Chain, damping: Damping) -> xarray.Dataset:
             for name, (values, text, unit) in columns.items()
         },
         coords={"mode": ("mode", np.arange(1, len(omega) + 1), {"long_name": "elastic mode", "units": "1"})},
-        attrs={"source": SOURCE, "rigid_body_modes": chain.boundary.rigid_body_modes},
+        attrs={
+            "source": SOURCE,
+            "rigid_body_modes": chain.boundary.rigid_body_modes,
+            "overdamped_modes": int((ratio >= 1.0).sum()),
+        },
     )
 
 
