@@ -746,7 +746,13 @@ ARITHMETIC = (
 )
 #: A caller's own function may raise what it will, and that is handed on.
 OWN_FUNCTIONS = {"lambda", "lambda x", "class"}
-WARNINGS = (bm.SlendernessWarning, bm.DivergedWarning, bm.MissedFeatureWarning, bm.UnstableStepWarning)
+WARNINGS = (
+    bm.DampingFitWarning,
+    bm.DivergedWarning,
+    bm.MissedFeatureWarning,
+    bm.SlendernessWarning,
+    bm.UnstableStepWarning,
+)
 
 
 def target(name: str) -> Any:
