@@ -934,6 +934,94 @@ def test_commands_in_twist_and_stretch(capsys: pytest.CaptureFixture[str]) -> No
         (["error", "pinned-free", "--segments", "3", "--motion", "twist"], ("fixed-free", "not twist")),
         (["error", "fixed-free", "--segments", "3", "--motion", "torsion"], ("bending, twist, stretch",)),
         (["error", "fixed-free", "--segments", "3", *TWIST, "--ei", "1"], ("--ei must be left out",)),
+        (["error", "fixed-free", "--segments", "3", *TWIST, "--shape", "arc"], ("--shape must be left out",)),
+        (
+            ["buckling", "clamped-free", "--segments", "3", *TWIST],
+            ("--motion must be one of bending, space",),
+        ),
         (["springs", "fixed-free", "--segments", "3", *TWIST[:4]], ("--gj and --rho-ip must be given with",)),
     ):
         Ran(call, capsys).refused(*words)
+
+
+WIRE = {"bending_stiffness": 1.3, "torsional_stiffness": 1.0, "mass_per_length": 2.0}
+SPACE = ["--motion", "space", "--ei", "1.3", "--gj", "1", "--rho-a", "2"]
+
+
+def test_commands_in_space_say_what_the_library_does(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    import beammodes as bm
+
+    polar, across = {"polar_inertia_per_length": 1e-3}, {"second_bending_stiffness": 9.0}
+    points = [[math.cos(t / 6), math.sin(t / 6), 0.1 * t] for t in range(9)]
+    (tmp_path / "line.csv").write_text("x, y, z\n" + "\n".join(f"{x!r}, {y!r}, {z!r}" for x, y, z in points))
+    rods = {
+        ("--length=1", "--shape=straight"): bm.Rod(1.0, **WIRE),
+        ("--length=1", "--shape=pretwisted(angle=1.5)"): bm.Rod.pretwisted(1.5, length=1.0, **WIRE),
+        ("--length=2", "--shape=arc(angle=1.2)"): bm.Rod.arc(1.2, length=2.0, **WIRE),
+        ("--shape=helix(radius=0.1, pitch=0.05, turns=1)",): bm.Rod.helix(
+            radius=0.1, pitch=0.05, turns=1, **WIRE
+        ),
+        ("--shape=hook(straight=1, radius=.2, angle=-3)",): bm.Rod.hook(
+            straight=1.0, radius=0.2, angle=-3.0, **WIRE
+        ),
+        ("--length=1", "--shape=curved(y=1, x=2)"): bm.Rod(1.0, curvature=(2.0, 1.0, 0.0), **WIRE),
+        (f"--points={tmp_path / 'line.csv'}",): bm.Rod.through(points, **WIRE),
+        ("--length=1", "--ei-across=9", "--rho-ip=1e-3"): bm.Rod(1.0, **WIRE, **across, **polar),
+    }
+    case = ["clamped-free(mass=0.5)", "--segments=6", "--rule=gregory", *SPACE]
+    for flags, rod in rods.items():
+        chain = bm.SpatialChain(rod, "clamped-free(mass=0.5)", 6, "gregory")
+        found = Ran(["springs", *case, *flags, "--json"], capsys).json["hinges"]
+        turns = [[row[turn] for turn in ("twist", "about_y", "about_z")] for row in found]
+        assert turns == chain.joint_stiffness.tolist()
+        assert [row["position"] for row in found] == chain.hinge_position.tolist()
+    rows = Ran(["frequencies", *case, *flags, "--modes=5", "--json"], capsys).json["modes"]
+    errors = bm.rod_errors(chain, 5)
+    assert [row["relative_error"] for row in rows] == pytest.approx(errors.tolist(), abs=1e-12)
+    assert [row["frequency"] for row in rows] == bm.spatial_modes(chain, 5).frequency.tolist()
+    error = Ran(["error", *case, *flags, "--mode=2", "--json"], capsys).json
+    assert error["relative_error"] == pytest.approx(errors[1], abs=1e-12) and error["motion"] == "space"
+    ours, same = tmp_path / "ours.xml", tmp_path / "same.xml"
+    more = ["--gravity=0,0,-9.81", "--damping-ratio=0.02", "--joints=yzx", f"--output={ours}"]
+    assert Ran(["export", *case, *flags, *more], capsys).code == 0
+    down, dampers = bm.SpatialLoad(gravity=(0, 0, -9.81)), bm.joint_dampers(chain, 0.02)
+    bm.export_chain(chain, same, load=down, damping=dampers, joints="yzx")
+    assert ours.read_bytes() == same.read_bytes()
+    # Of a cantilever pushed along itself, hinges with half a weight at the wall: 4 N² sin²(π/4N) EI/L².
+    found = Ran(
+        ["buckling", "clamped-free", "--segments=8", "--rule=double_wall", *SPACE, "--length=3",
+         "--tip-force=-7,0,0", "--json"], capsys,
+    ).json  # fmt: skip
+    assert found["critical_factor"] == pytest.approx(
+        4 * 64 * math.sin(math.pi / 32) ** 2 * 1.3 / 9 / 7, rel=1e-9
+    )
+
+
+def test_bad_rods_are_told_in_one_line(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    call, line = ["springs", "clamped-free", "--segments=3", *SPACE], tmp_path / "line.csv"
+    line.write_text("0,0,0\n1,0,0\n2,0\n3,0,0\n")
+    for options, words in (
+        ([], ("--length must be given for motion space",)),
+        (["--length=1", "--shape=hlix"], ("--shape must be one of straight", 'did you mean "helix"?')),
+        (["--shape=helix(radius=1)"], ("without pitch and turns",)),
+        (["--length=1", "--shape=helix(radius=1, pitch=1, turns=1)"], ("--length must be left out",)),
+        (["--length=1", "--shape=arc(angle=__import__)"], ("angle of --shape must be a number",)),
+        (["--length=1", "--shape=arc(angle=1, angle=2)"], ("angle of --shape must be given once",)),
+        (["--length=1", "--shape=arc(angel=1)"], ('did you mean "angle"?',)),
+        (["--points", str(tmp_path / "no.csv")], ("no such file",)),
+        (["--points", str(line)], ("line 3 must have three numbers",)),
+        (["--points", str(line), "--length=2"], ("--length must be left out with --points",)),
+        (["--length=1", "--ei-across=-3"], ("--ei-across must be greater than 0",)),
+        (["--length=1", "--gj=0"], ("--gj must be greater than 0",)),
+        (["--length=1", "--ea=3"], ("--ea must be left out for motion space",)),
+        (["--length=1", "--units=inch"], ("--units must be one of SI",)),
+    ):
+        Ran([*call, *options], capsys).refused(*words)
+    Ran(["springs", "clamped-free", "--segments=3", "--motion=space", "--length=1"], capsys).refused(
+        "--ei and --gj and --rho-a must be given for motion space"
+    )
+    Ran(["error", "clamped-free", "--segments=3", "--shape=arc(angle=1)"], capsys).refused(
+        "--shape must come with --motion space"
+    )

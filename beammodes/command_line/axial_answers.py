@@ -31,7 +31,7 @@ _FLAGS: Mapping[str, Mapping[str, str]] = MappingProxyType(
         "stretch": {"axial_stiffness": "--ea", "mass_per_length": "--rho-a"},
     }
 )
-_OPTIONS = ("--ei", "--rho-a", "--gj", "--rho-ip", "--ea")
+_OPTIONS = ("--ei", "--rho-a", "--gj", "--rho-ip", "--ea", "--ei-across", "--shape", "--points")
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,7 @@ import shlex
 from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any
 
-from beammodes.checks import choice, percent, positive_real, shown
+from beammodes.checks import choice, percent, positive_real
 from beammodes.command_line.options import (
     AXIAL_FORCE,
     BEAM,
@@ -20,9 +20,9 @@ from beammodes.command_line.options import (
     DAMPING,
     DEFAULT_RULE,
     INTEGRATOR,
+    JOINTS,
     LOAD,
     MODE,
-    MOTION,
     RULE,
     SEGMENTS,
     TOLERANCE,
@@ -32,13 +32,18 @@ from beammodes.command_line.options import (
     Option,
     as_fraction,
     as_number,
+    as_vector,
+    damping_of,
+    elsewhere,
     modes,
+    motions,
     option,
 )
 from beammodes.command_line.text_tables import (
     DECLARED,
     GIVEN,
     OWN,
+    declared,
     frequency_rows,
     frequency_table,
     hinge_table,
@@ -70,28 +75,58 @@ _CASE = {
 #: A longer list of springs shows those that change, and the first others.
 _SHOWN_HINGES = 12
 
+#: The one option of another motion that bending takes, too: hinges about both axes.
+_ACROSS = ("export", "--ei-across")
+
 _FOUND: list[Command] = []
 
 
 def _command(
-    stage: str, name: str, question: str, example: str, *options: Option
+    stage: str,
+    name: str,
+    question: str,
+    example: str,
+    *options: Option,
+    moving: tuple[str, ...] = (),
+    in_space: tuple[Option, ...] = (),
 ) -> Callable[[_Answering], _Answering]:
-    """Register a function as the answer of a command."""
+    """Register a function as the answer of a command in bending.
+
+    `moving` are the motions besides, whose answers stand in files of their own; `in_space` the options that
+    this command has for rods in space only.
+    """
 
     def register(answer: _Answering) -> _Answering:
-        whole = _in_any_motion(name, answer) if MOTION[0] in options else answer
-        _FOUND.append(Command(stage, name, question, f"beammodes {name} {example}", options, whole))
+        whole, listed = answer, options
+        if moving:
+            foreign = [*elsewhere(moving), *((flag, "space") for flag, _ in in_space)]
+            whole = _in_any_motion(
+                name, answer, moving, [pair for pair in foreign if (name, pair[0]) != _ACROSS]
+            )
+            listed = (*options, *motions(*moving), *in_space)
+        _FOUND.append(Command(stage, name, question, f"beammodes {name} {example}", listed, whole))
         return answer
 
     return register
 
 
-def _in_any_motion(name: str, bending: _Answering) -> _Answering:
-    """Return the answer of a command that is for twist and stretch too."""
+def _in_any_motion(
+    name: str, bending: _Answering, moving: tuple[str, ...], foreign: list[tuple[str, str]]
+) -> _Answering:
+    """Return the answer of a command that is for other motions too, whose flags bending does not take."""
 
     def answer(options: argparse.Namespace) -> Answer:
-        if options.motion == "bending":
+        chosen = choice("--motion", options.motion, ("bending", *moving))
+        if chosen == "bending":
+            for flag, where in foreign:
+                if getattr(options, flag[2:].replace("-", "_")) is not None:
+                    raise ValueError(f"{flag} must come with --motion {where}")
             return bending(options)
+        if chosen == "space":
+            from beammodes.command_line.rod_answers import ANSWERS_IN_SPACE
+            from beammodes.command_line.rod_options import RodCase
+
+            return ANSWERS_IN_SPACE[name](RodCase.of(options))
         from beammodes.command_line.axial_answers import ANSWERS, AxialCase
 
         return ANSWERS[name](AxialCase.of(options, _system(options), _units(options)))
@@ -175,7 +210,7 @@ def _way(way: Recommendation) -> list[str]:
     *_BEAM,
     AXIAL_FORCE,
     RULE,
-    *MOTION,
+    moving=("twist", "stretch", "space"),
 )
 def _segments(options: argparse.Namespace) -> Answer:
     from beammodes.accuracy.segments import segments_needed
@@ -201,7 +236,7 @@ def _segments(options: argparse.Namespace) -> Answer:
     *_CHAIN,
     MODE,
     AXIAL_FORCE,
-    *MOTION,
+    moving=("twist", "stretch", "space"),
 )
 def _error(options: argparse.Namespace) -> Answer:
     from beammodes.accuracy.errors import frequency_error
@@ -232,7 +267,7 @@ def _error(options: argparse.Namespace) -> Answer:
     "which joint stiffnesses do I type into my multibody tool?",
     f"clamped-free --segments 4 {_EXAMPLE_SI}",
     *_CHAIN,
-    *MOTION,
+    moving=("twist", "stretch", "space"),
 )
 def _springs(options: argparse.Namespace) -> Answer:
     chain, units = _chain(options), _units(options)
@@ -271,7 +306,7 @@ def _springs(options: argparse.Namespace) -> Answer:
     *_CHAIN,
     modes(3),
     AXIAL_FORCE,
-    *MOTION,
+    moving=("twist", "stretch", "space"),
 )
 def _frequencies(options: argparse.Namespace) -> Answer:
     import numpy as np
@@ -314,7 +349,7 @@ def _frequencies(options: argparse.Namespace) -> Answer:
     *LOAD,
     *DAMPING,
     INTEGRATOR,
-    *MOTION,
+    moving=("twist", "stretch", "space"),
 )
 def _time_step(options: argparse.Namespace) -> Answer:
     from beammodes.problem.loading import Load
@@ -327,7 +362,7 @@ def _time_step(options: argparse.Namespace) -> Answer:
     )
 
     chain, load = _chain(options), _load(options)
-    damping = _damping(options, chain)
+    damping = damping_of(options, chain)
     record = fixed_step_integrator(options.integrator)
     if record.springs == "implicit":
         raise ValueError(
@@ -372,6 +407,16 @@ def _time_step(options: argparse.Namespace) -> Answer:
     "under which compression do the chain and the beam buckle?",
     f"clamped-free --segments 10 {_EXAMPLE_SI}",
     *_CHAIN,
+    moving=("space",),
+    in_space=(
+        option(
+            "--tip-force",
+            "space: x,y,z of a dead force at s = L, in the axes at s = 0; a multiple of it buckles the rod",
+            type=as_vector,
+            metavar="F",
+        ),
+        JOINTS,
+    ),
 )
 def _buckling(options: argparse.Namespace) -> Answer:
     from beammodes.accuracy.buckling import buckling_load
@@ -425,15 +470,11 @@ def _mujoco() -> str:
         metavar="h",
     ),
     option("--integrator", lambda: f"MuJoCo's: {_mujoco()} (default: RK4)", default="RK4"),
-    option(
-        "--ei-across",
-        "EI of bending along y [N m²]: hinges about both axes (not CSV)",
-        type=as_number,
-        metavar="X",
-    ),
     *LOAD,
     *DAMPING,
     option("--force", "overwrite existing files", action="store_true"),
+    moving=("space",),
+    in_space=(JOINTS,),
 )
 def _export(options: argparse.Namespace) -> Answer:
     from beammodes.exporters.export import export_chain
@@ -454,7 +495,7 @@ def _export(options: argparse.Namespace) -> Answer:
         name=options.name,
         fragment=options.fragment,
         second=second,
-        damping=_damping(options, chain),
+        damping=damping_of(options, chain),
         timestep=options.timestep,
         integrator=options.integrator,
         load=None if load == Load() and options.gravity is None else load,
@@ -632,9 +673,6 @@ def _beam(options: argparse.Namespace) -> Any:
     """Return the beam; without any of its numbers, `Beam.unit()`."""
     from beammodes.problem.beam import Beam
 
-    for flag in ("gj", "rho_ip", "ea"):
-        if getattr(options, flag, None) is not None:
-            raise ValueError(f"--{flag.replace('_', '-')} must come with --motion twist or stretch")
     numbers = {"--length": options.length, "--ei": options.ei, "--rho-a": options.rho_a}
     missing = [flag for flag, value in numbers.items() if value is None]
     _system(options)
@@ -667,34 +705,12 @@ def _load(options: argparse.Namespace) -> Any:
     return Load(**{name: value for name, value in given.items() if value is not None})
 
 
-def _damping(options: argparse.Namespace, chain: Any) -> Any:
-    """Return the damping, or None."""
-    from beammodes.vibration.damping import Damping, joint_dampers
-
-    if options.damping_ratio is not None:
-        if options.stiffness_damping:
-            raise ValueError("--damping-ratio must be given without --stiffness-damping, which it sets")
-        return joint_dampers(chain, _within("--damping-ratio", options.damping_ratio))
-    if not options.stiffness_damping:
-        return None
-    return Damping(stiffness=_within("--stiffness-damping", options.stiffness_damping))
-
-
-def _within(flag: str, value: Any) -> float:
-    """Return a positive number whose square stays in the range of floats."""
-    found = positive_real(flag, value)
-    if not 1e-100 <= found <= 1e100:
-        raise ValueError(f"{flag} must be from 1e-100 to 1e100, got {shown(value)}")
-    return found
-
-
 def _system(options: argparse.Namespace) -> str:
     """Return the name of the units that the user's numbers are in."""
     if options.units is not None:
         if options.length is None:
             raise ValueError("--units must come with --length, --ei and --rho-a, whose units they are")
-        words = {name.lower(): name for name in DECLARED}
-        return words.get(options.units.lower()) or choice("--units", options.units, DECLARED)
+        return declared(options.units)
     return "as given" if options.length is not None else "multiples of the beam's own"
 
 

@@ -9,6 +9,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, NoReturn
 
+from beammodes.checks import positive_real, shown
 from beammodes.command_line.shell import EXIT_CODES, put, tell_all
 from beammodes.command_line.text_tables import DECLARED
 from beammodes.version import SOURCE
@@ -20,9 +21,9 @@ __all__ = [
     "DAMPING",
     "DEFAULT_RULE",
     "INTEGRATOR",
+    "JOINTS",
     "LOAD",
     "MODE",
-    "MOTION",
     "RULE",
     "SEGMENTS",
     "TOLERANCE",
@@ -32,8 +33,12 @@ __all__ = [
     "Option",
     "as_fraction",
     "as_number",
+    "as_vector",
+    "damping_of",
+    "elsewhere",
     "help_text",
     "modes",
+    "motions",
     "option",
     "parse",
 ]
@@ -191,7 +196,8 @@ def _integer(text: str) -> int | str:
         return text
 
 
-def _vector(text: str) -> float | str | tuple[float | str, ...]:
+def as_vector(text: str) -> float | str | tuple[float | str, ...]:
+    """Return a number that was typed, or several with commas between."""
     parts = text.split(",")
     return as_number(text) if len(parts) == 1 else tuple(map(as_number, parts))
 
@@ -219,18 +225,90 @@ BEAM = (
     option("--ei", "EI, bending stiffness, such as 85 N m²", type=as_number, metavar="X"),
     option("--rho-a", "ρA, mass per length, such as 0.62 kg/m", type=as_number, metavar="X"),
 )
-MOTION = (
-    option(
-        "--motion",
-        "bending, twist or stretch; the last two with ends such as fixed-free(inertia=0.5), "
-        "fixed-free(mass=0.5) and free(stiffness=2) (default: bending)",
-        default="bending",
-        metavar="NAME",
+#: What each motion is besides bending.
+_MOTIONS: Mapping[str, str] = {
+    "twist": "ends such as fixed-free(inertia=0.5)",
+    "stretch": "ends such as fixed-free(mass=0.5)",
+    "space": "a rod that bends in two planes and twists, of any shape at rest",
+}
+#: Options of these motions, by the motions that take them.
+_OF_MOTIONS: tuple[tuple[tuple[str, ...], Option], ...] = (
+    (
+        ("twist", "space"),
+        option("--gj", "GJ, torsional stiffness, such as 80 N m²", type=as_number, metavar="X"),
     ),
-    option("--gj", "GJ, torsional stiffness, such as 80 N m²: for twist", type=as_number, metavar="X"),
-    option("--rho-ip", "ρIp, polar inertia per length [kg m]: for twist", type=as_number, metavar="X"),
-    option("--ea", "EA, axial stiffness [N]: for stretch, with --rho-a", type=as_number, metavar="X"),
+    (
+        ("twist", "space"),
+        option("--rho-ip", "ρIp, polar inertia per length [kg m]", type=as_number, metavar="X"),
+    ),
+    (
+        ("stretch",),
+        option("--ea", "EA, axial stiffness [N], with --rho-a", type=as_number, metavar="X"),
+    ),
+    (
+        ("space",),
+        option(
+            "--ei-across",
+            "EI of bending across the plane of --ei: about the section's y axis, --ei being about its z "
+            "(default: the same)",
+            type=as_number,
+            metavar="X",
+        ),
+    ),
+    (
+        ("space",),
+        option(
+            "--shape",
+            "at rest: straight, pretwisted(angle=1.57), arc(angle=1.57), helix(radius=0.1, pitch=0.05, "
+            "turns=3), hook(straight=1, radius=0.1, angle=3.1), or curved(x=0, y=0, z=2) in 1/m; a helix and "
+            "a hook have their own length (default: straight)",
+            metavar="NAME",
+        ),
+    ),
+    (
+        ("space",),
+        option(
+            "--points",
+            "file with x,y,z of four or more points, one a line, through which the centre line goes, in "
+            "place of --shape and --length",
+            metavar="FILE",
+        ),
+    ),
 )
+JOINTS = option(
+    "--joints",
+    "space: how joints turn, ball, or hinges in an order such as yzx, or yzx_alternating, whose order is "
+    "reversed at every other joint",
+    metavar="LAW",
+)
+
+
+def motions(*able: str) -> tuple[Option, ...]:
+    """Return --motion of a command that answers these besides bending, and the options that they need.
+
+    Examples
+    --------
+    >>> [flag for flag, _ in motions("stretch")]
+    ['--motion', '--ea']
+    """
+    told = ", ".join(f"{name} ({_MOTIONS[name]})" for name in able)
+    chosen = option("--motion", f"bending, {told} (default: bending)", default="bending", metavar="NAME")
+    listed = [chosen]
+    for takers, (flag, settings) in _OF_MOTIONS:
+        if here := " and ".join(name for name in takers if name in able):
+            listed.append((flag, {**settings, "help": f"{here}: {settings['help']}"}))
+    return tuple(listed)
+
+
+def elsewhere(able: Sequence[str]) -> list[tuple[str, str]]:
+    """Return the flags that a command has for other motions than bending, and these motions in words."""
+    return [
+        (each[0], " or ".join(name for name in takers if name in able))
+        for takers, each in _OF_MOTIONS
+        if set(takers) & set(able)
+    ]
+
+
 SEGMENTS = option("--segments", "number of rigid segments", type=_integer, required=True, metavar="N")
 INTEGRATOR = option(
     "--integrator",
@@ -251,15 +329,16 @@ AXIAL_FORCE = option(
 LOAD = (
     option(
         "--gravity",
-        "gravity [m/s²]: one number, across the beam, or two, along,across: --gravity=9.81,0 hangs it",
-        type=_vector,
+        "gravity [m/s²]: one number, across the beam, or two, along,across: --gravity=9.81,0 hangs it; in "
+        "space three, along the axes at s = 0",
+        type=as_vector,
         metavar="g",
     ),
     AXIAL_FORCE,
     option(
         "--tip-force",
-        "force on the right tip [N], across the beam or along,across",
-        type=_vector,
+        "force on the right tip [N], across the beam or along,across; in space x,y,z at s = L",
+        type=as_vector,
         metavar="F",
     ),
 )
@@ -272,3 +351,24 @@ DAMPING = (
     ),
     option("--stiffness-damping", "dampers b k [s]", type=as_number, default=0.0, metavar="b"),
 )
+
+
+def damping_of(options: argparse.Namespace, chain: Any) -> Any:
+    """Return the damping that the options of `DAMPING` describe, or None."""
+    from beammodes.vibration.damping import Damping, joint_dampers
+
+    if options.damping_ratio is not None:
+        if options.stiffness_damping:
+            raise ValueError("--damping-ratio must be given without --stiffness-damping, which it sets")
+        return joint_dampers(chain, _within("--damping-ratio", options.damping_ratio))
+    if not options.stiffness_damping:
+        return None
+    return Damping(stiffness=_within("--stiffness-damping", options.stiffness_damping))
+
+
+def _within(flag: str, value: Any) -> float:
+    """Return a positive number whose square stays in the range of floats."""
+    found = positive_real(flag, value)
+    if not 1e-100 <= found <= 1e100:
+        raise ValueError(f"{flag} must be from 1e-100 to 1e100, got {shown(value)}")
+    return found

@@ -182,6 +182,10 @@ def _said(error: Exception) -> str:
 
 #: Words of the library's messages, as the user typed them.
 _TYPED = {
+    "second_bending_stiffness must": "--ei-across must",
+    "torsional_stiffness must": "--gj must",
+    "polar_inertia_per_length must": "--rho-ip must",
+    "axial_stiffness must": "--ea must",
     "bending_stiffness must": "--ei must",
     "mass_per_length must": "--rho-a must",
     "axial_force must": "--axial-force must",

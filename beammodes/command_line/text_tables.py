@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping, Sequence
 from types import MappingProxyType
 from typing import Any
 
-from beammodes.checks import percent
+from beammodes.checks import choice, percent
 from beammodes.exporters.unit_systems import UNIT_SYSTEMS
 from beammodes.numerics.arrays import Floats
 
@@ -16,6 +16,7 @@ __all__ = [
     "GIVEN",
     "OWN",
     "UNITS",
+    "declared",
     "frequency_rows",
     "frequency_table",
     "hinge_table",
@@ -72,6 +73,18 @@ OWN: Mapping[str, Any] = MappingProxyType(
     }
 )
 UNITS = MappingProxyType({**DECLARED, "as given": GIVEN, "multiples of the beam's own": OWN})
+
+
+def declared(word: str) -> str:
+    """Return the name of the system of units that the user declares, in any case of letters.
+
+    Examples
+    --------
+    >>> declared("si")
+    'SI'
+    """
+    words = {name.lower(): name for name in DECLARED}
+    return words.get(word.lower()) or choice("--units", word, DECLARED)
 
 
 def text_table(heads: Sequence[str], rows: Sequence[Sequence[str]], *, names: int = 0) -> str:

@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 
 from beammodes.chains.chain import Chain
 from beammodes.chains.pieces import MAX_PIECES
+from beammodes.chains.spatial_chain import SpatialChain
 from beammodes.checks import bounded, is_text, not_negative, positive_real, shown, whole_number
 from beammodes.numerics.arrays import Floats
 from beammodes.numerics.nonnegative import nearest_nonnegative
@@ -27,6 +28,7 @@ from beammodes.problem.loading import Load
 from beammodes.version import SOURCE
 from beammodes.vibration.linear import linearize
 from beammodes.vibration.modes import MAX_DENSE, Modes, solve_modes
+from beammodes.vibration.modes_in_space import spatial_modes
 from beammodes.vibration.spectrum import is_turned
 
 if TYPE_CHECKING:
@@ -188,7 +190,9 @@ def damped_eigenvalues(omega: Floats, coupling: Floats) -> NDArray[np.complex128
     return np.linalg.eigvals(np.block([[-coupling, -size], [size, np.zeros_like(size)]])).astype(complex)
 
 
-def joint_dampers(chain: Chain, ratio: float | Mapping[int, float], *, mode: int = 1) -> Damping:
+def joint_dampers(
+    chain: Chain | SpatialChain, ratio: float | Mapping[int, float], *, mode: int = 1
+) -> Damping:
     """Return joint dampers that give a mode a damping ratio, or several modes a ratio each.
 
         d_j = β k_j,   β = 2 ζ/ω_mode
@@ -206,16 +210,16 @@ def joint_dampers(chain: Chain, ratio: float | Mapping[int, float], *, mode: int
 
     Parameters
     ----------
-    chain : Chain
+    chain : Chain or SpatialChain
     ratio : float, or mapping of modes to them
-        ζ, 1 for critical damping, such as {1: 0.008, 2: 0.011}.
+        ζ, 1 for critical damping, such as {1: 0.008, 2: 0.011}; in space one number.
     mode : int
-        Of a single ratio, from 1; rigid-body modes are not counted.
+        Of a single ratio, from 1; rigid-body modes are not counted. In space bending and twist count together.
 
     Raises
     ------
     TypeError, ValueError
-        If `chain` is no Chain or has no such mode, or a ratio is not a finite real number greater than 0.
+        If `chain` is no chain or has no such mode, or a ratio is not a finite real number greater than 0.
 
     Warns
     -----
@@ -237,9 +241,15 @@ def joint_dampers(chain: Chain, ratio: float | Mapping[int, float], *, mode: int
     >>> bm.damped_modes(chain, both).damping_ratio.values.round(4)
     array([0.008 , 0.0109, 0.0939, 0.0704])
     """
-    if isinstance(ratio, Mapping):
+    if isinstance(ratio, Mapping) and not isinstance(chain, SpatialChain):
         return _fitted_joints(chain, ratios_of_modes("ratio", ratio))
     wanted = positive_real("ratio", ratio)
+    if isinstance(chain, SpatialChain):
+        number = whole_number("mode", mode, most=3 * len(chain.hinge_position))
+        found = spatial_modes(chain, number).angular_frequency
+        if len(found) < number:
+            raise ValueError(f"mode must be one that the chain has, at most {len(found)}, got {number}")
+        return Damping(stiffness=2.0 * wanted / float(found[-1]))
     omega = float(_elastic(chain, mode).angular_frequency[-1])
     return Damping(stiffness=2.0 * wanted / omega)
 

@@ -1,0 +1,149 @@
+"""Answers of commands of rods in space: the same questions, with `--motion space`."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from types import MappingProxyType
+
+from beammodes.checks import percent
+from beammodes.command_line.options import Answer, damping_of
+from beammodes.command_line.rod_options import RodCase
+from beammodes.command_line.text_tables import (
+    frequency_rows,
+    frequency_table,
+    number,
+    text_table,
+    typed_in,
+)
+
+__all__ = ["ANSWERS_IN_SPACE"]
+
+_TURNS = ("twist", "about_y", "about_z")
+
+
+def _error(case: RodCase) -> Answer:
+    from beammodes.accuracy.chain_against_rod import rod_errors
+
+    options = case.options
+    error = float(rod_errors(case.chain, options.mode)[-1])
+    if math.isnan(error):
+        raise ValueError(
+            f"mode {options.mode} does not exist: {options.boundary} with {options.segments} segments "
+            f"and rule {options.rule} has fewer elastic modes"
+        )
+    asked = {name: getattr(options, name) for name in ("segments", "mode", "rule")}
+    answer = {"boundary": options.boundary, **asked, "motion": "space", "relative_error": error}
+    said = {"units": {"relative_error": "1"}, "holds_for": case.holds_for}
+    lines = [f"{percent(error, 6)}", f"rule {options.rule}, {case.holds_for}", *case.notes()]
+    return answer | said, "\n".join(lines)
+
+
+def _springs(case: RodCase) -> Answer:
+    chain, units = case.chain, case.units
+    rows = []
+    places = case.rod.frames(chain.hinge_position)[1]
+    for j, (s, stiffness, place) in enumerate(
+        zip(chain.hinge_position.tolist(), chain.joint_stiffness.tolist(), places.tolist(), strict=True), 1
+    ):
+        # Strict JSON has no infinity: what does not turn is null.
+        held = [value if math.isfinite(value) else None for value in stiffness]
+        rows.append(
+            {"hinge": j, "position": s, "place": place, **dict(zip(_TURNS, held, strict=True))},
+        )
+    unit = units["joint_stiffness"]
+    heads = ["hinge", f"position [{units['length']}]", f"twist [{unit}]"]
+    heads += [f"about y [{unit}]", f"about z [{unit}]"]
+    cells = [
+        [str(row["hinge"]), number(row["position"])]
+        + ["rigid" if row[turn] is None else typed_in(row[turn]) for turn in _TURNS]
+        for row in rows
+    ]
+    said = case.said(position=units["length"], place=units["length"], stiffness=unit)
+    axes = "position along the centre line; x along it, y and z across, the section's axes at the hinge"
+    lines = [text_table(heads, cells), axes, f"rule {case.options.rule}", *case.notes()]
+    return {"motion": "space", "hinges": rows} | said, "\n".join(lines)
+
+
+def _frequencies(case: RodCase) -> Answer:
+    from beammodes.exact.exact_rod import rod_modes
+    from beammodes.vibration.modes_in_space import spatial_modes
+
+    chain, options = case.chain, case.options
+    found = spatial_modes(chain, options.modes)
+    count = len(found.frequency)
+    exact = rod_modes(case.rod, case.ends, max(count, 1)).frequency[:count]
+    rows = frequency_rows(found.frequency, exact, found.frequency / exact - 1)
+    title = (
+        f"{options.boundary} in space, {chain.segments} segments, {options.rule}: "
+        f"{found.rigid_body_modes} rigid-body modes"
+    )
+    table = frequency_table(rows, "frequency", case.units["frequency"])
+    answer = {"motion": "space", "rigid_body_modes": found.rigid_body_modes, "modes": rows}
+    said = case.said("frequency", "angular_frequency", relative_error="1")
+    return answer | said, "\n".join([title, table, case.holds_for, *case.notes()])
+
+
+def _buckling(case: RodCase) -> Answer:
+    from beammodes.equations.equilibria_in_space import critical_factor
+    from beammodes.problem.load_in_space import SpatialLoad
+
+    options, rod, force = case.options, case.rod, case.units["force"]
+    if options.tip_force is None:
+        raise ValueError("--tip-force must be given for motion space: x,y,z in the axes at s = 0")
+    load = SpatialLoad(force=options.tip_force)
+    size = math.hypot(*load.force)
+    if not size:
+        raise ValueError(f"--tip-force must not vanish, got {options.tip_force}")
+    # Where the search begins: what a narrow beam under a force across its tip buckles at is 4 of these.
+    weakest = min(rod.planar(axis).mean_bending_stiffness for axis in (1, 2))
+    unit = math.sqrt(weakest * rod.planar(0).mean_bending_stiffness) / rod.length**2
+    joints = options.joints or "ball"
+    factor = unit / size * critical_factor(case.chain, load.times(unit / size), joints=joints)
+    critical = [factor * part for part in load.force]
+    answer = {"motion": "space", "critical_factor": factor, "critical_force": critical}
+    answer |= {"joints": joints}
+    holds = "for a dead force at s = L; the chain's own load, no exact one beside it"
+    told = ", ".join(map(number, critical))
+    text = f"{number(factor)} times the force, ({told}) {force}  (joints {joints})"
+    said = case.said(critical_force=force) | {"holds_for": holds}
+    return answer | said, "\n".join([text, holds, *case.notes()])
+
+
+def _export(case: RodCase) -> Answer:
+    from beammodes.exporters.export import export_chain
+    from beammodes.problem.load_in_space import SpatialLoad
+
+    options, chain = case.options, case.chain
+    joints = options.joints or "yzx_alternating"
+    given = {"force": options.tip_force, "gravity": options.gravity}
+    told = {name: value for name, value in given.items() if value is not None}
+    written = export_chain(
+        chain,
+        options.output,
+        format=options.format,
+        name=options.name,
+        fragment=options.fragment,
+        damping=damping_of(options, chain),
+        timestep=options.timestep,
+        integrator=options.integrator,
+        load=SpatialLoad(**told) if told else None,
+        units=case.system if options.units is not None else None,
+        joints=joints,
+        force=options.force,
+    )
+    names = [str(path) for path in written]
+    answer = {"files": names, "motion": "space", "joints": joints}
+    return answer, "\n".join([*names, *case.notes()])
+
+
+#: By the name of the command.
+ANSWERS_IN_SPACE: Mapping[str, Callable[[RodCase], Answer]] = MappingProxyType(
+    {
+        "error": _error,
+        "springs": _springs,
+        "frequencies": _frequencies,
+        "buckling": _buckling,
+        "export": _export,
+    }
+)
