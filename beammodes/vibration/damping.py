@@ -212,9 +212,9 @@ def joint_dampers(
     ----------
     chain : Chain or SpatialChain
     ratio : float, or mapping of modes to them
-        ζ, 1 for critical damping, such as {1: 0.008, 2: 0.011}; in space one number.
+        ζ, 1 for critical damping, such as {1: 0.008, 2: 0.011}; one number in space.
     mode : int
-        Of a single ratio, from 1; rigid-body modes are not counted. In space bending and twist count together.
+        Of a single ratio, from 1; rigid-body modes are not counted, bending and twist in space together.
 
     Raises
     ------
