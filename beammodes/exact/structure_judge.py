@@ -32,6 +32,7 @@ from numpy.typing import ArrayLike
 from beammodes.checks import positive_real, row_shown, whole_number
 from beammodes.exact.spectral_grid import section_grid
 from beammodes.numerics.arrays import Floats, signs_of_largest
+from beammodes.numerics.blas import one_thread
 from beammodes.problem.beam import Beam, positions_on
 from beammodes.problem.structure import Parts, Stretch, Structure, checked_structure, part_of_beam
 
@@ -154,21 +155,11 @@ def structure_modes(structure: Structure, modes: int) -> StructureModes:
     """
     count = whole_number("modes", modes, most=MOST_MODES)
     parts = checked_structure(structure).parts
-    model, squares = _solved(parts, count, _POINTS)
-    if not all(stretch.beam.is_uniform for stretch in parts.stretches):
-        for points in (30, 42, 60):
-            before = squares
-            model, squares = _solved(parts, count, points)
-            if np.max(np.abs(squares / before - 1.0)) < 2.0 * _AGREEMENT:
-                break
-        else:
-            raise ArithmeticError(
-                f"results do not agree to {_AGREEMENT:g} between polynomials of growing degree: does a "
-                "property vary too much between the breaks of its beam?"
-            )
+    # Of many small matrices more threads would only wait for each other.
+    with one_thread():
+        model, squares, shapes = _converged(parts, count)
     omega = np.sqrt(squares)
     omega.flags.writeable = False
-    shapes = model.shapes(squares)
     displacement = {name: shapes @ model.motions[i].T for i, name in enumerate(structure.joints)}
     return StructureModes(structure, omega, model.rigid, displacement, model.curves(squares, shapes))
 
@@ -262,18 +253,18 @@ def _element(beam: Beam, points: int) -> _Element:
 
 
 class _Span(NamedTuple):
-    """A part of a stretch: where it is, its element, what one is there, and its ends' motions by z."""
+    """A part of a stretch: where it is, its element, and what one is there."""
 
     member: str
     start: float
     length: float
     element: _Element
+    stiff: float
     heavy: float
-    ends: Floats
 
 
 class _Model(NamedTuple):
-    """K(λ) = K₀ - λ M₀ - λ² Γ (Λ - λ)⁻¹ Γᵀ  in coordinates z that obey all constraints.
+    """K(λ) = K₀ - λ M₀ - λ² Σ_p Eᵀ C (Λ - λ)⁻¹ Cᵀ E  in coordinates z that obey all constraints, p the parts.
 
     Attributes
     ----------
@@ -281,10 +272,12 @@ class _Model(NamedTuple):
         F of K₀ = Fᵀ F: one on the diagonal but for the rigid motions, which come first.
     mass : ndarray, shape (z, z)
         M₀.
-    square : ndarray, shape (inner,)
-        Λ: squared frequencies of the parts between clamps.
-    momentum : ndarray, shape (z, inner)
-        Γ.
+    square : ndarray, shape (parts, inner)
+        Λ: squared frequencies of each part between clamps.
+    momentum : ndarray, shape (parts, 4, inner)
+        C. Of parts with fewer inner modes the last are none.
+    ends : ndarray, shape (parts, 4, z)
+        E: motions of each part's ends.
     motions : tuple of ndarray, shape (3, z)
         Of each node: its displacement and rotation.
     rigid : int
@@ -297,6 +290,7 @@ class _Model(NamedTuple):
     mass: Floats
     square: Floats
     momentum: Floats
+    ends: Floats
     motions: tuple[Floats, ...]
     rigid: int
     spans: tuple[_Span, ...]
@@ -314,11 +308,21 @@ class _Model(NamedTuple):
     def matrices(self, square: float) -> tuple[Floats, Floats]:
         """Return K(λ) and M(λ) = -dK/dλ."""
         near = self.square - square
-        stored = self.energy.T @ self.energy
-        momentum = self.momentum
-        stiffness = stored - square * self.mass - (momentum * (square**2 / near)) @ momentum.T
-        shares = square * (2.0 * self.square - square) / near**2
-        return stiffness, self.mass + (momentum * shares) @ momentum.T
+        stiffness = self.energy.T @ self.energy - square * self.mass - self._coupled(square**2 / near)
+        return stiffness, self.mass + self._coupled(square * (2.0 * self.square - square) / near**2)
+
+    def _coupled(self, shares: Floats) -> Floats:
+        """Return Σ Eᵀ C diag(shares) Cᵀ E."""
+        momentum, ends = self.momentum, self.ends
+        answers = (momentum * shares[:, None]) @ momentum.transpose(0, 2, 1) @ ends
+        size = len(self.mass)
+        return np.asarray(ends.reshape(-1, size).T @ answers.reshape(-1, size))
+
+    def _inner(self, square: Floats, vectors: Floats) -> Floats:
+        """Return what shapes z at λ have of inner modes, shape (vectors, parts, inner)."""
+        moved = vectors @ self.ends.transpose(0, 2, 1) @ self.momentum
+        one = square[:, None, None]
+        return np.asarray(one * moved.swapaxes(0, 1) / (self.square - one))
 
     def count(self, square: float) -> int:
         """Return how many modes lie below λ, rigid ones among them."""
@@ -327,27 +331,26 @@ class _Model(NamedTuple):
 
     def quotients(self, square: Floats, vectors: Floats) -> tuple[Floats, Floats]:
         """Return Rayleigh's quotients of shapes at λ, from sums of squares, and the shapes' masses."""
-        inner = square[:, None] * (vectors @ self.momentum) / (self.square - square[:, None])
-        stored = np.sum((vectors @ self.energy.T) ** 2, axis=1) + inner**2 @ self.square
+        inner = self._inner(square, vectors)
+        stored = np.sum((vectors @ self.energy.T) ** 2, axis=1) + np.sum(inner**2 * self.square, axis=(1, 2))
         moved = np.einsum("ni,ij,nj->n", vectors, self.mass, vectors)
-        moved = moved + 2.0 * np.sum((vectors @ self.momentum) * inner, axis=1) + np.sum(inner**2, axis=1)
+        # Cᵀ E z is inner (Λ - λ)/λ.
+        shared = 2.0 * (self.square / square[:, None, None] - 1.0) + 1.0
+        moved = moved + np.sum(shared * inner**2, axis=(1, 2))
         return stored / moved, moved
 
-    def shapes(self, square: Floats) -> Floats:
-        """Return the shapes z of the elastic modes at their λ, of unit modal mass, a row each."""
-        vectors = np.array([self._pencil(one)[1][:, self.rigid + n] for n, one in enumerate(square)])
+    def scaled(self, square: Floats, vectors: Floats) -> Floats:
+        """Return shapes z at their λ, a row each, of unit modal mass and with their sign."""
         moved = np.concatenate([vectors @ motion[:2].T for motion in self.motions], axis=1)
         size = signs_of_largest(moved) * np.sqrt(self.quotients(square, vectors)[1])
         return np.asarray(vectors / size[:, None])
 
     def curves(self, square: Floats, shapes: Floats) -> tuple[Curve, ...]:
         """Return the deflections along all parts in modes z at their λ."""
-        inner = square[:, None] * (shapes @ self.momentum) / (self.square - square[:, None])
-        curves, first = [], 0
-        for span in self.spans:
-            element, ends = span.element, shapes @ span.ends.T
-            own = inner[:, first : first + len(element.square)] / span.heavy
-            first += len(element.square)
+        inner, curves = self._inner(square, shapes), []
+        for i, span in enumerate(self.spans):
+            element, ends = span.element, shapes @ self.ends[i].T
+            own = inner[:, i, : len(element.square)] / span.heavy
             along = ends @ element.static.T + own @ element.inner.T
             values = span.length * np.hstack([ends[:, :1], along, ends[:, 2:3]])
             x = span.start + span.length * np.concatenate(([0.0], element.x, [1.0]))
@@ -371,42 +374,67 @@ class _Model(NamedTuple):
         share, vectors = found if shapes else (found, np.zeros((len(mass), 0)))
         return np.asarray(1.0 / share[::-1] - shift), np.asarray(vectors[:, ::-1])
 
-    def roots(self, count: int) -> Floats:
-        """Return the first λ above zero, or as many as there are without inner modes below."""
-        squares = self._pencil(0.0)[0][self.rigid : self.rigid + count]
-        found = []
-        for n, start in enumerate(squares.tolist()):
-            square = start
+    def bounds(self, count: int) -> Floats:
+        """Return upper bounds of the first λ above zero."""
+        return self._pencil(0.0, shapes=False)[0][self.rigid : self.rigid + count]
+
+    def roots(self, bounds: Floats) -> tuple[Floats, Floats]:
+        """Return the first λ above zero, from upper bounds of them, and their shapes z, a row each.
+
+        At any λ, λ + ν bounds all roots, those near it closely: each root begins where those before it ended.
+        """
+        bounds, found, shapes = bounds.copy(), [], []
+        for n in range(len(bounds)):
+            square = float(bounds[n])
             for _ in range(30):
-                if square >= self.square.min():
-                    break
                 nu, vectors = self._pencil(square)
+                bounds = np.minimum(bounds, square + nu[self.rigid : self.rigid + len(bounds)])
                 shape = vectors[:, self.rigid + n]
                 new = float(self.quotients(np.array([square]), shape[None])[0][0])
                 step, square = abs(new / square - 1.0), new
                 if step < 1e-14 or (step < 1e-7 and abs(nu[self.rigid + n]) < 1e-7 * square):
                     break
             found.append(square)
-        return np.array(found)
+            shapes.append(shape)
+        return np.array(found), np.array(shapes)
 
 
-def _solved(parts: Parts, count: int, points: int) -> tuple[_Model, Floats]:
-    """Return the first squared frequencies, and the model that gives them."""
+def _converged(parts: Parts, count: int) -> tuple[_Model, Floats, Floats]:
+    """Return a model, its first squared frequencies and shapes, at a degree that is high enough."""
+    model, squares, shapes = _solved(parts, count, _POINTS)
+    if not all(stretch.beam.is_uniform for stretch in parts.stretches):
+        for points in (30, 42, 60):
+            before = squares
+            model, squares, shapes = _solved(parts, count, points)
+            if np.max(np.abs(squares / before - 1.0)) < 2.0 * _AGREEMENT:
+                break
+        else:
+            raise ArithmeticError(
+                f"results do not agree to {_AGREEMENT:g} between polynomials of growing degree: does a "
+                "property vary too much between the breaks of its beam?"
+            )
+    return model, squares, shapes
+
+
+def _solved(parts: Parts, count: int, points: int) -> tuple[_Model, Floats, Floats]:
+    """Return the model of a structure, its first squared frequencies, and their shapes z."""
     divided = tuple([1] * len(parts.stretches))
     model = _Model.of(parts, divided, points)
-    while len(model.mass) < model.rigid + 2 * count + 2:
-        divided = tuple(2 * many for many in divided)
+    # A node inside a stretch has two coordinates.
+    missing, square = model.rigid + 2 * count + 2 - len(model.mass), 1e-3 * float(model.square.min())
+    while 2 * (sum(divided) - len(divided)) < missing:
+        square *= 1.5
+        divided = _divided(parts, square)
+    if missing > 0:
         model = _Model.of(parts, divided, points)
-    for _ in range(6):
-        squares = model.roots(count)
-        finer = _divided(parts, 1.02 * float(squares.max()))
-        needed = tuple(max(pair) for pair in zip(divided, finer, strict=True))
-        if needed == divided:
-            break
-        divided = needed
+    bounds = model.bounds(count)
+    while (finer := _divided(parts, 1.02 * float(bounds.max()), divided)) != divided:
+        divided = finer
         model = _Model.of(parts, divided, points)
+        bounds = model.bounds(count)
+    squares, shapes = model.roots(bounds)
     _check_counts(model, squares)
-    return model, squares
+    return model, squares, model.scaled(squares, shapes)
 
 
 def _check_counts(model: _Model, squares: Floats) -> None:
@@ -430,13 +458,13 @@ def _too_unlike(found: str) -> str:
     )
 
 
-def _divided(parts: Parts, square: float) -> tuple[int, ...]:
+def _divided(parts: Parts, square: float, least: tuple[int, ...] | None = None) -> tuple[int, ...]:
     """Return into how many parts stretches must be divided so that none has an own mode below λ."""
     many = []
-    for stretch in parts.stretches:
+    for stretch, fewest in zip(parts.stretches, least or (1,) * len(parts.stretches), strict=True):
         first = _element_of(stretch.beam, _POINTS).square[0] * _unit_square(stretch.beam)
         # 4.73 is the wavenumber of the first mode between clamps.
-        many.append(max(1, math.ceil((square / first) ** 0.25 * 4.730 / _LONGEST)))
+        many.append(max(fewest, math.ceil((square / first) ** 0.25 * 4.730 / _LONGEST)))
     if sum(many) > _MOST_PARTS:
         raise ValueError(
             f"modes must be so few that {_MOST_PARTS} parts of stretches suffice, got {sum(many)} for a mode "
@@ -477,7 +505,7 @@ class _Builder:
                 self.light.append(self.size - 1)
         self.energy: list[dict[int, float]] = []
         self.kinetic: list[dict[int, float]] = []
-        self.inner: list[tuple[Floats, list[dict[int, float]], Floats]] = []
+        self.ends: list[list[dict[int, float]]] = []
         self.spans: list[_Span] = []
 
     def _new(self, count: int = 1) -> int:
@@ -537,8 +565,8 @@ class _Builder:
             self.energy.append(_sum(*zip(row, x, strict=True)))
         for row in (heavy * element.inertia).tolist():
             self.kinetic.append(_sum(*zip(row, x, strict=True)))
-        self.inner.append((element.square * (stiff / heavy) ** 2, x, heavy * element.momentum))
-        self.spans.append(_Span(member, start, part.length, element, heavy, self._matrix([])))
+        self.ends.append(x)
+        self.spans.append(_Span(member, start, part.length, element, stiff, heavy))
 
     def add_node(self, index: int) -> None:
         """Add the springs and the body of a node."""
@@ -559,8 +587,6 @@ class _Builder:
         free = self._allowed()
         energy, kinetic = (self._matrix(rows) for rows in (self.energy, self.kinetic))
         energy, kinetic = energy @ free, kinetic @ free
-        momentum = [self._matrix(x).T @ shared for _, x, shared in self.inner]
-        coupled = free.T @ np.hstack(momentum)
         answers: Floats = np.zeros((len(self.light), free.shape[1]))
         if self.light:
             # Rotations without inertia follow the others at least energy.
@@ -579,19 +605,22 @@ class _Builder:
         change = np.vstack([shapes[elastic:], shapes[:elastic]]).T * scale
         energy = energy @ change
         energy[:, :rigid] = 0.0
-        kinetic, free, answers, coupled = (
-            kinetic @ change,
-            free @ change,
-            answers @ change,
-            change.T @ coupled,
-        )
+        kinetic, free, answers = kinetic @ change, free @ change, answers @ change
         motions = tuple(self._motion(i, free, answers) for i in range(len(self.parts.nodes)))
-        square = np.concatenate([square for square, _, _ in self.inner])
-        spans = tuple(
-            span._replace(ends=self._matrix(x) @ free)
-            for span, (_, x, _) in zip(self.spans, self.inner, strict=True)
+        ends = np.array([self._matrix(x) @ free for x in self.ends])
+        return _Model(
+            energy, kinetic.T @ kinetic, *self._inner_modes(), ends, motions, rigid, tuple(self.spans)
         )
-        return _Model(energy, kinetic.T @ kinetic, square, coupled, motions, rigid, spans)
+
+    def _inner_modes(self) -> tuple[Floats, Floats]:
+        """Return Λ and C of all parts."""
+        most = max(len(span.element.square) for span in self.spans)
+        square, momentum = [], []
+        for span in self.spans:
+            more = most - len(span.element.square)
+            square.append(np.pad(span.element.square * (span.stiff / span.heavy) ** 2, (0, more), "edge"))
+            momentum.append(np.pad(span.heavy * span.element.momentum, ((0, 0), (0, more))))
+        return np.array(square), np.array(momentum)
 
     def _motion(self, index: int, free: Floats, answers: Floats) -> Floats:
         rotation = self.rotation[index]
