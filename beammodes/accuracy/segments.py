@@ -13,6 +13,7 @@ from beammodes.chains.axial_chain import AnyAxialRule
 from beammodes.chains.rules import Layout, fits_of
 from beammodes.checks import shown, small_fraction, whole_number
 from beammodes.closed_form.uniform_chains import MAX_SEGMENTS
+from beammodes.numerics.blas import one_thread
 from beammodes.problem.axial_ends import AxialBoundaryLike
 from beammodes.problem.beam import Beam
 from beammodes.problem.loading import Load, check_unloaded
@@ -38,8 +39,8 @@ _LONGEST_SOLVED = 1000
 # Errors that are looked up at a time; roots that are; chains, where each costs some milliseconds.
 _BLOCK, _ROOTS, _SOLVED_AT_A_TIME = 200_000, 4096, 8
 
-# Of a structure N is enough if no longer chain up to so many times N fails.
-_AHEAD = 3
+# Of a structure N is enough if no longer chain up to so many times N fails. Longer chains cost more to solve.
+_AHEAD, _LONG = 3, 100
 
 Counts = NDArray[np.int64]
 Fails = Callable[[Counts], NDArray[np.bool_]]
@@ -150,7 +151,13 @@ def _segments_of_structure(structure: Structure, tolerance: float, modes: int, r
     fails = failing_segments(structure, limit, modes, rule)
     least = next(n for n in itertools.count(1) if fits(n)) * len(structure.parts.stretches)
     grid = solved_grid(modes, rule)
-    needed = first_lasting_upwards(fails, grid[grid >= least], _AHEAD)
+    grid = grid[grid >= least]
+    longer = grid[grid > _LONG][0]
+    # Of many small matrices more threads would only wait for each other.
+    with one_thread():
+        # Where neither a long chain nor the longest will do, none between is looked at.
+        hopeless = fails(int(longer)) and fails(int(grid[-1]))
+        needed = None if hopeless else first_lasting_upwards(fails, grid, _AHEAD, fits_of(rule))
     if needed is None:
         raise ToleranceOutOfReach.of(tolerance, rule, modes, repr(structure), grid[-1])
     return needed
@@ -190,35 +197,46 @@ def first_lasting(
         last = start + int(failing[-1])
         if last == len(grid) - 1:
             return None
-        between: Sequence[int] = range(int(grid[last]), int(grid[last + 1]) + 1)
-        between = between if fits is None else [count for count in between if fits(count)]
-        low, high = 0, len(between) - 1
-        while high - low > 1:
-            middle = (low + high) // 2
-            low, high = (middle, high) if fails(np.array([between[middle]]))[0] else (low, middle)
-        return between[high]
+        ends = int(grid[last]), int(grid[last + 1])
+        return _first_between(lambda count: bool(fails(np.array([count]))[0]), *ends, fits)
     return int(grid[0])
 
 
-def first_lasting_upwards(fails: Callable[[int], bool], grid: Counts, ahead: int) -> int | None:
-    """Return the smallest N of a grid from which on nothing fails up to `ahead` times N, None if none does.
+def _first_between(
+    fails: Callable[[int], bool], low: int, high: int, fits: Callable[[int], bool] | None
+) -> int:
+    """Return the first N that does not fail, between one that does and one that does not."""
+    between: Sequence[int] = range(low, high + 1)
+    between = between if fits is None else [count for count in between if fits(count)]
+    first, last = 0, len(between) - 1
+    while last - first > 1:
+        middle = (first + last) // 2
+        first, last = (middle, last) if fails(between[middle]) else (first, middle)
+    return between[last]
 
-    For chains that are solved one by one, of which long ones cost most: the grid is looked at upwards.
+
+def first_lasting_upwards(
+    fails: Callable[[int], bool], grid: Counts, ahead: int, fits: Callable[[int], bool] | None = None
+) -> int | None:
+    """Return the smallest N from which on nothing of a grid fails up to `ahead` times N, None if none does.
+
+    For chains that are solved one by one, of which long ones cost most: the grid is looked at upwards, and N
+    then found by bisection, among those that `fits` admits.
 
     Examples
     --------
     >>> first_lasting_upwards(lambda n: n < 7 or n == 9, np.arange(1, 100), ahead=3)
     10
     """
-    needed = None
+    needed, failing = None, None
     for count in grid.tolist():
         if fails(count):
-            needed = None
+            needed, failing = None, count
         elif needed is None:
             needed = count
         elif count > ahead * needed:
             break
-    return needed
+    return needed if needed is None or failing is None else _first_between(fails, failing, needed, fits)
 
 
 def segment_grid(modes: int) -> Counts:

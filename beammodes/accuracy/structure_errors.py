@@ -12,7 +12,7 @@ from beammodes.checks import whole_number
 from beammodes.exact.structure_judge import MOST_MODES, structure_modes
 from beammodes.numerics.arrays import Floats, ratios_less_one
 from beammodes.problem.structure import Structure
-from beammodes.vibration.structure_vibration import structure_chain_modes
+from beammodes.vibration.structure_vibration import lowest_frequencies, structure_chain_modes
 
 __all__ = ["errors_of_structure", "failing_segments"]
 
@@ -28,7 +28,8 @@ def errors_of_structure(chain: StructureChain, modes: int) -> Floats:
     array([-6.40e-05, -3.96e-04])
     """
     count = whole_number("modes", modes, most=MOST_MODES)
-    return _errors(chain, structure_modes(chain.structure, count).angular_frequency)
+    exact = structure_modes(chain.structure, count).angular_frequency
+    return ratios_less_one(structure_chain_modes(chain).angular_frequency, exact, count)
 
 
 def failing_segments(structure: Structure, limit: float, modes: int, rule: Layout) -> Callable[[int], bool]:
@@ -49,12 +50,9 @@ def failing_segments(structure: Structure, limit: float, modes: int, rule: Layou
     def fails(segments: int) -> bool:
         shared = shared_segments(structure.parts, segments, rule)
         if shared not in known:
-            errors = _errors(StructureChain(structure, shared, rule), exact)
+            found = lowest_frequencies(StructureChain(structure, shared, rule), count)
+            errors = ratios_less_one(found, exact, count)
             known[shared] = not bool((np.abs(errors) <= limit).all())
         return known[shared]
 
     return fails
-
-
-def _errors(chain: StructureChain, exact: Floats) -> Floats:
-    return ratios_less_one(structure_chain_modes(chain).angular_frequency, exact, len(exact))

@@ -28,13 +28,15 @@ from beammodes.checks import row_shown, shown, whole_number
 from beammodes.numerics.arrays import Floats, signs_of_largest
 from beammodes.problem.beam import positions_on
 
-__all__ = ["StructureChainModes", "StructureCoordinates", "structure_chain_modes"]
+__all__ = ["StructureChainModes", "StructureCoordinates", "lowest_frequencies", "structure_chain_modes"]
 
 #: Constraints weaker than this say nothing that others do not say.
 _SAME = 1e-9
 #: Singular values below this part of the largest belong to motions without inertia.
 _MASSLESS = 1e-11
 _MOST_PIECES = 3000
+#: Chains of fewer coordinates are quickly solved as a whole.
+_SHORT = 60
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
@@ -160,6 +162,28 @@ def structure_chain_modes(chain: StructureChain, modes: int | None = None) -> St
         ),
         turns.T,
     )
+
+
+def lowest_frequencies(chain: StructureChain, modes: int) -> Floats:
+    """Return ω of the first elastic modes, or of as many as there are; of a long chain soon.
+
+    Of a long chain from GᵀG, so that ω_n has (ω_n/ω_1)² times the rounding of `structure_chain_modes`.
+
+    Examples
+    --------
+    >>> import beammodes as bm
+    >>> bar = bm.Structure.of_beam(bm.Beam.unit(), "clamped-free")
+    >>> lowest_frequencies(bm.StructureChain(bar, 100), 2).round(6)
+    array([ 3.516015, 22.034492])
+    """
+    from scipy.linalg import eigh
+
+    moved = StructureCoordinates.of(chain).momentum()
+    count = moved.shape[1]
+    if count < max(_SHORT, 10 * modes):
+        return structure_chain_modes(chain).angular_frequency[:modes]
+    found = eigh(moved.T @ moved, eigvals_only=True, subset_by_index=(count - modes, count - 1))
+    return np.asarray(1.0 / np.sqrt(found[::-1]))
 
 
 class StructureCoordinates(NamedTuple):
