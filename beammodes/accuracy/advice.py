@@ -20,7 +20,7 @@ from beammodes.accuracy.segments import (
 )
 from beammodes.accuracy.statics import LOADS, beam_statics, chain_statics
 from beammodes.chains.chain import Chain
-from beammodes.chains.rules import RULES, AnyRule, Layout, layout_of
+from beammodes.chains.rules import RULES, AnyRule, Layout, fits_of, layout_of
 from beammodes.checks import bounded, percent, small_fraction, whole_number
 from beammodes.exact.beam_theory import euler_bernoulli
 from beammodes.numerics.arrays import Floats
@@ -229,7 +229,10 @@ class _Judge(NamedTuple):
             return segments_needed(self.boundary, self.tolerance, self.modes, record, beam=self.beam)
         grid = solved_grid(self.modes, record)
         needed = first_lasting_upwards(
-            lambda count: not (np.abs(self.errors(record, count)) <= self.tolerance).all(), grid, ahead=3
+            lambda count: not (np.abs(self.errors(record, count)) <= self.tolerance).all(),
+            grid,
+            ahead=3,
+            fits=fits_of(record),
         )
         if needed is None:
             raise ToleranceOutOfReach.of(self.tolerance, record, self.modes, "this beam", grid[-1])
