@@ -21,6 +21,7 @@ from beammodes.exporters.tree_matrices import TreeMatrices, tree_matrices
 from beammodes.numerics.arrays import Floats
 from beammodes.problem.load_in_space import SpatialLoad
 from beammodes.vibration.damping import Damping
+from beammodes.vibration.highest_in_space import resisted_across
 from beammodes.vibration.integrators import find_integrator, stability_limit
 
 __all__ = ["bounded_frequency", "engine_step_in_space", "highest_frequency"]
@@ -73,17 +74,7 @@ def _pull(tree: Tree, gravity: float, force: float) -> Floats | None:
     if tree.ties:
         beyond = np.full_like(mass, mass.sum())
     tip, centre = (np.array([getattr(body, at) for body in tree.bodies]) for at in ("tip", "centre"))
-    return _across(tip, gravity * beyond + force) + _across(centre, gravity * mass)
-
-
-def _across(arm: Floats, force: Floats) -> Floats:
-    """Return what a force that pulls along each arm resists: turns across it, not about it."""
-    square = (arm**2).sum(axis=1)[:, None, None]
-    length = np.sqrt(np.where(square > 0.0, square, 1.0))
-    resisted: Floats = (
-        force[:, None, None] / length * (square * np.eye(3) - arm[:, :, None] * arm[:, None, :])
-    )
-    return resisted
+    return resisted_across(tip, gravity * beyond + force) + resisted_across(centre, gravity * mass)
 
 
 def _stable_step(tree: Tree, engine: str, beta: float, pull: Floats | None) -> float:

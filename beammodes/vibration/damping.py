@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from beammodes.chains.axial_chain import AxialChain
 from beammodes.chains.chain import Chain
 from beammodes.chains.pieces import MAX_PIECES
 from beammodes.chains.spatial_chain import SpatialChain
@@ -26,6 +27,7 @@ from beammodes.numerics.arrays import Floats
 from beammodes.numerics.nonnegative import nearest_nonnegative
 from beammodes.problem.loading import Load
 from beammodes.version import SOURCE
+from beammodes.vibration.axial_spectrum import solve_axial_modes
 from beammodes.vibration.linear import linearize
 from beammodes.vibration.modes import MAX_DENSE, Modes, solve_modes
 from beammodes.vibration.modes_in_space import spatial_modes
@@ -41,6 +43,7 @@ __all__ = [
     "damped_eigenvalues",
     "damped_modes",
     "damped_pairs",
+    "damping_along",
     "damping_of_modes",
     "given_for_asked",
     "joint_dampers",
@@ -100,21 +103,28 @@ class Damping:
             kept = not_negative("joint", given)
         object.__setattr__(self, "joint", kept)
 
-    def joint_damping(self, chain: Chain) -> Floats:
-        """Return the damping of every hinge, β k_j + d_j, shape (hinges,) [N m s/rad].
+    def joint_damping(self, chain: Chain | AxialChain | SpatialChain) -> Floats:
+        """Return the damping of every hinge, β k_j + d_j, shape of `joint_stiffness` [N m s/rad].
+
+        In stretch [N s/m]. In space d_j is about each of the three axes; one that is rigid has none.
 
         Raises
         ------
         TypeError, ValueError
-            If `chain` is no Chain, or `joint` has another number of entries than the chain has hinges.
+            If `chain` is no chain, or `joint` has another number of entries than the chain has hinges.
         """
-        if not isinstance(chain, Chain):
-            raise TypeError(f"chain must be a Chain, got {shown(chain)}")
-        hinges = len(chain.joint_stiffness)
-        own = np.asarray(self.joint)
-        if own.ndim and len(own) != hinges:
-            raise ValueError(f"joint must have {hinges} entries, one a hinge, got {len(own)}")
-        return np.asarray(self.stiffness * chain.joint_stiffness + own)
+        own = self.own_of_joints(chain)
+        return own + self.stiffness * np.where(np.isfinite(chain.joint_stiffness), chain.joint_stiffness, 0.0)
+
+    def own_of_joints(self, chain: Chain | AxialChain | SpatialChain) -> Floats:
+        """Return d_j of every hinge, shape of `joint_stiffness`; see `joint_damping`."""
+        if not isinstance(chain, Chain | AxialChain | SpatialChain):
+            raise TypeError(f"chain must be a Chain, AxialChain or SpatialChain, got {shown(chain)}")
+        stiffness, own = chain.joint_stiffness, np.asarray(self.joint)
+        if own.ndim and len(own) != len(stiffness):
+            raise ValueError(f"joint must have {len(stiffness)} entries, one a hinge, got {len(own)}")
+        across = own.reshape(-1, *[1] * (stiffness.ndim - 1)) if own.ndim else own
+        return np.where(np.isfinite(stiffness), across, 0.0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -176,6 +186,31 @@ def damping_of_modes(chain: Chain, damping: Damping, load: Load | None = None) -
     else:
         joints = (bend * own) @ bend.T + sum(ends) - far
     drag = damping.mass if model.rigid_body_modes else 0.0
+    return ModalDamping(omega, joints + damping.mass * np.eye(len(omega)), far, drag)
+
+
+def damping_along(chain: AxialChain, damping: Damping) -> ModalDamping:
+    """Return the undamped modes' frequencies and G of a chain in twist or stretch, as `damping_of_modes`.
+
+    Examples
+    --------
+    >>> from beammodes.problem.motions import unit_beam
+    >>> modal = damping_along(AxialChain(unit_beam(), "fixed-fixed", 3), Damping(stiffness=0.1))
+    >>> bool(np.allclose(modal.coupling, 0.1 * np.diag(modal.angular_frequency**2)))
+    True
+    """
+    own, modes = damping.own_of_joints(chain), solve_axial_modes(chain)
+    omega, moved = modes.angular_frequency, modes.displacement
+    turned = np.diff(moved, axis=1)
+    far = np.zeros((len(omega), len(omega)))
+    right = chain.boundary.right
+    if 0.0 < right.stiffness < np.inf:
+        far += damping.stiffness * right.stiffness * np.outer(moved[:, -1], moved[:, -1])
+    if right.is_fixed and len(own) > 1:
+        last = own[-1] + damping.stiffness * chain.joint_stiffness[-1]
+        far += last * np.outer(turned[:, -1], turned[:, -1])
+    joints = (turned * own) @ turned.T + np.diag(damping.stiffness * omega**2) - far
+    drag = damping.mass if modes.rigid_body_modes else 0.0
     return ModalDamping(omega, joints + damping.mass * np.eye(len(omega)), far, drag)
 
 

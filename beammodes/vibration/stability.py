@@ -9,22 +9,34 @@ from.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from beammodes.chains.axial_chain import AxialChain
 from beammodes.chains.chain import Chain
+from beammodes.chains.spatial_chain import SpatialChain
 from beammodes.chains.structure_chain import StructureChain
 from beammodes.checks import shown, whole_number
 from beammodes.equations.mechanics import axial_pull
 from beammodes.numerics.arrays import Floats
 from beammodes.problem.beam import Beam
+from beammodes.problem.load_in_space import SpatialLoad
 from beammodes.problem.loading import Load, checked_load
+from beammodes.problem.rod import Rod
 from beammodes.vibration.axial_spectrum import highest_axial_frequency
-from beammodes.vibration.damping import Damping, ModalDamping, damped_eigenvalues, damping_of_modes
+from beammodes.vibration.damping import (
+    Damping,
+    ModalDamping,
+    damped_eigenvalues,
+    damping_along,
+    damping_of_modes,
+)
+from beammodes.vibration.highest_in_space import MOST_SOLVED, damping_in_space, highest_in_space
 from beammodes.vibration.integrators import (
     Integrator,
+    find_integrator,
     fixed_step_integrator,
     stability_limit,
 )
@@ -63,15 +75,15 @@ def published_constants() -> Floats:
     return np.round(8 / np.array(ROARK_CLAMPED_CLAMPED), 3)
 
 
-def published_time_step(beam: Beam, modes: int) -> float:
+def published_time_step(beam: Beam | Rod, modes: int) -> float:
     """Return the report's largest step  h = C L² √(ρA/EI)  [s]; at fixed step it is not stable.
 
     Parameters
     ----------
-    beam : Beam
-        L, EI and ρA.
+    beam : Beam or Rod
+        L, EI and ρA; of a rod in space the larger EI, straight or not: the report knows no twist.
     modes : int
-        Number of modes to be followed, 1 to 5.
+        Number of modes to be followed, 1 to 5, in the plane.
 
     Raises
     ------
@@ -84,17 +96,19 @@ def published_time_step(beam: Beam, modes: int) -> float:
     >>> bm.published_time_step(bm.Beam.unit(), modes=3)
     0.066
     """
-    if not isinstance(beam, Beam):
-        raise TypeError(f"beam must be a Beam, got {shown(beam)}")
+    if not isinstance(beam, Beam | Rod):
+        raise TypeError(f"beam must be a Beam or a Rod, got {shown(beam)}")
     constants = published_constants()
-    return float(constants[whole_number("modes", modes, most=len(constants)) - 1] / beam.frequency_unit)
+    planes = [beam.planar(axis) for axis in (1, 2)] if isinstance(beam, Rod) else [beam]
+    unit = max(plane.frequency_unit for plane in planes)
+    return float(constants[whole_number("modes", modes, most=len(constants)) - 1] / unit)
 
 
 def stable_time_step(
-    chain: Chain | AxialChain | StructureChain,
+    chain: Chain | AxialChain | SpatialChain | StructureChain,
     integrator: str = "rk4",
     *,
-    load: Load | None = None,
+    load: Load | SpatialLoad | None = None,
     damping: Damping | None = None,
 ) -> float:
     """Return the largest fixed step at which a chain's small motion is stable [s].
@@ -111,15 +125,17 @@ def stable_time_step(
 
     Parameters
     ----------
-    chain : Chain, AxialChain or StructureChain
-        A structure is taken without load and damping, and so is a chain in twist or stretch. Of a uniform one
-        between fixed or free ends ω_max ≤ (2N/L) √(GJ/ρIp), by `simpson` with 2.12 N for 2N; a light disc
-        behind a hinge of its own, or a stiff spring on a stub, takes it beyond any bound.
-        Its own highest frequency decides, not the modes that one wants to see. Of more than 500 hinges the
-        answer is a lower bound: within a few percent without damping or without a load, else less close.
+    chain : Chain, AxialChain, SpatialChain or StructureChain
+        A structure is taken without load and damping, a chain in twist or stretch without a load. Of a
+        uniform one between fixed or free ends ω_max ≤ (2N/L) √(GJ/ρIp), by `simpson` with 2.12 N for 2N; a
+        light disc behind a hinge of its own, or a stiff spring on a stub, takes it beyond any bound.
+        Its own highest frequency decides, not the modes that one wants to see. Of more than 500 hinges, and
+        in space of more than 200, the answer is a lower bound: within a few percent without damping or
+        without a load (in space a fifth to a half, by stubs and curvature), else less close. In space
+        MuJoCo's Euler is taken as if it damped explicitly where the end at s = L is tied to the ground.
     integrator : str
         A name in `INTEGRATORS` of fixed step, or an engine's, such as "MuJoCo implicitfast".
-    load : Load, optional
+    load : Load or, in space, SpatialLoad, optional
         No load by default: a chain that hangs is stiffened by its weight and by what hangs on it, and needs a
         shorter step. Loads along the chain that pull are taken as they are. Of one that bends or pushes the
         chain the answer is a lower bound, by the pull that it could have: that of a chain which hangs.
@@ -152,20 +168,24 @@ def stable_time_step(
     0.0066
     """
     record = fixed_step_integrator(integrator)
-    if isinstance(chain, AxialChain | StructureChain):
-        what = "in twist or stretch" if isinstance(chain, AxialChain) else "of a structure"
-        for name, given in (("load", load), ("damping", damping)):
-            if given is not None:
-                raise ValueError(f"{name} must be left out for a chain {what}, got {shown(given)}")
-        if isinstance(chain, AxialChain):
-            highest = highest_axial_frequency(chain)
-        else:
-            highest = float(structure_chain_modes(chain).angular_frequency.max(initial=0.0))
-        return stability_limit(record.name) / highest if highest else math.inf
-    if not isinstance(chain, Chain):
-        raise TypeError(f"chain must be a Chain, got {shown(chain)}")
+    if not isinstance(chain, Chain | AxialChain | SpatialChain | StructureChain):
+        raise TypeError(
+            f"chain must be a Chain, AxialChain, SpatialChain or StructureChain, got {shown(chain)}"
+        )
     if damping is not None and not isinstance(damping, Damping):
         raise TypeError(f"damping must be a Damping or None, got {shown(damping)}")
+    if isinstance(chain, SpatialChain):
+        return _step_in_space(record, chain, load, damping)
+    if isinstance(load, SpatialLoad):
+        raise TypeError(f"load must be a Load, or None, for a chain in a plane, got {shown(load)}")
+    if isinstance(chain, AxialChain):
+        return _axial_step(record, chain, load, damping)
+    if isinstance(chain, StructureChain):
+        for name, given in (("load", load), ("damping", damping)):
+            if given is not None:
+                raise ValueError(f"{name} must be left out for a chain of a structure, got {shown(given)}")
+        highest = float(structure_chain_modes(chain).angular_frequency.max(initial=0.0))
+        return stability_limit(record.name) / highest if highest else math.inf
     straight = taut_load(chain, checked_load(load))
     if record.springs == "implicit":
         return math.inf
@@ -175,6 +195,71 @@ def stable_time_step(
     if len(chain.scaled.joint_stiffness) > MAX_DENSE:
         return _bounded_step(record, chain, straight, damping)
     return modal_time_step(record, damping_of_modes(chain, damping, straight))
+
+
+def _axial_step(record: Integrator, chain: AxialChain, load: Load | None, damping: Damping | None) -> float:
+    if load is not None and load != Load():
+        raise ValueError(f"load must be left out for a chain in {chain.motion.name}, got {shown(load)}")
+    rates = (damping or Damping()).own_of_joints(chain)
+    if record.springs == "implicit":
+        return math.inf
+    highest = highest_axial_frequency(chain)
+    if damping is None or damping == Damping():
+        return stability_limit(record.name) / highest if highest else math.inf
+    if len(rates) > MAX_DENSE:
+        springs = (chain.boundary.left.stiffness, chain.boundary.right.stiffness)
+        return _step_by_rates(record, highest, damping, _rates(rates, chain.joint_stiffness, springs))
+    return modal_time_step(record, damping_along(chain, damping))
+
+
+def _step_in_space(record: Integrator, chain: SpatialChain, load: object, damping: Damping | None) -> float:
+    if load is not None and not isinstance(load, SpatialLoad):
+        raise TypeError(f"load must be a SpatialLoad or None for a chain in space, got {shown(load)}")
+    if load is not None and (any(load.moment) or load.torque):
+        raise ValueError(f"load must be forces and gravity for a stable step, got {shown(load)}")
+    rates = (damping or Damping()).own_of_joints(chain)
+    if record.springs == "implicit":
+        return math.inf
+    highest = highest_in_space(chain, load).angular_frequency
+    if damping is None or damping == Damping():
+        return stability_limit(record.name) / highest if highest else math.inf
+    if record.tendon_damping and chain.ends.right.stiffness.any():
+        # What ties the far end to the ground is damped explicitly: no step is shorter than that of all so.
+        record = find_integrator("semi_implicit_euler")
+    if rates.size > MOST_SOLVED:
+        springs = (*chain.ends.left.stiffness, *chain.ends.right.stiffness)
+        return _step_by_rates(record, highest, damping, _rates(rates, chain.joint_stiffness, springs))
+    return modal_time_step(record, damping_in_space(chain, damping, load))
+
+
+def _rates(own: Floats, stiffness: Floats, supports: Sequence[float]) -> Floats:
+    """Return d/k of joints that turn, and of supports' springs, which have no dampers of their own."""
+    turning = np.isfinite(stiffness)
+    sprung = any(0.0 < spring < math.inf for spring in supports)
+    return np.append(own[turning] / stiffness[turning], np.zeros(int(sprung)))
+
+
+def _step_by_rates(record: Integrator, highest: float, damping: Damping, rates: Floats) -> float:
+    """Return a step below the stable one of a long chain, joints of which have d_j/k_j = `rates`.
+
+    Between the least and the largest rate lies what joints damp: G ≤ α + (β + max d/k) Ω², and likewise from
+    below.
+    """
+    if record.stages:
+        ratio = (damping.mass / highest + (damping.stiffness + float(rates.max())) * highest) / 2
+        return _radius_step(record, highest, ratio)
+    if record.damping == "explicit":
+        effect = damping.mass + (damping.stiffness + float(rates.max())) * highest**2
+    else:
+        effect = -(damping.mass + (damping.stiffness + float(rates.min())) * highest**2)
+    return _kick_step(np.array([highest]), np.array([[effect]]), 0.0)
+
+
+def _radius_step(record: Integrator, highest: float, ratio: float) -> float:
+    """Return a step of a Runge-Kutta method for modes up to this frequency and damping ratio."""
+    # Every eigenvalue lies within this radius, and the least limit of all rays holds.
+    least = min(stability_limit(record.name, z) for z in np.linspace(0.0, 1.0, 101).tolist())
+    return least / (highest * (ratio + math.hypot(1.0, ratio)))
 
 
 def modal_time_step(record: Integrator, modal: ModalDamping) -> float:
@@ -227,9 +312,7 @@ def _bounded_step(record: Integrator, chain: Chain, load: Load, damping: Damping
         both = np.block([[signs[:, None, None] * rate, root], [root, zero]])
         return 2.0 / float(np.linalg.eigvalsh(both)[:, -1].max())
     ratio = (damping.mass / highest + max(damping.stiffness, float(rates.max())) * highest) / 2
-    # Every eigenvalue lies within this radius, and the least limit of all rays holds.
-    least = min(stability_limit(record.name, z) for z in np.linspace(0.0, 1.0, 101).tolist())
-    return least / (highest * (ratio + math.hypot(1.0, ratio)))
+    return _radius_step(record, highest, ratio)
 
 
 def taut_load(chain: Chain, load: Load) -> Load:
