@@ -141,7 +141,9 @@ def _pull(chain: SpatialChain, tree: RigidTree, load: SpatialLoad | None) -> Flo
     if right or not left:
         beyond = np.full_like(beyond, tree.mass.sum())
     tip = np.diff(np.vstack([tree.joint_place, tree.supports[-1].place]), axis=0)
-    return resisted_across(tip, weight * beyond + force) + resisted_across(tree.centre - tree.joint_place, weight * tree.mass)
+    return resisted_across(tip, weight * beyond + force) + resisted_across(
+        tree.centre - tree.joint_place, weight * tree.mass
+    )
 
 
 def resisted_across(arm: Floats, force: Floats) -> Floats:
