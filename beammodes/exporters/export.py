@@ -72,8 +72,10 @@ def export_chain(
     Parameters
     ----------
     chain : Chain, StructureChain or SpatialChain
-        A structure must be a tree, supported at one joint, for "mjcf", "sdf" or "urdf"; its x and y are x and
-        z in the file, and it takes none of the options from `fragment` to `units`.
+        A structure's x and y are x and z in the file, and it takes none of the options from `fragment` to
+        `units`. "mjcf" holds any: closed frames and further supports by constraints and tendons. For "sdf"
+        its supports must hold joints along x and y, and loops are closed by joints, which not every physics
+        engine takes (Drake does not). For "urdf" it must be a tree, supported at one joint.
         A chain in space is for "mjcf", "sdf" or "urdf".
     path : str or Path
     format : str, optional

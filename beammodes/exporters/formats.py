@@ -40,7 +40,16 @@ from beammodes.exporters.model_tree import (
 from beammodes.numerics.arrays import Floats
 from beammodes.numerics.rotations import quaternion
 
-__all__ = ["FORMATS", "MAX_NESTED", "XML_HEAD", "Format", "Model", "yaml_number"]
+__all__ = [
+    "FORMATS",
+    "MAX_NESTED",
+    "XML_HEAD",
+    "Format",
+    "Model",
+    "mjcf_firm",
+    "mjcf_ties",
+    "yaml_number",
+]
 
 
 @dataclass(frozen=True)
@@ -211,7 +220,7 @@ def _mjcf(model: Model) -> Sequence[Iterable[str]]:
         lines.append(f' <option {option} gravity="{_n(*model.gravity)}"{exact}/>')
     bodies = _mjcf_bodies(tree, 2 if whole else 1)
     lines += [" <worldbody>", *bodies, " </worldbody>"] if whole else bodies
-    lines += [*_mjcf_ties(tree.ties, model.timestep), "</mujocoinclude>" if model.fragment else "</mujoco>"]
+    lines += [*mjcf_ties(tree.ties, model.timestep), "</mujocoinclude>" if model.fragment else "</mujoco>"]
     return (["\n".join([*lines, ""])],)
 
 
@@ -288,7 +297,13 @@ def _along(tip: Vector) -> tuple[Vector, Vector]:
     return (x / 2, y / 2, z / 2), (0.0, -math.atan2(z, math.hypot(x, y)) + 0.0, math.atan2(y, x) + 0.0)
 
 
-def _mjcf_ties(ties: Sequence[Tie], timestep: float) -> Iterator[str]:
+def mjcf_firm(timestep: float) -> str:
+    """Return the attributes of a constraint that is as firm as a step allows."""
+    return f'solref="{2 * timestep!r} 1" solimp="0.9999 0.9999 0.001 0.5 2"'
+
+
+def mjcf_ties(ties: Sequence[Tie], timestep: float) -> Iterator[str]:
+    """Yield the lines of tendons for ties."""
     if not ties:
         return
     yield " <tendon>"
@@ -300,9 +315,8 @@ def _mjcf_ties(ties: Sequence[Tie], timestep: float) -> Iterator[str]:
         yield "  </fixed>"
     yield " </tendon>"
     if held := [tie.name for tie in ties if tie.stiffness == math.inf]:
-        soft = f'solref="{2 * timestep!r} 1" solimp="0.9999 0.9999 0.001 0.5 2"'
         yield " <equality>"
-        yield from (f'  <tendon name="{name}_held" tendon1="{name}" {soft}/>' for name in held)
+        yield from (f'  <tendon name="{name}_held" tendon1="{name}" {mjcf_firm(timestep)}/>' for name in held)
         yield " </equality>"
 
 

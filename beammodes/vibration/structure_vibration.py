@@ -135,7 +135,7 @@ def structure_chain_modes(chain: StructureChain, modes: int | None = None) -> St
     omega.flags.writeable = False
     motions = shape[:count].T * omega
     places, turns = coordinates.seen(motions)
-    sign = signs_of_largest(places.reshape(count, -1))
+    sign = signs_of_largest(places.reshape(count, 2 * len(chain.parts.nodes)))
     places, turns = places * sign[:, None, None], turns * sign
     displacement = {name: places[:, i] for i, name in enumerate(chain.structure.joints)}
     return StructureChainModes(
