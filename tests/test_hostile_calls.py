@@ -427,8 +427,10 @@ CALLS: dict[str, Arguments] = {
         "force": False,
     },
     "find_equilibrium": lambda: {
-        "chain": chain(),
-        "load": bm.Load(tip_force=(0.0, 1.0)),
+        "chain": bm.Chain(beam(), "pinned-pinned", 4),
+        "load": bm.Load(gravity=9.81),
+        "span": (1.0, 0.2),
+        "branch": "sag",
         "guess": None,
         "tolerance": 1e-10,
     },

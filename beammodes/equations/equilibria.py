@@ -1,35 +1,37 @@
 """The shape in which a loaded chain rests, however far that is from straight.
 
-Newton's method for  s(q) - (∂c/∂q)ᵀ λ = 0,  c(q) = 0,  in the chain's own units. Static forces are affine in
-dead forces, weights and Ω² alike, so those under a share f of the load,
-
-    s(q; f) = s(q; 0) + f (s(q; 1) - s(q; 0)),
-
-are compiled once for every f. The load is applied little by little along stable shapes, from straight, so a
-chain never jumps to another shape. Where it buckles, a push along the shape that has lost its stiffness leads
-it onto the branch that bends upwards, and is taken away again under the whole load.
+Newton's method (`newton_statics`) solves  s(q) - (∂c/∂q)ᵀ λ = 0,  c(q) = 0.  The load is applied little by
+little along stable shapes, from straight, so a chain never jumps to another shape. Where it buckles, a push
+along the shape that has lost its stiffness leads it onto the branch that bends upwards, and is taken away
+again under the whole load. Chains between two ends that are held apart have branches to choose from
+(`held_apart`).
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from beammodes.chains.chain import Chain
-from beammodes.checks import real, real_numbers, shown
+from beammodes.checks import choice, real, real_numbers, shown, whole_number
+from beammodes.equations.held_apart import BRANCHES, shape_between
 from beammodes.equations.mechanics import (
     Algebra,
     coordinate_names,
     energies,
     held_chain_load,
-    static_forces,
     tip_names,
     unpack,
+)
+from beammodes.equations.newton_statics import (
+    LONGEST_TURN,
+    ChainStatics,
+    StaticState,
+    compiled_statics,
+    followed,
 )
 from beammodes.numerics.arrays import Floats
 from beammodes.problem.loading import Load, checked_load
@@ -40,16 +42,13 @@ __all__ = ["Equilibrium", "EquilibriumNotFound", "find_equilibrium"]
 MAX_BENT_PIECES = 2000
 #: A looser tolerance would let shapes pass that are no equilibria.
 MAX_TOLERANCE = 1e-3
-#: Largest turn of a piece from one share of the load to the next [rad].
-LONGEST_TURN = 0.4
 #: Smallest step of the share: to find where the chain buckles, and to follow it from there.
 _COARSE, _FINE = 1e-4, 1e-7
 #: Largest rotation that the push which decides a buckling chain causes without load [rad].
 _PUSHED = 0.01
-#: What rounding leaves of a motion that stores nothing, in the largest stiffness.
-_NOTHING = 1e-14
-#: Up to so many coordinates a full matrix is solved faster than a sparse one.
-_SMALL = 30
+
+
+Span = tuple[float, float]
 
 
 class EquilibriumNotFound(ValueError):
@@ -67,7 +66,8 @@ class Equilibrium:
     coordinates : ndarray, shape (n,) [m, rad]
         q, in the order of `compile_equations`.
     multipliers : ndarray, shape (closures,) [N]
-        Forces λ by which the right end holds its tip: along the beam, where it does, then across.
+        Forces λ by which the right end holds its tip: along the beam, where it does, then across. Of ends
+        held apart both, along x and y.
     tangent : ndarray, shape (n, n)
         Tangent stiffness ∂/∂q (s - (∂c/∂q)ᵀ λ) in these coordinates.
     basis : ndarray, shape (n, independent) [m, rad]
@@ -76,6 +76,8 @@ class Equilibrium:
         Largest unbalanced moment or force, or gap of a closure, in the chain's own units (`chain.units`).
     is_stable : bool
         True if every such motion stores energy.
+    span : pair of float [m], or None
+        From the left end to the right one, where both are held apart.
     """
 
     chain: Chain
@@ -86,6 +88,7 @@ class Equilibrium:
     basis: Floats
     residual: float
     is_stable: bool
+    span: Span | None = None
 
     @property
     def angle(self) -> Floats:
@@ -120,6 +123,8 @@ def find_equilibrium(
     chain: Chain,
     load: Load | None,
     *,
+    span: float | tuple[float, float] | None = None,
+    branch: str | int | None = None,
     guess: Equilibrium | ArrayLike | None = None,
     tolerance: float = 1e-12,
 ) -> Equilibrium:
@@ -133,12 +138,26 @@ def find_equilibrium(
     load, where the ends meet, clamped-pinned ones at 1.13, and those that turn on springs across their ends
     at once.
 
+    With a `span` both ends are held, at two points nearer to each other than the chain is long: a hanging
+    cable, an arch, a buckled strip. A `branch` then says which of its many shapes is meant, and `is_stable`
+    of what is found whether the chain would stay there. Arches and higher branches end at some load, where
+    they snap through.
+
     Parameters
     ----------
     chain : Chain
         Of at most 2000 pieces.
     load : Load or None
-        Of a turning hub: the shape is that relative to it.
+        Of a turning hub: the shape is that relative to it. With `span` gravity and a tip's moment only.
+    span : float or pair [m], optional
+        From the left end to the right one, along the x axis, or its components (x, y). Both ends must hold
+        their deflection: clamped ones, whose rotation is held along x, pinned ones, or those on rotational
+        springs.
+    branch : str or int, optional
+        With `span`: "sag", below the line from the left end to the right one, "arch", above it, or the number
+        of half waves that the chain buckles into without load (of a clamped one the number of its buckling
+        mode): 1, 2, ... with the first one upwards, -1, -2, ... downwards, so that 1 is the arch. By default
+        the side to which the weight pulls, without weight the arch.
     guess : Equilibrium or array, shape (n,) [m, rad], optional
         Coordinates to start from under the whole load: what is found then need not be stable. Zeros keep
         a straight chain straight; another equilibrium with as many coordinates saves time.
@@ -162,6 +181,13 @@ def find_equilibrium(
     >>> buckled = bm.find_equilibrium(chain, bm.Load(axial_force=-10 * np.pi**2 / 4))
     >>> round(float(np.degrees(buckled.angle[-1])), 2), buckled.nodes[-1].round(4), buckled.is_stable
     (176.8, array([-0.5967,  0.4026]), True)
+
+    A cable of 1000 m between two points, of which one is 100 m higher, and the pull on the right one:
+
+    >>> cable = bm.Chain(bm.Beam(1000.0, 1e5, 200.0), "pinned-pinned", segments=100)
+    >>> hung = bm.find_equilibrium(cable, bm.Load(gravity=9.81), span=(800.0, 100.0))
+    >>> hung.multipliers.round(-2), hung.is_stable
+    (array([ 671500., 1100100.]), True)
     """
     if not isinstance(chain, Chain):
         raise TypeError(f"chain must be a Chain, got {shown(chain)}")
@@ -170,15 +196,60 @@ def find_equilibrium(
         raise ValueError(f"chain must have at most {MAX_BENT_PIECES} pieces, got {chain.pieces}")
     if not 1e-13 <= real("tolerance", tolerance) <= MAX_TOLERANCE:
         raise ValueError(f"tolerance must be 1e-13 to {MAX_TOLERANCE}, got {shown(tolerance)}")
-    statics = _compiled(chain, given)
+    apart = None if span is None else _checked_span(chain, given, span)
+    side = _checked_branch(branch, given, apart, guess, chain.pieces)
+    statics = compiled_statics(chain, given, span=apart)
     if guess is not None:
-        start = _started(chain, guess), np.zeros(statics.closures.size1_out(0))
+        q = _started(chain, guess)
+        start = q, statics.best_multipliers(q) if apart else np.zeros(statics.closed)
         state = statics.solve(start, share=1.0, tolerance=tolerance, steps=100, longest=LONGEST_TURN)
+    elif apart is not None:
+        state = shape_between(chain, statics, given, side, tolerance)
     else:
         state = _shape_under(chain, statics, given, tolerance)
     if state is None:
-        raise _lost(chain, given)
-    return _in_physical_units(chain, given, state)
+        raise _lost(chain, given, apart)
+    return _in_physical_units(chain, given, state, apart)
+
+
+def _checked_span(chain: Chain, load: Load, span: object) -> Span:
+    """Return where the right end is held, or raise what is wrong with that."""
+    pair = span if isinstance(span, tuple | list) else (span, 0.0)
+    if len(pair) != 2:
+        raise ValueError(f"span must be a number or a pair (x, y), got {shown(span)}")
+    x, y = (real(f"span[{k}]" if pair is span else "span", value) for k, value in enumerate(pair))
+    longest = float(chain.length.sum())
+    if not math.hypot(x, y) < longest:
+        raise ValueError(f"span must be shorter than the chain, {longest} m, got {shown(span)}")
+    ends = chain.boundary.left, chain.boundary.right
+    if not all(end.holds_deflection for end in ends):
+        raise ValueError(
+            f"boundary must hold both ends (clamped, pinned or on a rotational spring) with span, got "
+            f"{chain.boundary.name}"
+        )
+    for name in ("axial_force", "spin_rate"):
+        if getattr(load, name):
+            raise ValueError(f"{name} must be 0 with span, where both ends are held, got {load}")
+    if any(load.tip):
+        raise ValueError(f"tip_force must be 0 with span, where the right tip is held, got {load}")
+    return x, y
+
+
+def _checked_branch(branch: object, load: Load, span: Span | None, guess: object, most: int) -> int:
+    """Return the number of a branch: by default the first one, to the side to which the weight pulls."""
+    if span is None or guess is not None:
+        if branch is not None:
+            raise ValueError(f"branch must be left out without span and with guess, got {shown(branch)}")
+        return 0
+    if branch is None:
+        gx, gy = map(float, load.weight)
+        return -1 if span[0] * gy - span[1] * gx < 0 else 1
+    if isinstance(branch, str):
+        return BRANCHES[choice("branch", branch, BRANCHES)]
+    number = whole_number("branch", branch, least=-most, most=most)
+    if not number:
+        raise ValueError("branch must be a number of half waves, positive or negative, got 0")
+    return number
 
 
 def _started(chain: Chain, guess: Equilibrium | ArrayLike) -> Floats:
@@ -196,7 +267,7 @@ def _unit(chain: Chain) -> Floats:
     return np.where(np.arange(len(coordinate_names(chain))) < tips, chain.units.length, 1.0)
 
 
-def _in_physical_units(chain: Chain, load: Load, state: _State) -> Equilibrium:
+def _in_physical_units(chain: Chain, load: Load, state: StaticState, span: Span | None) -> Equilibrium:
     unit, units = _unit(chain), chain.units
     return Equilibrium(
         chain,
@@ -207,194 +278,31 @@ def _in_physical_units(chain: Chain, load: Load, state: _State) -> Equilibrium:
         state.basis * unit[:, None],
         state.residual,
         state.is_stable,
+        span,
     )
 
 
-def _lost(chain: Chain, load: Load) -> EquilibriumNotFound:
+def _lost(chain: Chain, load: Load, span: Span | None) -> EquilibriumNotFound:
+    if span is not None:
+        return EquilibriumNotFound(
+            f"branch must be one that reaches the whole load without a jump, with ends {span} m apart under "
+            f"{load} (arches and higher branches snap through): choose another, or give a guess"
+        )
     return EquilibriumNotFound(
         f"load must leave {chain.boundary.name} a stable shape that it reaches from the straight one without "
         f"a jump, got {load}: give a guess nearer to the shape that you look for"
     )
 
 
-@dataclass(frozen=True)
-class _State:
-    """Balanced q and λ, with ∂/∂q (s - (∂c/∂q)ᵀ λ), ∂c/∂q and the largest entry of what is unbalanced."""
-
-    coordinates: Floats
-    multipliers: Floats
-    tangent: Floats
-    rows: Floats
-    residual: float
-
-    @property
-    def basis(self) -> Floats:
-        """Orthonormal columns that span what the closures allow, shape (n, independent)."""
-        if not len(self.rows):
-            return np.eye(len(self.coordinates))
-        return np.asarray(np.linalg.qr(self.rows.T, mode="complete")[0][:, len(self.rows) :])
-
-    @property
-    def reduced(self) -> Floats:
-        """The tangent on that basis."""
-        return np.asarray(self.basis.T @ self.tangent @ self.basis) if len(self.rows) else self.tangent
-
-    @property
-    def is_stable(self) -> bool:
-        """True if every small motion that the closures allow stores energy."""
-        return _is_positive(self.reduced, -_NOTHING)
-
-    @property
-    def is_indifferent(self) -> bool:
-        """True if such a motion stores nothing, and none releases energy."""
-        return not self.is_stable and _is_positive(self.reduced, 100 * _NOTHING)
-
-
-def _is_positive(matrix: Floats, shift: float) -> bool:
-    """Say whether a matrix is positive definite, with a share of its largest entry added to its diagonal."""
-    if not matrix.size:
-        return True
-    shifted = matrix + shift * float(np.abs(matrix.diagonal()).max()) * np.eye(len(matrix))
-    try:
-        if np.triu(shifted, 2).any():
-            np.linalg.cholesky(shifted)
-        else:
-            from scipy.linalg import cholesky_banded
-
-            above = np.concatenate([[0.0], shifted.diagonal(1)])
-            cholesky_banded(np.stack([above, shifted.diagonal()]))
-    except np.linalg.LinAlgError:
-        return False
-    return True
-
-
-@dataclass(frozen=True)
-class _Statics:
-    """A chain's forces at rest under any share of its load, compiled.
-
-    `balance` is  s - (∂c/∂q)ᵀ λ  of (q, λ, f) and `tangent` its derivative, times given directions if not
-    sparse; `closures` and `rows` are c and ∂c/∂q of q. `scale` is what counts as one in each coordinate: a
-    radian, or the chain's length.
-    """
-
-    scale: Floats
-    balance: Any
-    tangent: Any
-    closures: Any
-    rows: Any
-    is_sparse: bool
-
-    def solve(
-        self,
-        start: tuple[Floats, Floats],
-        *,
-        share: float,
-        push: Floats | float = 0.0,
-        tolerance: float,
-        steps: int = 12,
-        longest: float = np.inf,
-    ) -> _State | None:
-        """Return the state that Newton's method finds from q and λ under a share of the load and a push.
-
-        `tolerance` is the step that ends the search, `longest` the longest one that is taken whole [rad].
-        """
-        q, multipliers = start
-        for _ in range(steps):
-            unbalanced, gap = self._forces(q, multipliers, share, push)
-            right = -np.concatenate([unbalanced, gap])
-            # A chain balanced to the last digit may be free to move: there is nothing to solve.
-            if right.any():
-                right = _solved(self._tangent(q, multipliers, share), np.array(self.rows(q).full()), right)
-            step, multipliers = right[: len(q)], multipliers + right[len(q) :]
-            size = float(np.abs(step / self.scale).max(initial=0.0))
-            if not np.isfinite(size):
-                return None
-            q = q + step * min(1.0, longest / size if size else 1.0)
-            if size <= tolerance:
-                return self.state(q, multipliers, share, push)
-        return None
-
-    def state(self, q: Floats, multipliers: Floats, share: float, push: Floats | float = 0.0) -> _State:
-        """Return all that is known of a chain at q."""
-        tangent = self._tangent(q, multipliers, share)
-        full = np.asarray(tangent.toarray() if self.is_sparse else tangent)
-        unbalanced = np.concatenate(self._forces(q, multipliers, share, push))
-        residual = float(np.abs(unbalanced).max(initial=0.0))
-        return _State(q, multipliers, full, np.array(self.rows(q).full()), residual)
-
-    def _forces(
-        self, q: Floats, multipliers: Floats, share: float, push: Floats | float
-    ) -> tuple[Floats, Floats]:
-        unbalanced = np.array(self.balance(q, multipliers, share).full())[:, 0] - push
-        return unbalanced, np.array(self.closures(q).full())[:, 0]
-
-    def _tangent(self, q: Floats, multipliers: Floats, share: float) -> Any:
-        if self.is_sparse:
-            return self.tangent(q, multipliers, share).sparse().tocsc()
-        if not len(q):
-            return np.zeros((0, 0))
-        still, directions = np.zeros_like(multipliers), np.eye(len(q))
-        return np.array(self.tangent(q, multipliers, share, 0, directions, still, 0).full())
-
-
-def _compiled(chain: Chain, load: Load) -> _Statics:
-    import casadi
-
-    from beammodes.equations.numeric import column
-
-    names = coordinate_names(chain)
-    q, share = casadi.SX.sym("q", len(names)), casadi.SX.sym("share")
-    algebra = Algebra(float, casadi.sin, casadi.cos, 1.0, 1.0, 1.0)
-    entries = casadi.vertsplit(q) if names else []
-    bare, loaded = (column(static_forces(chain, entries, algebra, given)[2]) for given in (None, load))
-    closures = column(energies(chain, entries, [0.0] * len(names), algebra).closures)
-    multipliers = casadi.SX.sym("multipliers", closures.rows())
-    rows = casadi.jacobian(closures, q)
-    balance = bare + share * (loaded - bare) - rows.T @ multipliers
-    function = casadi.Function("balance", [q, multipliers, share], [balance])
-    # Forces that a piece feels from its neighbours and from what lies beyond make ∂s/∂q tridiagonal; spin,
-    # and springs at the right end, fill it.
-    is_sparse = len(names) > _SMALL and casadi.jacobian_sparsity(balance, q).nnz() < 10 * len(names)
-    if is_sparse:
-        tangent = casadi.Function("tangent", [q, multipliers, share], [casadi.jacobian(balance, q)])
-    else:
-        tangent = function.forward(1)
-    total = float(sum(chain.scaled.length))
-    return _Statics(
-        np.array([1.0 if name.startswith("theta") else total for name in names]),
-        function,
-        tangent,
-        casadi.Function("closures", [q], [closures]),
-        casadi.Function("rows", [q], [rows]),
-        is_sparse,
-    )
-
-
-def _solved(tangent: Any, rows: Floats, right: Floats) -> Floats:
-    """Return (δ, μ) of  K δ - Rᵀ μ = right,  R δ = right;  NaN where that is singular."""
-    try:
-        if isinstance(tangent, np.ndarray):
-            whole = np.block([[tangent, -rows.T], [rows, np.zeros((len(rows), len(rows)))]])
-            return np.asarray(np.linalg.solve(whole, right))
-        from scipy.sparse import bmat, csc_matrix
-        from scipy.sparse.linalg import splu
-
-        border = csc_matrix(rows)
-        blocks = bmat([[tangent, -border.T], [border, None]], format="csc") if len(rows) else tangent
-        return np.asarray(splu(blocks).solve(right))
-    except (np.linalg.LinAlgError, RuntimeError):
-        return np.full(len(right), np.nan)
-
-
-def _shape_under(chain: Chain, statics: _Statics, load: Load, tolerance: float) -> _State | None:
+def _shape_under(chain: Chain, statics: ChainStatics, load: Load, tolerance: float) -> StaticState | None:
     """Return the state that the chain is in when the whole load has been applied."""
-    closures = statics.closures.size1_out(0)
+    closures = statics.closed
     rest = statics.state(np.zeros(len(statics.scale)), np.zeros(closures), 0.0)
 
-    def loaded(state: _State, share: float) -> _State | None:
+    def loaded(state: StaticState, share: float) -> StaticState | None:
         return statics.solve((state.coordinates, state.multipliers), share=share, tolerance=tolerance)
 
-    reached, last = _along(statics, rest, loaded, _COARSE)
+    reached, last = followed(statics, rest, loaded, _COARSE)
     if reached or not last.reduced.size:
         return last
     if not rest.is_stable:
@@ -403,40 +311,18 @@ def _shape_under(chain: Chain, statics: _Statics, load: Load, tolerance: float) 
         return straight if straight is not None and straight.is_indifferent else None
     push = rest.tangent @ _softest(chain, last)
 
-    def pushed(state: _State, share: float, amount: float = 1.0) -> _State | None:
+    def pushed(state: StaticState, share: float, amount: float = 1.0) -> StaticState | None:
         start = state.coordinates, state.multipliers
         return statics.solve(start, share=share, push=amount * push, tolerance=tolerance)
 
     ready = pushed(rest, 0.0)
-    reached, last = _along(statics, ready, pushed, _FINE) if ready else (False, rest)
+    reached, last = followed(statics, ready, pushed, _FINE) if ready else (False, rest)
     if reached:
-        reached, last = _along(statics, last, lambda state, done: pushed(state, 1.0, 1.0 - done), _FINE)
+        reached, last = followed(statics, last, lambda state, done: pushed(state, 1.0, 1.0 - done), _FINE)
     return last if reached else None
 
 
-def _along(
-    statics: _Statics,
-    state: _State,
-    solve: Callable[[_State, float], _State | None],
-    least: float,
-) -> tuple[bool, _State]:
-    """Follow stable states from 0 to 1: whether 1 is reached, and the last of them."""
-    done, step = 0.0, 0.125
-    while done < 1.0 and step > least:
-        following = solve(state, min(1.0, done + step))
-        if following is None or _turned(statics, state, following) > LONGEST_TURN or not following.is_stable:
-            step /= 2
-            continue
-        done, state, step = min(1.0, done + step), following, 2 * step
-    return done == 1.0, state
-
-
-def _turned(statics: _Statics, state: _State, following: _State) -> float:
-    moved = (following.coordinates - state.coordinates) / statics.scale
-    return float(np.abs(moved).max(initial=0.0))
-
-
-def _softest(chain: Chain, state: _State) -> Floats:
+def _softest(chain: Chain, state: StaticState) -> Floats:
     """Return the motion that stores least: its largest rotation is small, its largest deflection upwards."""
     motion = state.basis @ np.linalg.eigh(state.reduced)[1][:, 0]
     (_, angles), (tip, turns) = (unpack(chain, q.tolist()) for q in (state.coordinates, motion))

@@ -21,6 +21,10 @@ therefore slides along the beam: only the transverse closure  y₀ + Σ l_i sin 
 Σ l_i cos θ_i = span,  has no gradient on the straight chain; its multiplier is the axial force T, a dead load
 with the potential -T Σ l_i cos θ_i, from which the geometric stiffness follows. Where no spring and no wall
 ties the left end to the ground and the right one is tied, the right end holds the chain axially.
+
+Both ends held apart, at a `span` (X, Y) from each other and nearer than the chain is long: both closures are
+kept,  Σ l_i cos θ_i = X  and  Σ l_i sin θ_i = Y.  No shape that meets them is straight, so neither gradient
+vanishes. The multipliers are the force of the right end's support.
 """
 
 from __future__ import annotations
@@ -41,6 +45,7 @@ __all__ = [
     "LinearizedChain",
     "axial_pull",
     "coordinate_names",
+    "end_closures",
     "energies",
     "held_chain_load",
     "motion_terms",
@@ -368,7 +373,11 @@ def _inertia_coefficients(chain: Chain) -> tuple[list[list[Number]], list[Number
 
 
 def energies(
-    chain: Chain, q: Sequence[Any], u: Sequence[Any], algebra: Algebra, load: Load | None = None
+    chain: Chain,
+    q: Sequence[Any],
+    u: Sequence[Any],
+    algebra: Algebra,
+    load: Load | None = None,
 ) -> Energies:
     """Return the chain's energies in coordinates `q` and speeds `u` (ordered as `coordinate_names`).
 
@@ -388,7 +397,7 @@ def energies(
     held_chain_load(chain, checked_load(load))
     (tip, angle), (tip_speed, spin) = unpack(chain, q), unpack(chain, u)
     kinetic, potential, (x, y) = piece_energies(chain, tip, tip_speed, angle, spin, algebra, load)
-    return Energies(kinetic, potential, _closures(chain, x, y, algebra))
+    return Energies(kinetic, potential, end_closures(chain, x, y, algebra))
 
 
 def piece_energies(
@@ -457,7 +466,7 @@ def motion_terms(
         drag = [s * value * w**2 for s, value, w in zip(moment, pull, spin, strict=True)]
         velocity = [-sum(drag, algebra.number(0)), *velocity]
     x, y, static = static_forces(chain, q, algebra, load)
-    return _MotionTerms(mass_matrix, velocity, static, _closures(chain, x, y, algebra))
+    return _MotionTerms(mass_matrix, velocity, static, end_closures(chain, x, y, algebra))
 
 
 def _angle_terms(
@@ -481,9 +490,11 @@ def _angle_terms(
     return matrix, [sum(terms, zero) for terms in velocity]
 
 
-def _closures(chain: Chain, x: Any, y: Any, algebra: Algebra) -> list[Any]:
-    """Return what the right end holds of its tip (x, y): see the module's note on both ends held."""
+def end_closures(chain: Chain, x: Any, y: Any, algebra: Algebra, span: Pair | None = None) -> list[Any]:
+    """Return what the right end holds of its tip (x, y): see the module's notes on both ends held."""
     right = chain.boundary.right
+    if span is not None:
+        return [x - span[0], y - span[1]]
     whole = sum(chain.scaled.length, start=chain.scaled.length[0] * 0)
     held = right.is_grounded and _axially_free_left(chain)
     axial = [x - algebra.number(whole) * algebra.length] if held else []

@@ -1,0 +1,206 @@
+"""Shapes of a chain between two points nearer to each other than the chain is long: strings, arches, strips.
+
+Two limits are found directly. Without load the chain is a buckled strip: at a chord just short of its length
+it has the shape of a buckling mode, n half waves on pinned ends, and the chord is then shortened step by
+step. Without springs it is a string under its weight: with a force F on the right tip, G_i the moment arms
+times the weights of piece i and of all beyond it, and l_i its length, every piece lies along
+
+    R_i = l_i F + G_i,      Σ l_i R_i/|R_i| = span,
+
+which is where the convex function  Σ |R_i| - F·span  is least: so there is one such shape that is pulled, and
+one, mirrored, that is pushed. Springs are then added by Newton's method, to a heavy chain all at once; to a
+strip the load is added step by step.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+import numpy as np
+
+from beammodes.chains.chain import Chain
+from beammodes.equations.mechanics import unpack
+from beammodes.equations.newton_statics import ChainStatics, StaticState, followed
+from beammodes.numerics.arrays import Floats
+from beammodes.problem.loading import Load
+
+__all__ = ["BRANCHES", "shape_between"]
+
+#: Words for the first branch to either side of the chord.
+BRANCHES = {"arch": 1, "sag": -1}
+#: Shortening of the chord at which a strip is taken to have the shape of its buckling mode.
+_SHORTENED = 1e-3
+#: Smallest step of the chord and of the load.
+_FINE = 1e-5
+#: What rounding leaves of the compliance of a chain that cannot buckle any further.
+_NOTHING = 1e-12
+#: From this weight on, over EI/L², a string is nearer than a strip.
+_HEAVY = 100.0
+
+
+def shape_between(
+    chain: Chain, statics: ChainStatics, load: Load, branch: int, tolerance: float
+) -> StaticState | None:
+    """Return the state on a branch under the whole load, or None if it is not reached."""
+    weight = float(chain.length.sum() ** 2 * chain.mass.sum()) * math.hypot(*map(float, load.weight))
+    # A chain's unit of stiffness is EI/ell.
+    heavy = abs(branch) == 1 and weight > _HEAVY * chain.units.stiffness * chain.units.length
+    for found in _ways(chain, statics, load, branch, tolerance, heavy=heavy):
+        # A string that falls through to the other side is another branch.
+        if found is not None and (abs(branch) > 1 or branch * _area(chain, found) > 0):
+            return found
+    return None
+
+
+def _ways(
+    chain: Chain,
+    statics: ChainStatics,
+    load: Load,
+    branch: int,
+    tolerance: float,
+    *,
+    heavy: bool,
+) -> Iterator[StaticState | None]:
+    if heavy:
+        yield _from_string(chain, statics, load, branch, tolerance)
+    strip = _strip(chain, statics, branch, tolerance)
+    if strip is not None:
+
+        def loaded(state: StaticState, share: float) -> StaticState | None:
+            return statics.solve((state.coordinates, state.multipliers), share=share, tolerance=tolerance)
+
+        reached, last = followed(statics, strip, loaded, _FINE, stable=False)
+        yield last if reached else None
+    if not heavy and abs(branch) == 1 and any(load.weight):
+        yield _from_string(chain, statics, load, branch, tolerance)
+
+
+def _strip(chain: Chain, statics: ChainStatics, branch: int, tolerance: float) -> StaticState | None:
+    """Return the state without load: a buckling mode, and then a shorter and turned chord."""
+    whole = float(sum(chain.scaled.length))
+    load, shape = _buckling_mode(chain, statics, whole, branch)
+    chord, slope = math.hypot(*statics.span), math.atan2(*statics.span[::-1])
+    most = 1.0 - chord / whole
+    least = min(_SHORTENED, most)
+
+    def between(done: float) -> ChainStatics:
+        # An amplitude grows with the root of what the chord is shortened by.
+        reach = whole * (1.0 - least - (most - least) * done**2)
+        if done == 1.0:
+            return statics
+        return statics.spanning((reach * math.cos(slope * done), reach * math.sin(slope * done)))
+
+    def moved(state: StaticState, done: float) -> StaticState | None:
+        start = state.coordinates, state.multipliers
+        return between(done).solve(start, share=0.0, tolerance=tolerance)
+
+    pushed = np.zeros(statics.closed)
+    pushed[0] = -load
+    first = math.sqrt(2.0 * least * whole) * shape
+    ready = between(0.0).solve((first, pushed), share=0.0, tolerance=tolerance)
+    reached, last = followed(statics, ready, moved, _FINE, stable=False) if ready else (False, None)
+    return last if reached else None
+
+
+def _buckling_mode(chain: Chain, statics: ChainStatics, whole: float, branch: int) -> tuple[float, Floats]:
+    """Return the n-th load that buckles the straight chain between its supports, and the shape φ.
+
+    It shortens the chord by half its square's size; its first half wave is upwards for positive branches.
+    """
+    from scipy.linalg import eigh
+
+    straight = statics.spanning((whole, 0.0))
+    rest, pull = np.zeros(len(statics.scale)), np.zeros(statics.closed)
+    pull[0] = 1.0
+    still = straight.state(rest, 0.0 * pull, 0.0)
+    taut = straight.state(rest, pull, 0.0)
+    root = np.sqrt((taut.tangent - still.tangent).diagonal())
+    # The closure along the chord has no gradient on the straight chain.
+    border = still.rows[1:]
+    size = len(rest)
+    matrix = np.block([[still.tangent, border.T], [border, np.zeros((len(border), len(border)))]])
+    right = np.vstack([np.diag(root), np.zeros((len(border), size))])
+    soft = root[:, None] * np.linalg.solve(matrix, right)[:size]
+    values, vectors = eigh((soft + soft.T) / 2, subset_by_index=[size - min(size, abs(branch)), size - 1])
+    if abs(branch) > size or values[0] < _NOTHING * values[-1]:
+        raise ValueError(f"branch must be the number of a buckling mode of {chain!r}, got {branch}")
+    shape = (np.linalg.solve(matrix, np.append(root * vectors[:, 0], np.zeros(len(border)))))[:size]
+    shape /= np.linalg.norm(root * shape)
+    lift = _lifts(chain, shape)
+    first = lift[np.abs(lift) > 0.3 * np.abs(lift).max()][0]
+    return 1.0 / float(values[0]), shape * np.sign(first) * np.sign(branch)
+
+
+def _lifts(chain: Chain, motion: Floats) -> Floats:
+    """Return the deflection of every node of the straight chain in a small motion."""
+    tip, turns = unpack(chain, motion.tolist())
+    lengths = np.array(chain.scaled.length, dtype=np.float64)
+    return np.cumsum([float(tip[1]), *(lengths * np.array(turns, dtype=np.float64))])
+
+
+def _area(chain: Chain, state: StaticState) -> float:
+    """Return the area between chain and chord, positive where the chain is above it."""
+    tip, angle = unpack(chain, state.coordinates.tolist())
+    turns, lengths = (np.array(each, dtype=np.float64) for each in (angle, chain.scaled.length))
+    steps = lengths * np.stack([np.cos(turns), np.sin(turns)])
+    x, y = np.cumsum(np.column_stack([np.array(tip, dtype=np.float64), steps]), axis=1)
+    return float(np.roll(x, -1) @ y - np.roll(y, -1) @ x) / 2
+
+
+def _from_string(
+    chain: Chain, statics: ChainStatics, load: Load, branch: int, tolerance: float
+) -> StaticState | None:
+    """Return the state that Newton's method finds from a chain without springs."""
+    (x, y), (along, across) = statics.span, map(float, load.weight)
+    side = x * across - y * along
+    if not side:
+        return None
+    pull, angle = _string(chain, load, statics.span, pulled=branch * side > 0)
+    force = chain.units.stiffness / chain.units.length
+    moving = ~np.array(chain.held_angles)
+    start = angle[moving], pull / force
+    return statics.solve(start, share=1.0, tolerance=tolerance, steps=50, longest=0.2)
+
+
+def _string(
+    chain: Chain, load: Load, span: tuple[float, float], *, pulled: bool = True
+) -> tuple[Floats, Floats]:
+    """Return the force on the right tip of a chain without springs [N], and its pieces' angles [rad].
+
+    `span` is in the chain's own units; `pulled` says whether the chain hangs or stands. By Newton's method,
+    with steps no longer than they lower the convex function of the module's note.
+    """
+    length, held = chain.length, np.array(chain.held_angles)
+    weight = chain.mass[:, None] * np.array(load.weight, dtype=np.float64)
+    beyond = np.cumsum(weight[::-1], axis=0)[::-1] - weight
+    own = length[:, None] * beyond + chain.centre[:, None] * weight
+    sign = 1.0 if pulled else -1.0
+    whole = float(length.sum())
+    target = sign * (np.array(span) * chain.units.length - [float(length[held].sum()), 0.0])
+    length, own, total = length[~held], own[~held], weight.sum(axis=0)
+    reach = math.hypot(*target)
+    # A shallow string of weight W is pulled with  W/√(24 (1 - chord/length)).
+    slack = max(1.0 - reach / float(length.sum()), 1e-12)
+    force = math.hypot(*total) / math.sqrt(24 * slack) * target / (reach or 1.0) - total / 2
+
+    def energy(force: Floats) -> float:
+        return float(np.linalg.norm(length[:, None] * force + own, axis=1).sum() - force @ target)
+
+    for _ in range(100):
+        lever = length[:, None] * force + own
+        size = np.linalg.norm(lever, axis=1)[:, None]
+        unit = lever / np.where(size, size, 1.0)
+        slope = length @ unit - target
+        turned = length[:, None] * np.stack([-unit[:, 1], unit[:, 0]], axis=1)
+        step = -np.linalg.solve((turned / np.where(size, size, np.inf)).T @ turned, slope)
+        share, before = 1.0, energy(force)
+        while share > 1e-6 and energy(force + share * step) > before + 1e-4 * share * float(slope @ step):
+            share /= 2
+        force = force + share * step
+        if np.abs(slope).max() < 1e-12 * whole:
+            break
+    angle = np.zeros(chain.pieces)
+    unit = sign * unit
+    angle[~held] = np.unwrap(np.arctan2(unit[:, 1], unit[:, 0]))
+    return force, angle
