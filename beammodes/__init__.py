@@ -142,6 +142,7 @@ _NAMES = {
     "vibration.stability": "published_time_step stable_time_step",
     "vibration.structure_vibration": "StructureChainModes structure_chain_modes",
     "views.animation": "animate",
+    "views.diagrams": "draw_statics",
     "views.schematic": "draw_chain",
 }
 _HOME = {name: home for home, names in _NAMES.items() for name in names.split()}
@@ -291,6 +292,7 @@ if TYPE_CHECKING:
     from beammodes.vibration.structure_vibration import StructureChainModes as StructureChainModes
     from beammodes.vibration.structure_vibration import structure_chain_modes as structure_chain_modes
     from beammodes.views.animation import animate as animate
+    from beammodes.views.diagrams import draw_statics as draw_statics
     from beammodes.views.schematic import draw_chain as draw_chain
 
 

@@ -498,6 +498,7 @@ def test_every_public_function_is_in_the_table() -> None:
         "audit_file",
         "compile_equations",
         "draw_chain",
+        "draw_statics",
         "export_chain",
         "from_sectionproperties",
         "open_study",

@@ -360,6 +360,13 @@ CALLS: dict[str, Arguments] = {
         "ends": True,
         "size": 10.0,
     },
+    "draw_statics": lambda: {
+        "statics": bm.structure_statics(structure(), [bm.LineLoad(2.0)]),
+        "ax": axes(),
+        "quantity": "shear",
+        "amplitude": 0.1,
+        "size": 10.0,
+    },
     "elastic_modulus": of(material="wood", unit="Pa", at=0.5),
     "equations_of_motion": lambda: {"chain": small(), "load": bm.Load(), "symbols": None},
     "error_dataset": lambda: {

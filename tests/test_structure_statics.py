@@ -281,3 +281,32 @@ def test_what_statics_refuse() -> None:
     for call, words in cases:
         with pytest.raises(ValueError, match=words):
             call()
+
+
+def test_diagrams_are_the_statics() -> None:
+    # A force F at 3/4 of a beam between pins, and a moment at 1/4: textbook values at edges and jumps.
+    loads = [bm.PointLoad(3.0, force=-8.0), bm.PointLoad(1.0, moment=4.0)]
+    found = bm.beam_statics(bm.Beam(4.0, 3.0, 1.0), "pinned-pinned", loads)
+    assert found.edges().tolist() == [0.0, 1.0, 3.0, 4.0]
+    expected = {
+        "shear": {0.0: [3.0], 1.0: [3.0, 3.0], 3.0: [3.0, -5.0], 4.0: [-5.0]},
+        "moment": {0.0: [0.0], 1.0: [3.0, -1.0], 3.0: [5.0, 5.0], 4.0: [0.0]},
+    }
+    told = {"shear": ["3", "−5"], "moment": ["5", "−1"]}
+    for quantity, places in expected.items():
+        ax = bm.draw_statics(found, quantity=quantity)
+        x, y = ax.lines[0].get_xydata()[1:-1].T
+        for place, values in places.items():
+            np.testing.assert_allclose(y[x == place], values, atol=1e-12)
+        assert [text.get_text() for text in ax.texts] == told[quantity]
+    # Of a frame: across each member, to its left, the largest a fifth of its larger side away.
+    joints = {"foot": bm.Joint(0, 0, "clamped"), "corner": bm.Joint(0, 2), "tip": bm.Joint(1, 2)}
+    members = [bm.Member(bm.Beam(2, 1, 1), "foot", "corner"), bm.Member(UNIT, "corner", "tip")]
+    frame = bm.structure_statics(bm.Structure(joints, members), bm.PointLoad(joint="tip", force=(0.0, -3.0)))
+    ax = bm.draw_statics(frame, amplitude=0.2)
+    column, beam = (line.get_xydata() for line in ax.lines[0:4:2])
+    np.testing.assert_allclose(column[1:-1, 0], 0.4, atol=1e-12)
+    np.testing.assert_allclose(beam[1:-1, 1] - 2.0, -0.4 * (1.0 - beam[1:-1, 0]), atol=1e-12)
+    assert [text.get_text() for text in ax.texts] == ["−3", "−3"] and ax.get_title() == "bending moment [N m]"
+    with pytest.raises(TypeError, match="which beam_statics gives of loads with their sizes"):
+        bm.draw_statics(bm.beam_statics(UNIT, "clamped-free", "tip_force"))  # type: ignore[arg-type]

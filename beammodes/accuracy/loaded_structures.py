@@ -37,8 +37,9 @@ from beammodes.accuracy.static_system import StaticSystem
 from beammodes.chains.chain import Chain
 from beammodes.chains.structure_chain import StructureChain
 from beammodes.checks import bounded, real, real_numbers, shown, whole_number
+from beammodes.numerics.arrays import Floats
 from beammodes.problem.applied_loads import AppliedLoad, LineLoad, PointLoad
-from beammodes.problem.beam import Beam
+from beammodes.problem.beam import Beam, each_place_once
 from beammodes.problem.ends import Boundary, BoundaryLike
 from beammodes.problem.loading import Load
 from beammodes.problem.profiles import SAME_PLACE
@@ -116,6 +117,19 @@ class StructureStatics:
         A part of the beam from x on is pushed up, to the left, by V from the part before.
         """
         return self._along(x, member, BentStretch.shear, side)
+
+    def edges(self, member: str | None = None) -> Floats:
+        """Return the places on a member between which moment and shear are smooth, its two ends included [m].
+
+        Joints, stations, breaks of the beam, points under forces and moments, and ends and steps of spread
+        loads.
+        """
+        beam, places = self.structure.member(member), [0.0]
+        for one in self._stretches:
+            if one.stretch.member == beam.name:
+                own = {*one.moment_of_load.edges, *one.shear_of_load.edges}
+                places += [float(one.start + x) for x in sorted(own)]
+        return np.array(each_place_once(sorted(places), beam.beam.length))
 
     @cached_property
     def reactions(self) -> Mapping[str, Reaction]:
