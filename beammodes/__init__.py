@@ -134,6 +134,7 @@ _NAMES = {
     "springs.tuning": "mode_tuned",
     "version": "__version__",
     "vibration.damping": "Damping DampingFitWarning damped_modes joint_dampers",
+    "vibration.follower": "FlutterLoad flutter_load follower_modes",
     "vibration.integrators": "INTEGRATORS Integrator",
     "vibration.linear": "BentModel LinearModel linearize",
     "vibration.measured_damping": "DecayRatio ratio_from_decay rayleigh_damping",
@@ -275,6 +276,9 @@ if TYPE_CHECKING:
     from beammodes.vibration.damping import DampingFitWarning as DampingFitWarning
     from beammodes.vibration.damping import damped_modes as damped_modes
     from beammodes.vibration.damping import joint_dampers as joint_dampers
+    from beammodes.vibration.follower import FlutterLoad as FlutterLoad
+    from beammodes.vibration.follower import flutter_load as flutter_load
+    from beammodes.vibration.follower import follower_modes as follower_modes
     from beammodes.vibration.integrators import INTEGRATORS as INTEGRATORS
     from beammodes.vibration.integrators import Integrator as Integrator
     from beammodes.vibration.linear import BentModel as BentModel

@@ -441,6 +441,12 @@ CALLS: dict[str, Arguments] = {
         "guess": None,
         "tolerance": 1e-10,
     },
+    "flutter_load": lambda: {"chain": chain(), "damping": bm.Damping(stiffness=0.01)},
+    "follower_modes": lambda: {
+        "chain": chain(),
+        "compression": 1.0,
+        "damping": bm.Damping(stiffness=0.01),
+    },
     "frequency_error": lambda: {
         "boundary": "clamped-free(mass=0.1)",
         "segments": 4,
@@ -607,6 +613,7 @@ ANSWERS = {
     "DecayRatio",
     "DerivedChain",
     "Equilibrium",
+    "FlutterLoad",
     "Integrator",
     "Layout",
     "LinearModel",
