@@ -124,7 +124,7 @@ def follower_modes(chain: Chain, compression: float, *, damping: Damping | None 
     >>> import beammodes as bm
     >>> column = bm.Chain(bm.Beam.unit(), "clamped-free", segments=20)
     >>> bm.follower_modes(column, 19.0).angular_frequency.values[:2].round(2)      # about to meet
-    array([ 8.96, 13.04])
+    array([ 8.98, 13.14])
     >>> bm.follower_modes(column, 21.0).growth_rate.values[:2].round(2)
     array([ 2.27, -2.27])
     """
