@@ -93,9 +93,11 @@ _NAMES = {
     "chains.spatial_chain": "SpatialChain",
     "chains.structure_chain": "StructureChain",
     "closed_form.chain_frequencies": "chain_frequency",
-    "dynamics.base_motion": "BaseMotion harmonic spin_up",
+    "dynamics.base_motion": "BaseMotion bang_bang harmonic point_to_point spin_up",
     "dynamics.simulation": "DivergedWarning UnsavedMotion UnstableStepWarning mode_start simulate",
     "dynamics.superposition": "modal_response",
+    "dynamics.timed_loads": "TimedLoad",
+    "dynamics.waveforms": "Chirp Pulse Sine Step WAVEFORMS",
     "equations.derivation": "DerivedChain derive_chain wall_spring_weight",
     "equations.equilibria": "Equilibrium EquilibriumNotFound find_equilibrium",
     "equations.equilibria_in_space": (
@@ -197,7 +199,9 @@ if TYPE_CHECKING:
     from beammodes.chains.structure_chain import StructureChain as StructureChain
     from beammodes.closed_form.chain_frequencies import chain_frequency as chain_frequency
     from beammodes.dynamics.base_motion import BaseMotion as BaseMotion
+    from beammodes.dynamics.base_motion import bang_bang as bang_bang
     from beammodes.dynamics.base_motion import harmonic as harmonic
+    from beammodes.dynamics.base_motion import point_to_point as point_to_point
     from beammodes.dynamics.base_motion import spin_up as spin_up
     from beammodes.dynamics.simulation import DivergedWarning as DivergedWarning
     from beammodes.dynamics.simulation import UnsavedMotion as UnsavedMotion
@@ -205,6 +209,12 @@ if TYPE_CHECKING:
     from beammodes.dynamics.simulation import mode_start as mode_start
     from beammodes.dynamics.simulation import simulate as simulate
     from beammodes.dynamics.superposition import modal_response as modal_response
+    from beammodes.dynamics.timed_loads import TimedLoad as TimedLoad
+    from beammodes.dynamics.waveforms import WAVEFORMS as WAVEFORMS
+    from beammodes.dynamics.waveforms import Chirp as Chirp
+    from beammodes.dynamics.waveforms import Pulse as Pulse
+    from beammodes.dynamics.waveforms import Sine as Sine
+    from beammodes.dynamics.waveforms import Step as Step
     from beammodes.equations.derivation import DerivedChain as DerivedChain
     from beammodes.equations.derivation import derive_chain as derive_chain
     from beammodes.equations.derivation import wall_spring_weight as wall_spring_weight

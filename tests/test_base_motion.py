@@ -12,8 +12,7 @@ from hypothesis import strategies as st
 
 import beammodes as bm
 from beammodes.dynamics import runs
-from beammodes.dynamics.base_motion import BaseMotion, Course, at_rest, harmonic, spin_up
-from beammodes.dynamics.forward_dynamics import base_vector
+from beammodes.dynamics.base_motion import BaseMotion, Course, at_rest, base_vector, harmonic, spin_up
 
 
 def assert_derivatives(course: Course, time: np.ndarray, scale: float) -> None:

@@ -67,6 +67,7 @@ GOOD: dict[str, dict[str, Any]] = {
     "Box": {"width": 0.02, "height": 0.03, "wall": 0.002},
     "Chain": {"beam": BEAM, "boundary": "clamped-free", "segments": 3, "rule": "mitiguy"},
     "Chain.from_pieces": {**PIECES, "boundary": "pinned-free", "centre": [0.25, 0.25]},
+    "Chirp": {"first": 1.0, "last": 2.0, "duration": 1.0, "start": 0.5},
     "Circle": {"diameter": 0.02},
     "Damping": {"mass": 0.1, "stiffness": 1e-3, "joint": 0.01},
     "End": {
@@ -90,6 +91,10 @@ GOOD: dict[str, dict[str, Any]] = {
     "Load": {"axial_force": 1.0, "gravity": (0.0, -9.81), "tip_force": (0.0, 1.0), "tip_moment": 1.0},
     "Normal": {"mean": 1.0, "standard_deviation": 0.1, "within": 6.0},
     "PointLoad": {"x": 0.5, "force": 1.0, "moment": 0.1},
+    "Pulse": {"duration": 1.0, "start": 0.5, "shape": "triangle"},
+    "Sine": {"frequency": 1.0, "phase": 0.1, "start": 0.5},
+    "Step": {"start": 0.5, "rise": 0.1},
+    "TimedLoad": {"load": bm.Load(tip_force=1.0), "course": bm.Step(), "follower": False, "breaks": [0.1]},
     "Rectangle": {"width": 0.02, "height": 0.01},
     "Rule.hinge_weights": {
         "self": bm.RULES["mitiguy"],
@@ -220,6 +225,8 @@ GOOD: dict[str, dict[str, Any]] = {
         "progress": False,
     },
     "solve_modes": {"model": bm.linearize(CHAIN), "modes": 2},
+    "bang_bang": {"distance": 2.0, "duration": 1.0, "start": 0.5},
+    "point_to_point": {"distance": 2.0, "duration": 1.0, "start": 0.5},
     "spin_up": {"rate": 2.0, "duration": 1.0},
     "stable_time_step": {"chain": CHAIN, "integrator": "rk4"},
     "static_dataset": {"boundary": ["clamped-free"], "segments": [2, 3], "rule": ["mitiguy"]},

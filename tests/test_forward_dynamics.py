@@ -13,8 +13,8 @@ from turns import in_turns
 
 from beammodes.chains.chain import Chain
 from beammodes.chains.rules import RULES
-from beammodes.dynamics.base_motion import BaseMotion, harmonic
-from beammodes.dynamics.forward_dynamics import base_vector, forward_dynamics
+from beammodes.dynamics.base_motion import BaseMotion, base_vector, harmonic
+from beammodes.dynamics.forward_dynamics import forward_dynamics
 from beammodes.equations.mechanics import Algebra, coordinate_names, energies, moving_pieces, tip_names
 from beammodes.equations.numeric import compile_equations
 from beammodes.problem.beam import Beam

@@ -24,8 +24,7 @@ from turns import in_turns
 
 from beammodes.chains.chain import Chain
 from beammodes.dynamics import runs
-from beammodes.dynamics.base_motion import BaseMotion, harmonic, spin_up
-from beammodes.dynamics.forward_dynamics import base_vector
+from beammodes.dynamics.base_motion import BaseMotion, base_vector, harmonic, spin_up
 from beammodes.dynamics.implicit import ImplicitStepper
 from beammodes.dynamics.runs import runge_kutta
 from beammodes.dynamics.simulation import (

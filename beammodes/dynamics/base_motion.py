@@ -12,7 +12,16 @@ from numpy.typing import ArrayLike
 from beammodes.checks import not_negative, positive_real, real, real_numbers, shown
 from beammodes.numerics.arrays import Floats
 
-__all__ = ["BaseMotion", "Course", "at_rest", "harmonic", "spin_up"]
+__all__ = [
+    "BaseMotion",
+    "Course",
+    "at_rest",
+    "bang_bang",
+    "base_vector",
+    "harmonic",
+    "point_to_point",
+    "spin_up",
+]
 
 
 #: Position, rate and acceleration at times t, each of the shape of t.
@@ -70,6 +79,12 @@ class BaseMotion:
         """True if the base may turn."""
         return self.angle is not at_rest
 
+    @property
+    def jumps(self) -> tuple[float, ...]:
+        """Times at which a course says, by an attribute `breaks`, that its acceleration jumps [s]."""
+        courses = (self.x, self.y, self.angle)
+        return tuple(sorted({float(time) for each in courses for time in getattr(each, "breaks", ())}))
+
     def at(self, time: ArrayLike) -> Floats:
         """Return x, y and angle of the end, with rates and accelerations, shape (3, 3, *time.shape).
 
@@ -106,6 +121,18 @@ class BaseMotion:
         if not np.isfinite(given).all():
             raise ValueError(expected)
         return given
+
+
+def base_vector(base: BaseMotion, time: ArrayLike) -> Floats:
+    """Return (x, x', x'', y, y', y'', φ, φ', φ'') of the chain's end at a time or times, shape (9, ...).
+
+    Examples
+    --------
+    >>> base_vector(BaseMotion(hub_radius=0.5), 0.0)
+    array([0.5, 0. , 0. , 0. , 0. , 0. , 0. , 0. , 0. ])
+    """
+    course = base.at(time)
+    return np.asarray(course.reshape(9, *course.shape[2:]))
 
 
 def harmonic(amplitude: float, angular_frequency: float) -> Course:
@@ -187,3 +214,113 @@ class _SpinUp:
         speed = omega / end * (early - sine / turn)
         gain = omega / end * (1 - cosine)
         return angle + omega * (time - early), speed, np.where(time < end, gain, 0.0)
+
+
+def bang_bang(distance: float, duration: float, start: float = 0.0) -> Course:
+    """Return the course from rest to rest, first of one acceleration, then of its opposite.
+
+    No other of no larger acceleration is as quick.
+
+        x'' = 4 d/T²  in the first half of the duration, and  -4 d/T²  in the second
+
+    Parameters
+    ----------
+    distance : float [m or rad]
+        d, of either sign.
+    duration : float [s]
+        T.
+    start : float [s]
+        When it begins, from 0.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If a number is not real and finite, the duration not positive, or the start negative.
+
+    Examples
+    --------
+    >>> import beammodes as bm
+    >>> [part.tolist() for part in bm.bang_bang(2.0, 4.0)(np.array([1.0, 2.0, 9.0]))]
+    [[0.25, 1.0, 2.0], [0.5, 1.0, 0.0], [0.5, -0.5, 0.0]]
+    """
+    return _BangBang(*_travel(distance, duration, start))
+
+
+def point_to_point(distance: float, duration: float, start: float = 0.0) -> Course:
+    """Return the smooth course from rest to rest whose acceleration begins and ends at zero.
+
+        x = d (10 s³ - 15 s⁴ + 6 s⁵),   s = (t - start)/T
+
+    It has the least mean square of jerk of all such courses; its largest acceleration is 5.77 d/T².
+
+    Parameters
+    ----------
+    distance : float [m or rad]
+        d, of either sign.
+    duration : float [s]
+        T.
+    start : float [s]
+        When it begins, from 0.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If a number is not real and finite, the duration not positive, or the start negative.
+
+    Source
+    ------
+    T. Flash and N. Hogan, The coordination of arm movements, Journal of Neuroscience 5 (1985), 1688-1703.
+
+    Examples
+    --------
+    >>> import beammodes as bm
+    >>> [part.tolist() for part in bm.point_to_point(2.0, 4.0)(np.array([0.0, 2.0, 9.0]))]
+    [[0.0, 1.0, 2.0], [0.0, 0.9375, 0.0], [0.0, 0.0, -0.0]]
+    """
+    return _PointToPoint(*_travel(distance, duration, start))
+
+
+def _travel(distance: float, duration: float, start: float) -> tuple[float, float, float]:
+    return real("distance", distance), positive_real("duration", duration), not_negative("start", start)
+
+
+@dataclass(frozen=True)
+class _BangBang:
+    distance: float
+    duration: float
+    start: float
+
+    @property
+    def breaks(self) -> tuple[float, ...]:
+        return self.start, self.start + self.duration / 2, self.start + self.duration
+
+    def __call__(self, time: Floats) -> tuple[Floats, Floats, Floats]:
+        share = np.clip((time - self.start) / self.duration, 0.0, 1.0)
+        early, gain = share < 0.5, 4.0 * self.distance / self.duration**2
+        left = 1.0 - share
+        moving = (time >= self.start) & (time < self.start + self.duration)
+        return (
+            self.distance * np.where(early, 2.0 * share**2, 1.0 - 2.0 * left**2),
+            gain * self.duration * np.where(early, share, left),
+            np.where(moving, np.where(early, gain, -gain), 0.0),
+        )
+
+
+@dataclass(frozen=True)
+class _PointToPoint:
+    distance: float
+    duration: float
+    start: float
+
+    @property
+    def breaks(self) -> tuple[float, ...]:
+        return self.start, self.start + self.duration
+
+    def __call__(self, time: Floats) -> tuple[Floats, Floats, Floats]:
+        s = np.clip((time - self.start) / self.duration, 0.0, 1.0)
+        left, d, span = 1.0 - s, self.distance, self.duration
+        return (
+            d * s**3 * (10.0 - 15.0 * s + 6.0 * s**2),
+            30.0 * d / span * (s * left) ** 2,
+            60.0 * d / span**2 * s * left * (left - s),
+        )

@@ -10,7 +10,7 @@ with A = A_{i+1}, b = b_{i+1} of all beyond it and
 
     h = m c n + l A n,   D = J + m c² + l² n·A n,   k = τ + c n·F - l n·b + l² ω² n·A t,
 
-for the moment τ of its springs and the force F on its centre of mass; its angular acceleration is
+for the moment τ of its springs and loads and the force F on its centre of mass; its angular acceleration is
 (k - h·a_i)/D. A piece that an end holds has the base's instead. At the left tip the base gives a_0, or the
 forces do where the end leaves a direction free. No mass matrix is formed.
 
@@ -20,33 +20,28 @@ beam. Accelerations are affine in it, so two sweeps find the force that keeps th
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
 
 import casadi
 import numpy as np
-from numpy.typing import ArrayLike
 
 from beammodes.chains.chain import Chain
 from beammodes.checks import shown
 from beammodes.dynamics.base_motion import BaseMotion
+from beammodes.dynamics.timed_loads import COLUMNS, TimedLoad, pattern
 from beammodes.equations.mechanics import coordinate_names, tip_names
 from beammodes.problem.loading import Load, checked_load
 from beammodes.progress import pause
 from beammodes.vibration.damping import Damping
 
-__all__ = ["ChainState", "base_vector", "checked_system", "forward_dynamics"]
+__all__ = ["ChainState", "checked_system", "forward_dynamics"]
 
 Vector = tuple[Any, Any]
 # xx, xy, yy.
 Symmetric = tuple[Any, Any, Any]
-
-
-def base_vector(base: BaseMotion, time: ArrayLike) -> np.ndarray[Any, np.dtype[np.float64]]:
-    """Return (x, x', x'', y, y', y'', φ, φ', φ'') of the chain's end at a time or times, shape (9, ...)."""
-    course = base.at(time)
-    return np.asarray(course.reshape(9, *course.shape[2:]))
 
 
 def checked_system(chain: Chain, load: Load | None, damping: Damping | None, base: BaseMotion | None) -> None:
@@ -77,7 +72,8 @@ class ChainState:
     """Angles, rates and left tip of a chain from coordinates and base.
 
     `gain` is the angular acceleration of pieces that an end holds, else None; `place`, `speed` and
-    `acceleration` are those of the left tip, the last None where it is free; `base` is that of `base_vector`.
+    `acceleration` are those of the left tip, the last None where it is free; `base` is that of `base_vector`,
+    and may be followed by more.
     """
 
     angle: list[Any]
@@ -104,10 +100,22 @@ class ChainState:
         return cls(angle, spin, gain, place, speed, acceleration, base)
 
 
+def applied_force(cosine: Any, sine: Any, numbers: Sequence[Any]) -> tuple[Any, Any, Any]:
+    """Return the force on a piece's centre of mass and the moment about it of a pattern's seven numbers."""
+    fx, fy, sx, sy, along, across, moment = numbers
+    return (
+        fx + cosine * along - sine * across,
+        fy + sine * along + cosine * across,
+        moment - sx * sine + sy * cosine,
+    )
+
+
 class _Sweep:
     """One sweep in and one out along a chain in a given state (module's equations)."""
 
-    def __init__(self, chain: Chain, state: ChainState, load: Load, damping: Damping) -> None:
+    def __init__(
+        self, chain: Chain, state: ChainState, load: Load, damping: Damping, loads: Sequence[TimedLoad]
+    ) -> None:
         self.chain, self.state, self.load, self.damping = chain, state, load, damping
         self.tangent = [(casadi.cos(angle), casadi.sin(angle)) for angle in state.angle]
         self.place, self.speed = [state.place], [state.speed]
@@ -115,7 +123,19 @@ class _Sweep:
             (x, y), (vx, vy) = self.place[-1], self.speed[-1]
             self.place.append((x + length * cosine, y + length * sine))
             self.speed.append((vx - length * sine * spin, vy + length * cosine * spin))
+        self.applied = [
+            applied_force(*tangent, numbers)
+            for tangent, numbers in zip(self.tangent, self._patterns(loads), strict=True)
+        ]
         self.moment = self._moments()
+
+    def _patterns(self, loads: Sequence[TimedLoad]) -> list[list[Any]]:
+        """Return the seven numbers of every piece's timed loads (module timed_loads), at this moment."""
+        rows: list[list[Any]] = [[0.0] * COLUMNS for _ in range(self.chain.pieces)]
+        for timed, factor in zip(loads, self.state.base[9:], strict=True):
+            for i, numbers in enumerate(pattern(self.chain, timed).tolist()):
+                rows[i] = [sum_ + factor * n if n else sum_ for sum_, n in zip(rows[i], numbers, strict=True)]
+        return rows
 
     def _moments(self) -> list[Any]:
         """Return the moment of springs, dampers, supports and the tip's load on every piece."""
@@ -135,7 +155,7 @@ class _Sweep:
                 turn, rate = state.angle[i] - state.base[6], state.spin[i] - state.base[7]
                 moments[i] -= float(rotation) * (turn + self.damping.stiffness * rate)
         moments[-1] += float(self.load.tip_moment)
-        return moments
+        return [moment + more for moment, (_, _, more) in zip(moments, self.applied, strict=True)]
 
     def _force(self, i: int) -> Vector:
         """Return the force on the centre of mass of piece i: weight, and drag relative to the base."""
@@ -147,7 +167,17 @@ class _Sweep:
         # Velocity of the base at this point: it shifts and turns like a body.
         bx, by = base[1] - turn * (y - base[3]), base[4] + turn * (x - base[0])
         drag, (gx, gy) = self.damping.mass, self.load.weight
-        return mass * (float(gx) - drag * (vx - bx)), mass * (float(gy) - drag * (vy - by))
+        fx, fy, _ = self.applied[i]
+        return mass * (float(gx) - drag * (vx - bx)) + fx, mass * (float(gy) - drag * (vy - by)) + fy
+
+    def power(self) -> Any:
+        """Return the power of the timed loads."""
+        total = casadi.SX(0)
+        for i, (fx, fy, moment) in enumerate(self.applied):
+            (cosine, sine), spin, centre = self.tangent[i], self.state.spin[i], float(self.chain.centre[i])
+            vx, vy = self.speed[i][0] - centre * sine * spin, self.speed[i][1] + centre * cosine * spin
+            total += fx * vx + fy * vy + moment * spin
+        return total
 
     def _support(self, end: int, node: int) -> Any:
         """Return the force of an end's translational spring, relative to the base, across the beam."""
@@ -216,15 +246,21 @@ class _Sweep:
 
 
 def forward_dynamics(
-    chain: Chain, *, load: Load | None = None, damping: Damping | None = None, base: BaseMotion | None = None
+    chain: Chain,
+    *,
+    load: Load | None = None,
+    damping: Damping | None = None,
+    base: BaseMotion | None = None,
+    loads: Sequence[TimedLoad] = (),
 ) -> casadi.Function:
     """Return the accelerations q'' of a chain as a function of (q, q', base), base as `base_vector` gives it.
 
-        q'' = M(q)⁻¹ ((∂c/∂q)ᵀ λ - h(q, q') - s(q) - C q')
+        q'' = M(q)⁻¹ ((∂c/∂q)ᵀ λ - h(q, q') - s(q) - C q' + f(q, t))
 
     The chain may be of any length; its left end must be tied to the base, or neither end held. A turning hub
     is a base that turns, not a spin rate of the load. `base` is checked only: its courses are an argument of
-    the function.
+    the function. With `loads` that vary in time their factors follow the base's numbers in that argument, and
+    the function also returns their power [W].
 
     Raises
     ------
@@ -233,15 +269,16 @@ def forward_dynamics(
 
     Examples
     --------
+    >>> from beammodes.dynamics.base_motion import base_vector
     >>> from beammodes.problem.beam import Beam
     >>> acceleration = forward_dynamics(Chain(Beam.unit(), "clamped-free", segments=1))
     >>> round(float(acceleration(0.1, 0.0, base_vector(BaseMotion(), 0.0))), 9)    # -k θ/(m ell²/3)
     -0.9
     """
     checked_system(chain, load, damping, base)
-    if load is None and damping is None and base is None and _can_be_kept(chain):
+    if load is None and damping is None and base is None and not loads and _can_be_kept(chain):
         return _of_chain_alone(chain)
-    return _compiled(chain, load, damping)
+    return _compiled(chain, load, damping, loads)
 
 
 def _can_be_kept(chain: Chain) -> bool:
@@ -255,18 +292,21 @@ def _can_be_kept(chain: Chain) -> bool:
 
 @lru_cache(maxsize=4)
 def _of_chain_alone(chain: Chain) -> casadi.Function:
-    return _compiled(chain, None, None)
+    return _compiled(chain, None, None, ())
 
 
-def _compiled(chain: Chain, load: Load | None, damping: Damping | None) -> casadi.Function:
-    size = len(coordinate_names(chain))
-    q, u, course = (casadi.SX.sym(name, count) for name, count in (("q", size), ("u", size), ("b", 9)))
+def _compiled(
+    chain: Chain, load: Load | None, damping: Damping | None, loads: Sequence[TimedLoad]
+) -> casadi.Function:
+    size, numbers = len(coordinate_names(chain)), 9 + len(loads)
+    q, u, course = (casadi.SX.sym(name, count) for name, count in (("q", size), ("u", size), ("b", numbers)))
     state = ChainState.of(chain, casadi.vertsplit(q), casadi.vertsplit(u), casadi.vertsplit(course))
-    sweep = _Sweep(chain, state, checked_load(load), damping or Damping())
+    sweep = _Sweep(chain, state, checked_load(load), damping or Damping(), loads)
     result = sweep.accelerations(casadi.SX(0))
     if chain.boundary.right.holds_deflection:
         # Affine in the multiplier: the force that leaves the tip with the base.
         nothing, unit = result, sweep.accelerations(casadi.SX(1))
         force = (course[5] - nothing[1]) / (unit[1] - nothing[1])
         result = ([x + force * (y - x) for x, y in zip(nothing[0], unit[0], strict=True)], None)
-    return casadi.Function("acceleration", [q, u, course], [casadi.vertcat(*result[0])])
+    found = [casadi.vertcat(*result[0]), *([sweep.power()] if loads else [])]
+    return casadi.Function("acceleration", [q, u, course], found)

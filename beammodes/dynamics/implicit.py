@@ -14,7 +14,8 @@ the direction t and normal n of piece i, its rate w and the velocity C = V + c w
     p_i = J w + n·(m c C + l P_{i+1}),
     ∂L/∂θ_i - ∂R/∂w_i = -w t·(m c C + l P_{i+1}) + n·(c f + l F_{i+1}) + M_i - M_{i+1} - α J (w - w_base),
 
-where f is the weight less the drag α m of motion relative to the base. The linearized relations are
+where f is the weight less the drag α m of motion relative to the base, and what loads in time put on the
+piece, whose moment is added to the last line. The linearized relations are
 eliminated from the right end to the left, like a tridiagonal system: what is handed to the left is affine in
 what comes from there.
 
@@ -27,12 +28,16 @@ method whose last stage is the new state meets it in every stage.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import casadi
 import numpy as np
 
 from beammodes.chains.chain import Chain
 from beammodes.dynamics.base_motion import BaseMotion
-from beammodes.dynamics.forward_dynamics import base_vector, checked_system
+from beammodes.dynamics.drive import Drive
+from beammodes.dynamics.forward_dynamics import applied_force, checked_system
+from beammodes.dynamics.timed_loads import COLUMNS, TimedLoad, pattern
 from beammodes.equations.mechanics import tip_names
 from beammodes.numerics.arrays import Floats
 from beammodes.problem.loading import Load, checked_load
@@ -51,8 +56,8 @@ _GOOD_ENOUGH = 1e-9
 def _piece() -> tuple[casadi.Function, casadi.Function, casadi.Function]:
     """Return three functions of one piece: its right end, its part of the elimination, its Newton step."""
     right, rate = casadi.SX.sym("right", 6), casadi.SX.sym("v")
-    piece, stage = casadi.SX.sym("piece", 9), casadi.SX.sym("stage", 13)
-    q, p, length, centre, mass, inertia, spring, damper, held = casadi.vertsplit(piece)
+    piece, stage = casadi.SX.sym("piece", 9 + COLUMNS), casadi.SX.sym("stage", 13)
+    q, p, length, centre, mass, inertia, spring, damper, held, *loads = casadi.vertsplit(piece)
     s, drag, gx, gy, bx, vx, _, by, vy, _, phi, turn, _ = casadi.vertsplit(stage)
     x, y, ux, uy, angle_before, rate_before = casadi.vertsplit(right)
     angle, w = casadi.if_else(held, phi, q + s * rate), casadi.if_else(held, turn, rate)
@@ -67,13 +72,14 @@ def _piece() -> tuple[casadi.Function, casadi.Function, casadi.Function]:
     # The base's velocity at this point: it shifts and turns like a body.
     slip_x = cx - vx + turn * (y + centre * sine - by)
     slip_y = cy - vy - turn * (x + centre * cosine - bx)
-    own_x, own_y = mass * (gx - drag * slip_x), mass * (gy - drag * slip_y)
+    push_x, push_y, twist = applied_force(cosine, sine, loads)
+    own_x, own_y = mass * (gx - drag * slip_x) + push_x, mass * (gy - drag * slip_y) + push_y
     hinge = -spring * (angle - angle_before) - damper * (w - rate_before)
     inward = casadi.vertcat(px + mass * cx, py + mass * cy, fx + own_x, fy + own_y, hinge)
     hx, hy = mass * centre * cx + length * px, mass * centre * cy + length * py
     momentum = inertia * w + cosine * hy - sine * hx
     pull = cosine * (centre * own_y + length * fy) - sine * (centre * own_x + length * fx)
-    pull += hinge - moment - w * (cosine * hx + sine * hy) - drag * inertia * (w - turn)
+    pull += twist + hinge - moment - w * (cosine * hx + sine * hy) - drag * inertia * (w - turn)
     residual = momentum - p - s * pull
 
     # Of the six numbers from the left five are free: an angle differs by s times what its rate differs by.
@@ -106,7 +112,16 @@ def _piece() -> tuple[casadi.Function, casadi.Function, casadi.Function]:
         casadi.Function(
             "inward",
             [beyond, gain, rest, *common],
-            [inward, new_gain, new_rest, by_left, by_rest, (1 - held) * residual, (1 - held) * momentum],
+            [
+                inward,
+                new_gain,
+                new_rest,
+                by_left,
+                by_rest,
+                (1 - held) * residual,
+                (1 - held) * momentum,
+                push_x * cx + push_y * cy + twist * w,
+            ],
         ),
         casadi.Function(
             "newton", [change, given, alone, *common], [carried @ change + turned @ found, found]
@@ -139,8 +154,8 @@ class ImplicitStepper:
     ----------
     chain : Chain
         Of any length.
-    load, damping
-        As `forward_dynamics` takes them.
+    load, damping, loads
+        As `forward_dynamics` takes them. With `loads` that vary in time a state ends with their work.
     integrator : str
         One of `INTEGRATORS` whose run is "implicit", such as "midpoint" or "sdirk2".
 
@@ -158,11 +173,12 @@ class ImplicitStepper:
         *,
         load: Load | None = None,
         damping: Damping | None = None,
+        loads: Sequence[TimedLoad] = (),
         integrator: str = "midpoint",
     ) -> None:
         checked_system(chain, load, damping, None)
         self.chain, self.method = chain, INTEGRATORS[integrator]
-        self.load, self.damping = checked_load(load), damping or Damping()
+        self.load, self.damping, self.loads = checked_load(load), damping or Damping(), tuple(loads)
         self.held = np.array(chain.held_angles)
         names = tip_names(chain)
         #: Indices of the left tip's coordinates among (x, y).
@@ -171,6 +187,8 @@ class ImplicitStepper:
         units = chain.units
         rate = (units.stiffness / units.mass) ** 0.5 / units.length
         self.scale = units.mass * units.length * rate, units.mass * units.length**2 * rate, units.length
+        # Momenta do not depend on loads.
+        self._idle = np.zeros(len(self.loads))
         self._open = self._iteration(closed=False)
         closed = chain.boundary.right.holds_deflection
         self._stage = _Buffered(self._iteration(closed=True) if closed else self._open)
@@ -186,11 +204,14 @@ class ImplicitStepper:
         fixed = [chain.length, chain.centre, chain.mass, chain.rotary_inertia, spring, damper, self.held]
 
         symbols = {"q": count, "p": count, "v": count, "force": 1, "tip_q": 2, "tip_p": 2, "tip_v": 2}
-        symbols |= {"s": 1, "reach": 1, "base": 9, "late": 9}
+        symbols |= {"s": 1, "reach": 1, "base": 9, "late": 9, "factors": len(self.loads)}
         given = {name: casadi.MX.sym(name, size) for name, size in symbols.items()}
-        q, p, v, force, tip_q, tip_p, tip_v, s, reach, base, late = given.values()
+        q, p, v, force, tip_q, tip_p, tip_v, s, reach, base, late, factors = given.values()
         onward, inward, newton = _piece()
-        pieces = casadi.vertcat(q.T, p.T, casadi.MX(casadi.DM(np.array(fixed, dtype=np.float64))))
+        applied = casadi.MX(COLUMNS, count)
+        for k, timed in enumerate(self.loads):
+            applied += factors[k] * casadi.sparsify(casadi.DM(pattern(chain, timed).T))
+        pieces = casadi.vertcat(q.T, p.T, casadi.MX(casadi.DM(np.array(fixed, dtype=np.float64))), applied)
         weight = casadi.DM([self.damping.mass, *map(float, load.weight)])
         common = [v.T, pieces, casadi.repmat(casadi.vertcat(s, weight, base), 1, count)]
 
@@ -213,7 +234,7 @@ class ImplicitStepper:
             beyond, gain, casadi.MX(rest), lefts[:, back], *(each[:, back] for each in common)
         )
         sums, gain, rest = found[0][:, -1], found[1][:, -5:], found[2][:, -2:]
-        by_left, by_rest, residual, momentum = (
+        by_left, by_rest, residual, momentum, power = (
             casadi.reshape(each, each.columns() // count * each.rows(), count)[:, back] for each in found[3:]
         )
 
@@ -265,8 +286,9 @@ class ImplicitStepper:
             worst,
             momentum.T,
             sums[:2],
+            casadi.sum2(power),
         ]
-        names = ["new_v", "new_force", "new_tip_v", "worst", "momentum", "tip_momentum"]
+        names = ["new_v", "new_force", "new_tip_v", "worst", "momentum", "tip_momentum", "power"]
         stage = casadi.Function("stage", list(given.values()), results, list(given), names)
         # Written out number by number it is five times as fast: much of each piece is zero or constant.
         return stage.expand()
@@ -276,34 +298,42 @@ class ImplicitStepper:
 
         Where Newton's method finds nothing, that state and all after it are not finite.
         """
+        at = start + step * np.arange(count, dtype=np.float64)
+        return self.along(state, at, np.full(count, step), Drive(base))
+
+    def along(self, state: Floats, at: Floats, lengths: Floats, drive: Drive) -> Floats:
+        """Return the states after each of some steps, that start at times `at`, shape (steps, size)."""
         stages, weights = self.method.stages, self.method.weights
         ends_with_stage = stages[-1] == weights
-        at = start + step * np.arange(count)
-        courses = [base_vector(base, at + node * step).T for node in (*(sum(row) for row in stages), 1.0)]
-        q, p = self._split(state)
-        found = np.full((count, len(state)), np.nan)
+        nodes = [*(sum(row) for row in stages), 1.0]
+        courses = np.moveaxis(drive.stages(at, lengths, nodes), 1, 2)
+        size = len(state) - bool(self.loads)
+        q, p = self._split(state[:size])
+        work = state[size:]
+        found = np.full((len(at), len(state)), np.nan)
         # A stage starts from its rates in the last two steps, continued in a line.
         last, before = (np.zeros((len(stages), len(q) + 1)) for _ in range(2))
-        for k in range(count):
-            rates: list[tuple[Floats, Floats]] = []
+        for k, step in enumerate(lengths.tolist()):
+            rates: list[tuple[Floats, Floats, float]] = []
             for i, row in enumerate(stages):
                 at_q, at_p = q.copy(), p.copy()
-                for weight, (rate, pull) in zip(row[:-1], rates, strict=True):
+                for weight, (rate, pull, _) in zip(row[:-1], rates, strict=True):
                     at_q += step * weight * rate
                     at_p += step * weight * pull
                 s = step * row[-1]
-                reach, late = (s, courses[i][k]) if ends_with_stage else (step * weights[i], courses[-1][k])
-                given = at_q, at_p, s, reach, courses[i][k], late
+                late = i if ends_with_stage else -1
+                reach = s if ends_with_stage else step * weights[i]
+                given = at_q, at_p, s, reach, courses[i][k], courses[late][k][:9]
                 unknown, momentum = self._solved(2 * last[i] - before[i], *given)
                 if not np.isfinite(momentum).all():
                     unknown, momentum = self._solved(np.zeros(len(q) + 1), *given)
                 before[i], last[i] = (last[i], unknown) if k else (unknown, unknown)
-                rates.append((unknown[:-1], (momentum - at_p) / s))
-            for weight, (rate, pull) in zip(weights, rates, strict=True):
-                q, p = q + step * weight * rate, p + step * weight * pull
+                rates.append((unknown[:-1], (momentum - at_p) / s, float(self._stage.power[0])))
+            for weight, (rate, pull, power) in zip(weights, rates, strict=True):
+                q, p, work = q + step * weight * rate, p + step * weight * pull, work + step * weight * power
             if not (np.isfinite(q).all() and np.isfinite(p).all()):
                 break
-            found[k] = self._joined(q, p)
+            found[k] = np.concatenate([self._joined(q, p), work])
         return found
 
     def _split(self, state: Floats) -> tuple[Floats, Floats]:
@@ -321,7 +351,8 @@ class ImplicitStepper:
         """Return a stage's rates of the tip and of all pieces, with the closure's force, and its momenta."""
         stage = self._stage
         stage.q[:], stage.p[:], stage.tip_q[:], stage.tip_p[:] = q[2:], p[2:], q[:2], p[:2]
-        stage.s[:], stage.reach[:], stage.base[:], stage.late[:] = s, reach, base, late
+        stage.s[:], stage.reach[:], stage.base[:], stage.late[:] = s, reach, base[:9], late
+        stage.factors[:] = base[9:]
         stage.tip_v[:], stage.v[:], stage.force[:] = unknown[:2], unknown[2:-1], unknown[-1]
         before = np.inf
         for _ in range(_MOST_ITERATIONS):
@@ -341,8 +372,19 @@ class ImplicitStepper:
     def momenta(self, q: Floats, u: Floats, base: Floats) -> Floats:
         """Return p = ∂L/∂q' at coordinates q and speeds u, shape (size,), under the base's nine numbers."""
         at, rates = self._split(np.concatenate([q, u]))
-        *_, momentum, sums = self._open(
-            at[2:], 0 * at[2:], rates[2:], 0.0, at[:2], 0 * at[:2], rates[:2], 0.0, 0.0, base, base
+        *_, momentum, sums, _ = self._open(
+            at[2:],
+            0 * at[2:],
+            rates[2:],
+            0.0,
+            at[:2],
+            0 * at[:2],
+            rates[:2],
+            0.0,
+            0.0,
+            base,
+            base,
+            self._idle,
         )
         return self._joined(np.concatenate([np.array(sums)[:, 0], np.array(momentum)[:, 0]]))
 
@@ -354,6 +396,7 @@ class ImplicitStepper:
         still = np.zeros((1, count))
         # With s = 0 the equations are linear in the rates, so one iteration solves them.
         new, _, new_tip, *_ = self._open.map(count)(
-            at[2:], moment[2:], 0 * at[2:], still, at[:2], moment[:2], 0 * at[:2], still, still, base, base
+            *(at[2:], moment[2:], 0 * at[2:], still, at[:2], moment[:2], 0 * at[:2]),
+            *(still, still, base, base, np.tile(self._idle[:, None], count)),
         )
         return np.array([self._joined(each) for each in np.vstack([np.array(new_tip), np.array(new)]).T])

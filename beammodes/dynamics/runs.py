@@ -1,6 +1,7 @@
 """Steps of integrators, compiled, and runs of them, in chunks that can be watched, interrupted and stopped.
 
-A state is (q, q'), of implicit methods (q, p); see `beammodes.dynamics.implicit`. Chains whose right end is
+A state is (q, q'), of implicit methods (q, p); see `beammodes.dynamics.implicit`. Where loads vary in time
+their work is one more number of it, integrated like the rest. Chains whose right end is
 held are projected back onto their closure after each explicit step, with the least change of q and of q';
 implicit methods meet it by a multiplier. A stepper of another kind needs `steps` as `Stepper` has it, and a
 run in `runner`.
@@ -9,7 +10,7 @@ run in `runner`.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
@@ -18,9 +19,11 @@ import casadi
 import numpy as np
 
 from beammodes.chains.chain import Chain
-from beammodes.dynamics.base_motion import BaseMotion
-from beammodes.dynamics.forward_dynamics import ChainState, base_vector, forward_dynamics
+from beammodes.dynamics.base_motion import BaseMotion, base_vector
+from beammodes.dynamics.drive import Drive
+from beammodes.dynamics.forward_dynamics import ChainState, forward_dynamics
 from beammodes.dynamics.implicit import ImplicitStepper
+from beammodes.dynamics.timed_loads import TimedLoad
 from beammodes.equations.mechanics import coordinate_names
 from beammodes.numerics.arrays import Floats
 from beammodes.problem.loading import Load
@@ -44,18 +47,22 @@ _CHUNK, _NUMBERS = 2000, 50_000
 
 @dataclass(frozen=True)
 class Stepper:
-    """One step as a CasADi function of (state, step, base), base at `times`, fractions of it, in a column."""
+    """One step as a CasADi function of (state, step, drive), drive at `times`, parts of it, in a column."""
 
     function: casadi.Function
     times: tuple[float, ...]
 
     def steps(self, state: Floats, step: float, start: float, count: int, base: BaseMotion) -> Floats:
         """Return the states after each of `count` steps from time `start`, shape (count, size)."""
-        at = start + step * (np.arange(count)[None, :] + np.array(self.times)[:, None])
-        course = base.at(at)  # (3, 3, stages, count)
-        columns = np.moveaxis(course, 2, 0).reshape(-1, count)
+        at = start + step * np.arange(count, dtype=np.float64)
+        return self.along(state, at, np.full(count, step), Drive(base))
+
+    def along(self, state: Floats, at: Floats, lengths: Floats, drive: Drive) -> Floats:
+        """Return the states after each of some steps, that start at times `at`, shape (steps, size)."""
+        count = len(at)
+        columns = drive.stages(at, lengths, self.times).reshape(-1, count)
         mapped = _repeated(self.function, count)
-        return np.asarray(mapped(state, np.full((1, count), step), columns).full().T)
+        return np.asarray(mapped(state, lengths[None], columns).full().T)
 
 
 # Runs are cut into chunks of equal length, so the last few functions are asked for again and again.
@@ -70,9 +77,10 @@ def runge_kutta(
     load: Load | None = None,
     damping: Damping | None = None,
     base: BaseMotion | None = None,
+    loads: Sequence[TimedLoad] = (),
     integrator: str = "rk4",
 ) -> Stepper:
-    """Return one step of an explicit Runge-Kutta method, of states (q, q').
+    """Return one step of an explicit Runge-Kutta method, of states (q, q'), with `loads` (q, q', work).
 
         k_i = f(t + c_i h, x + h Σ_j a_ij k_j),   x + h Σ_i b_i k_i
 
@@ -86,28 +94,31 @@ def runge_kutta(
     array([0.9996, 0.9982])
     """
     method = INTEGRATORS[integrator]
-    acceleration = forward_dynamics(chain, load=load, damping=damping, base=base)
+    acceleration = forward_dynamics(chain, load=load, damping=damping, base=base, loads=loads)
     pause()
-    size = acceleration.size1_in(0)
+    size, numbers = acceleration.size1_in(0), acceleration.size1_in(2)
     # The last time is that of the new state's closure.
     nodes = [sum(row) for row in method.stages]
     times = tuple(sorted({*nodes, 1.0}))
     state, step, course = (
-        casadi.SX.sym(n, k) for n, k in (("x", 2 * size), ("h", 1), ("base", 9 * len(times)))
+        casadi.SX.sym(n, k)
+        for n, k in (("x", 2 * size + bool(loads)), ("h", 1), ("drive", numbers * len(times)))
     )
-    at = dict(zip(times, casadi.vertsplit(course, 9), strict=True))
+    at = dict(zip(times, casadi.vertsplit(course, numbers), strict=True))
     rates: list[Any] = []
     for node, row in zip(nodes, method.stages, strict=True):
         x = state
         for weight, rate in zip(row, rates, strict=False):
             x = x + (step * weight) * rate if weight else x
-        rates.append(casadi.vertcat(x[size:], acceleration(x[:size], x[size:], at[node])))
+        speeds = x[size : 2 * size]
+        found = acceleration.call([x[:size], speeds, at[node]])
+        rates.append(casadi.vertcat(speeds, *found))
     # In multiples of the least weight, as the method is written in books: h/6 (k_1 + 2 k_2 + 2 k_3 + k_4).
     least = min(weight for weight in method.weights if weight)
     terms = [weight / least * rate for weight, rate in zip(method.weights, rates, strict=True) if weight]
     new = state + step / (1 / least) * sum(terms[1:], terms[0])
     if chain.boundary.right.holds_deflection:
-        new = projection(chain)(new, at[1.0])
+        new = casadi.vertcat(projection(chain)(new[: 2 * size], at[1.0][:9]), new[2 * size :])
     return Stepper(casadi.Function("runge_kutta", [state, step, course], [new]), times)
 
 
@@ -141,8 +152,8 @@ def projection(chain: Chain) -> casadi.Function:
     return casadi.Function("projection", [state, base], [casadi.vertcat(placed, moved)])
 
 
-#: Times, coordinates, speeds, and why the run stopped early, or nothing.
-Found = tuple[Floats, Floats, Floats, str]
+#: Times, coordinates, speeds, work of the timed loads, and why the run stopped early, or nothing.
+Found = tuple[Floats, Floats, Floats, Floats, str]
 Runner = Callable[["Run", tuple[Floats, Floats], Progress], Found]
 
 
@@ -152,7 +163,7 @@ class Run:
 
     chain: Chain
     load: Load
-    base: BaseMotion
+    drive: Drive
     damping: Damping
     duration: float
     step: float
@@ -168,35 +179,52 @@ def runner(integrator: str) -> Runner:
     return runs[INTEGRATORS[integrator].run]
 
 
+def _start(run: Run, *halves: Floats) -> Floats:
+    """Return the first state: with loads that vary in time, their work so far stands last."""
+    return np.concatenate([*halves, np.zeros(int(bool(run.drive.loads)))])
+
+
+def _work(states: Floats, size: int) -> Floats:
+    """Return the work in states of `size` coordinates, none where there is no such load."""
+    return states[:, 2 * size] if states.shape[1] > 2 * size else np.zeros(len(states))
+
+
 def _runge_kutta_run(run: Run, start: tuple[Floats, Floats], progress: Progress) -> Found:
     """Integrate by an explicit Runge-Kutta method of fixed step."""
     stepper = runge_kutta(
-        run.chain, load=run.load, damping=run.damping, base=run.base, integrator=run.integrator
+        run.chain,
+        load=run.load,
+        damping=run.damping,
+        base=run.drive.base,
+        loads=run.drive.loads,
+        integrator=run.integrator,
     )
-    time, states, why = _fixed(run, stepper, np.concatenate(start), progress)
+    time, states, why = _fixed(run, stepper, _start(run, *start), progress)
     size = len(start[0])
-    return time, states[:, :size], states[:, size:], why
+    return time, states[:, :size], states[:, size : 2 * size], _work(states, size), why
 
 
 def _implicit_run(run: Run, start: tuple[Floats, Floats], progress: Progress) -> Found:
     """Integrate by an implicit Runge-Kutta method, in coordinates and momenta."""
-    stepper = ImplicitStepper(run.chain, load=run.load, damping=run.damping, integrator=run.integrator)
-    q, u = start
-    p = stepper.momenta(q, u, base_vector(run.base, 0.0))
-    time, states, why = _fixed(run, stepper, np.concatenate([q, p]), progress)
-    q_found, p_found = states[:, : len(q)], states[:, len(q) :]
-    u_found = stepper.speeds(q_found, p_found, base_vector(run.base, time))
+    stepper = ImplicitStepper(
+        run.chain, load=run.load, damping=run.damping, loads=run.drive.loads, integrator=run.integrator
+    )
+    (q, u), base = start, run.drive.base
+    p = stepper.momenta(q, u, base_vector(base, 0.0))
+    time, states, why = _fixed(run, stepper, _start(run, q, p), progress)
+    q_found, p_found, work = states[:, : len(q)], states[:, len(q) : 2 * len(q)], _work(states, len(q))
+    u_found = stepper.speeds(q_found, p_found, base_vector(base, time))
     if run.chain.boundary.right.holds_deflection:
         # The method keeps the closure, not its rate, which is left an error of second order.
         onto = projection(run.chain)
-        both = onto.map(len(time))(np.hstack([q_found, u_found]).T, base_vector(run.base, time)).full().T
+        both = onto.map(len(time))(np.hstack([q_found, u_found]).T, base_vector(base, time)).full().T
         u_found = np.array(both[:, len(q) :])
     lost = np.flatnonzero(~np.isfinite(u_found).all(axis=1))
     if len(lost):
         # A momentum may be a finite number where the speed that it stands for is none.
         why = f"non-finite state at t = {time[lost[0]]:.6g} s"
-        time, q_found, u_found = (values[: lost[0]] for values in (time, q_found, u_found))
-    return time, q_found, u_found, why
+        time, q_found, u_found, work = (values[: lost[0]] for values in (time, q_found, u_found, work))
+    return time, q_found, u_found, work, why
 
 
 def _fixed(
@@ -210,17 +238,20 @@ def _fixed(
         while done < run.steps and not why:
             pause()
             count = min(chunk, run.steps - done)
-            states = stepper.steps(state, run.step, done * run.step, count, run.base)
+            at, lengths, whole = run.drive.mesh(run.step, done, count)
+            states = stepper.along(state, at, lengths, run.drive)
             bad = np.flatnonzero(~np.isfinite(states).all(axis=1))
+            # Between whole steps, where a load or the base jumps, nothing is kept.
+            last, states = states[-1], states[whole]
             if len(bad):
-                count = int(bad[0])
+                count = int(whole[: bad[0]].sum())
                 number = done + count + 1
                 why = f"non-finite state after step {number}, t = {number * run.step:.6g} s"
             numbers = done + np.arange(1, count + 1)
             wanted = (numbers % run.every == 0) | (numbers == run.steps)
             kept.append(states[:count][wanted])
             times.extend((numbers[wanted] * run.step).tolist())
-            state, done = states[-1], done + count
+            state, done = last, done + count
             progress(done, run.steps)
     except KeyboardInterrupt:
         why = f"interrupted after step {done}"
@@ -230,27 +261,41 @@ def _fixed(
 class Rate:
     """The function (t, state) -> state', twenty times as fast as a call that copies and converts.
 
-    A base that moves is asked once for a whole step of a Runge-Kutta pair of SciPy: its first stage tells by
-    its time when the others will come. Other times are asked for one by one.
+    A base that moves, or a load that varies, is asked once for a whole step of a Runge-Kutta pair of SciPy:
+    its first stage tells by its time when the others will come. Other times are asked for one by one. Jumps
+    are ends of spans, and are seen from within the one that is integrated.
     """
 
     def __init__(self, run: Run, size: int) -> None:
-        self.run, self.moves = run, run.base != BaseMotion()
-        acceleration = forward_dynamics(run.chain, load=run.load, damping=run.damping, base=run.base)
-        self.q, self.u, self.found, self.base = (np.zeros(n) for n in (size, size, size, 9))
+        drive = run.drive
+        self.run, self.moves = run, not drive.rests
+        acceleration = forward_dynamics(
+            run.chain, load=run.load, damping=run.damping, base=drive.base, loads=drive.loads
+        )
+        self.q, self.u, self.found, self.power, self.base = (
+            np.zeros(n) for n in (size, size, size, int(bool(drive.loads)), drive.size)
+        )
         # Compiled code reads and writes these arrays; it lives no longer than the buffer does.
         self.buffer, self.evaluate = acceleration.buffer()
         for k, argument in enumerate((self.q, self.u, self.base)):
             self.buffer.set_arg(k, argument.data)
         self.buffer.set_res(0, self.found.data)
-        self.base[:] = base_vector(run.base, 0.0)
+        if drive.loads:
+            self.buffer.set_res(1, self.power.data)
+        self.base[:] = drive.at(0.0)
         # The solver whose stages are evaluated, their places in a step, their times (the next one's index is
         # kept) with the base at them, and how near a time must come to one.
         self.solver: Any = None
+        self.span = 0.0, run.duration
         self._nodes = np.ones(1)
         self._times: list[float] = []
-        self._course = np.zeros((0, 9))
+        self._course = np.zeros((0, drive.size))
         self._next, self._near = 0, 0.0
+
+    def enter(self, start: float, stop: float) -> None:
+        """Take note of the span that is integrated from now on."""
+        self.solver, self.span, self._times = None, (start, stop), []
+        self._next = 0
 
     def serve(self, solver: Any) -> None:
         """Take note of the Runge-Kutta pair of SciPy that asks from now on."""
@@ -259,7 +304,7 @@ class Rate:
     def __call__(self, time: float, x: Floats) -> Floats:
         """Return q' and q'' at a time and a state (q, q')."""
         size = len(self.q)
-        self.q[:], self.u[:] = x[:size], x[size:]
+        self.q[:], self.u[:] = x[:size], x[size : 2 * size]
         if self.moves:
             k = self._next
             if k == len(self._times) or abs(self._times[k] - time) > self._near:
@@ -268,7 +313,7 @@ class Rate:
             self.base[:] = self._course[k]
             self._next = k + 1
         self.evaluate()
-        return np.concatenate([self.u, self.found])
+        return np.concatenate([self.u, self.found, self.power])
 
     def _foresee(self, time: float) -> None:
         """Ask the base where it is at a time, and at those that follow if it is a step's first stage."""
@@ -277,13 +322,16 @@ class Rate:
             step = (time - self.solver.t) / self._nodes[0]
             at, self._near = self.solver.t + self._nodes * step, 1e-9 * step
             at[0] = time
-        self._times, self._course = at.tolist(), base_vector(self.run.base, at).T
+        start, stop = self.span
+        share = (at - start) / (stop - start)
+        self._times = at.tolist()
+        self._course = self.run.drive.stages(np.array([start]), np.array([stop - start]), share)[..., 0]
 
 
 def _variable_run(run: Run, start: tuple[Floats, Floats], progress: Progress) -> Found:
     """Integrate by a Runge-Kutta pair of SciPy, which chooses its steps."""
     size, why = len(start[0]), ""
-    kept, times = [np.concatenate(start)], [0.0]
+    kept, times = [_start(run, *start)], [0.0]
     rate = Rate(run, size)
     onto = projection(run.chain) if run.chain.boundary.right.holds_deflection else None
     pause()
@@ -301,7 +349,7 @@ def _variable_run(run: Run, start: tuple[Floats, Floats], progress: Progress) ->
     except KeyboardInterrupt:
         why = f"interrupted after t = {times[-1]:.6g} s"
     states = np.array(kept)
-    return np.array(times), states[:, :size], states[:, size:], why
+    return np.array(times), states[:, :size], states[:, size : 2 * size], _work(states, size), why
 
 
 def _variable_pieces(run: Run, rate: Rate, onto: Any, state: Floats) -> Iterator[tuple[float, Floats, str]]:
@@ -314,8 +362,8 @@ def _variable_pieces(run: Run, rate: Rate, onto: Any, state: Floats) -> Iterator
         # SciPy would look for a first step for ever.
         yield 0.0, state, "non-finite rate at t = 0 s"
         return
-    for number in (*range(run.every, run.steps, run.every), run.steps):
-        bound = min(number * run.step, run.duration)
+    for bound, wanted in _bounds(run):
+        rate.enter(time, bound)
         first = None if first is None else min(first, run.step, bound - time)
         solver = solver_class(
             rate,
@@ -336,5 +384,21 @@ def _variable_pieces(run: Run, rate: Rate, onto: Any, state: Floats) -> Iterator
             return
         time, state, first = bound, solver.y, solver.h_abs
         if onto is not None:
-            state = np.array(onto(state, base_vector(run.base, time)))[:, 0]
-        yield time, state, ""
+            size = 2 * len(rate.q)
+            placed = np.array(onto(state[:size], base_vector(run.drive.base, time)))[:, 0]
+            state = np.concatenate([placed, state[size:]])
+        if wanted:
+            yield time, state, ""
+
+
+def _bounds(run: Run) -> Iterator[tuple[float, bool]]:
+    """Yield the ends of spans: output times, which are kept, and jumps of loads and base between them."""
+    before = 0.0
+    for number in (*range(run.every, run.steps, run.every), run.steps):
+        bound = min(number * run.step, run.duration)
+        within = 1e-9 * (bound - before)
+        for jump in run.drive.jumps:
+            if before + within < jump < bound - within:
+                yield float(jump), False
+        yield bound, True
+        before = bound

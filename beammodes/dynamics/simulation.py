@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import math
 import warnings
+from collections.abc import Sequence
 from dataclasses import asdict, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -13,14 +14,16 @@ import numpy as np
 
 from beammodes.chains.chain import Chain
 from beammodes.checks import bounded, choice, flag, positive_real, real, real_numbers, shown, whole_number
-from beammodes.dynamics.base_motion import BaseMotion
-from beammodes.dynamics.forward_dynamics import base_vector, checked_system
+from beammodes.dynamics.base_motion import BaseMotion, base_vector
+from beammodes.dynamics.drive import Drive
+from beammodes.dynamics.forward_dynamics import checked_system
 from beammodes.dynamics.runs import Run, projection, runner
 from beammodes.dynamics.step_choice import OUTPUTS, Chosen, Motion, chosen
+from beammodes.dynamics.timed_loads import AnyLoad, read_loads
 from beammodes.equations.mechanics import Algebra, coordinate_names, piece_energies, tip_names
 from beammodes.files import file_target, write_atomically
 from beammodes.numerics.arrays import Floats
-from beammodes.problem.loading import Load, checked_load
+from beammodes.problem.loading import Load
 from beammodes.progress import Progress, held, progress_of
 from beammodes.version import SOURCE
 from beammodes.vibration.damping import Damping
@@ -59,8 +62,9 @@ _HELD = {
     "u": ("coordinate", "generalized speeds", "m/s, rad/s"),
     "tip_deflection": (None, "right tip's distance from the line of the base", "m"),
     "kinetic_energy": (None, "kinetic energy", "J"),
-    "potential_energy": (None, "energy of springs, supports and loads", "J"),
+    "potential_energy": (None, "energy of springs, supports and a constant Load", "J"),
     "energy": (None, "kinetic and potential energy", "J"),
+    "load_work": (None, "work that all other loads have done", "J"),
     "momentum_x": (None, "momentum along x", "N s"),
     "momentum_y": (None, "momentum along y", "N s"),
     "angular_momentum": (None, "angular momentum about the origin", "N m s"),
@@ -139,11 +143,16 @@ def _onto(chain: Chain, start: Start, base: BaseMotion) -> Start:
 
 
 def _motion_dataset(
-    chain: Chain, time: Floats, q: Floats, u: Floats, load: Load, base: BaseMotion, attributes: dict[str, Any]
+    chain: Chain,
+    found: Sequence[Floats],
+    load: Load,
+    base: BaseMotion,
+    attributes: dict[str, Any],
 ) -> xarray.Dataset:
-    """Return a motion, coordinates and speeds of shape (times, coordinates), as `simulate` describes it."""
+    """Return a motion as `simulate` describes it, found as times, coordinates, speeds and loads' work."""
     import xarray
 
+    time, q, u, work = found
     course, length, centre = base.at(time), chain.length, chain.centre
     angle, spin = (_of_pieces(chain, values, course[2, k]) for k, values in enumerate((q, u)))
     tip, tip_speed = (_of_tip(chain, values, course[:2, k]) for k, values in enumerate((q, u)))
@@ -179,6 +188,7 @@ def _motion_dataset(
             "kinetic_energy": kinetic,
             "potential_energy": potential,
             "energy": kinetic + potential,
+            "load_work": work,
             "momentum_x": px.sum(axis=1),
             "momentum_y": py.sum(axis=1),
             "angular_momentum": (turning + chain.rotary_inertia * spin).sum(axis=1),
@@ -247,7 +257,7 @@ def simulate(
     modes: int | None = None,
     output_step: float | None = None,
     initial: Any = None,
-    load: Load | None = None,
+    load: AnyLoad | Sequence[AnyLoad] | None = None,
     base: BaseMotion | None = None,
     damping: Damping | None = None,
     tolerance: float = 1e-9,
@@ -257,7 +267,7 @@ def simulate(
 ) -> xarray.Dataset:
     """Return the motion of a chain, large rotations included.
 
-        M(q) q'' + h(q, q') + s(q) + C q' = (∂c/∂q)ᵀ λ
+        M(q) q'' + h(q, q') + s(q) + C q' = (∂c/∂q)ᵀ λ + f(q, t)
 
     Parameters
     ----------
@@ -272,10 +282,10 @@ def simulate(
         energy, and "sdirk2" if something does, which damps the modes that a step does not resolve.
     step : float [s], optional
         At most `duration`. Of fixed steps by default half the longest stable one of an explicit method, with
-        the damping and with the pull of loads and base. That of an implicit method is bounded by accuracy
-        alone: the last of `modes`, the base and the start's turning keep their frequency to 0.1 % (and
-        the mode its amplitude to 1 %) over 100 periods. The largest one of variable steps, by default
-        that of output.
+        the damping and with the pull of loads and base, or less where a load varies faster. That of an
+        implicit method is bounded by accuracy alone: the last of `modes`, the base, the loads and the start's
+        turning keep their frequency to 0.1 % (and the mode its amplitude to 1 %) over 100 periods. The
+        longest one of variable steps, by default that of output.
     modes : int, optional
         How many of the lowest elastic modes an implicit step must resolve. By default those that hold 99.9 %
         of what the start stores, at most 20, and no fewer than three under a load or on a moving base.
@@ -285,8 +295,11 @@ def simulate(
     initial : pair of arrays, or Equilibrium, optional
         Coordinates and speeds (in the order of `coordinate_names`), or a shape to start from at rest;
         straight and at rest with the base by default. `mode_start` gives a mode.
-    load : Load, optional
-        Dead loads and gravity; no spin rate.
+    load : Load, PointLoad, LineLoad, TimedLoad, or list of them, optional
+        At most one `Load` that is constant (its forces are dead, and have a potential; no spin rate); any
+        number of forces and moments at points, of loads along the beam, and of loads that vary in time or
+        follow the segment they act on (`TimedLoad`). Steps of every method end where one of these jumps or
+        kinks, and so where a course of the base does.
     base : BaseMotion, optional
     damping : Damping, optional
     tolerance : float
@@ -311,8 +324,8 @@ def simulate(
         these, and `step_error` what an implicit step does to the modes that it was chosen for, as of a small
         motion; `remark` says so if nothing moves. Attribute `complete` is 0 if the run was interrupted from
         the keyboard or left the finite numbers; `stopped` then says why. What came before is kept. Without
-        damping, on a base at rest, `energy` changes by the error of the steps only: it tells whether they
-        were short enough.
+        damping, on a base at rest, `energy` less `load_work` changes by the error of the steps only: it tells
+        whether they were short enough.
         Ctrl-C, however often, ends the motion with the step that it came in, and what there is of it is put
         together and written before this function returns. While equations are built there is nothing to
         keep: it is then a KeyboardInterrupt.
@@ -342,8 +355,10 @@ def simulate(
     >>> bool(abs(motion.energy / motion.energy[0] - 1).max() < 1e-6)
     True
     """
-    checked_system(chain, load, damping, base)
-    given, ground = checked_load(load), base or BaseMotion()
+    given, timed = read_loads(load)
+    checked_system(chain, given, damping, base)
+    drive = Drive(base or BaseMotion(), timed)
+    ground = drive.base
     span = positive_real("duration", duration)
     kind = None if integrator is None else choice("integrator", integrator, MOTION_INTEGRATORS)
     most = max(1, chain.elastic_modes + chain.boundary.rigid_body_modes)
@@ -360,7 +375,7 @@ def simulate(
     if step is not None and positive_real("step", step) > span:
         raise ValueError(f"step must not be longer than duration, {span}, got {shown(step)}")
     start = _initial_state(chain, initial, ground)
-    motion = Motion(chain, span, given, ground, damping, start, wanted)
+    motion = Motion(chain, span, given, drive, damping, start, wanted)
     took = _taken(motion, kind, step, min(shown_step, span))
     if span / took.step > 1e9:
         raise ValueError(
@@ -381,7 +396,7 @@ def simulate(
     run = Run(
         chain,
         given,
-        ground,
+        drive,
         damping or Damping(),
         span,
         took.step,
@@ -391,9 +406,9 @@ def simulate(
         took.integrator,
     )
     with held():
-        time, q, u, why = runner(run.integrator)(run, start, told)
+        *found, why = runner(run.integrator)(run, start, told)
         attributes = {**asdict(took), "complete": int(not why), "stopped": why, "remark": _remark(motion)}
-        result = _motion_dataset(chain, time, q, u, given, ground, attributes)
+        result = _motion_dataset(chain, found, given, ground, attributes)
         if halving:
             result = result.assign_attrs(_errors(run, start, told, result))
         if path is not None:
@@ -414,15 +429,15 @@ def _taken(motion: Motion, kind: str | None, step: float | None, longest: float)
 
 def _remark(motion: Motion) -> str:
     """Say so if nothing will move."""
-    still = motion.load == Load() and motion.base == BaseMotion() and not np.any(motion.start)
+    still = motion.rests and not np.any(motion.start)
     return "nothing moves: give a start (mode_start makes one), a load or a base that moves" if still else ""
 
 
 def _errors(run: Run, start: Start, told: Progress, result: xarray.Dataset) -> dict[str, float]:
     """Return the largest errors at the output times, by the motion at half the step."""
     half = replace(run, step=run.step / 2, every=2 * run.every, steps=2 * run.steps)
-    time, q, u, why = runner(run.integrator)(half, start, told)
-    fine = _motion_dataset(run.chain, time, q, u, run.load, run.base, {})
+    *found, why = runner(run.integrator)(half, start, told)
+    fine = _motion_dataset(run.chain, found, run.load, run.drive.base, {})
     whole = not why and result.complete
     share = 2.0 ** INTEGRATORS[run.integrator].order
     values = {"tip_error": "tip_deflection", "angle_error": "angle"}

@@ -2,9 +2,10 @@
 
 An explicit method must resolve the chain's highest mode, whose frequency grows as N², or be unstable. An
 implicit one is stable at any step, so that its step is bounded by what one wants to see: the modes that
-the start or the caller asks for, and how fast the base moves and turns. Such a mode then keeps its frequency
-to 0.1 % and its amplitude to 1 % over 100 periods (`accuracy_limit`). The midpoint rule keeps the amplitude
-of every mode; sdirk2 damps those that a step does not resolve (`amplification` says by how much).
+the start or the caller asks for, and how fast the base moves and turns and loads vary. Such a mode then keeps
+its frequency to 0.1 % and its amplitude to 1 % over 100 periods (`accuracy_limit`). The midpoint rule keeps
+the amplitude of every mode; sdirk2 damps those that a step does not resolve (`amplification` says by how
+much).
 """
 
 from __future__ import annotations
@@ -16,6 +17,8 @@ import numpy as np
 
 from beammodes.chains.chain import Chain
 from beammodes.dynamics.base_motion import BaseMotion
+from beammodes.dynamics.drive import Drive
+from beammodes.dynamics.timed_loads import TimedLoad, pattern
 from beammodes.equations.mechanics import tip_names
 from beammodes.numerics.arrays import Floats
 from beammodes.problem.loading import Load
@@ -45,10 +48,15 @@ class Motion:
     chain: Chain
     span: float
     load: Load
-    base: BaseMotion
+    drive: Drive
     damping: Damping | None
     start: tuple[Floats, Floats]
     modes: int | None = None
+
+    @property
+    def rests(self) -> bool:
+        """True if neither a load nor the base moves anything."""
+        return self.load == Load() and self.drive.base == BaseMotion() and not self.drive.loads
 
 
 @dataclass(frozen=True)
@@ -67,7 +75,8 @@ def chosen(motion: Motion, integrator: str | None, longest: float) -> Chosen:
     if INTEGRATORS[explicit].springs == "implicit":
         return _by_accuracy(motion, explicit, longest, _stable_step(motion, "rk4"), "method as given")
     limit = _stable_step(motion, explicit)
-    step = _divided(longest, limit)
+    loaded = max(_load_rates(motion, 1 / limit).values(), default=0.0)
+    step = _divided(longest, min(limit, accuracy_limit(explicit) / loaded) if loaded else limit)
     half = "half its longest stable step or less"
     if integrator is not None:
         return Chosen(explicit, step, f"method as given; {half}")
@@ -113,7 +122,10 @@ def _largest_pull(motion: Motion) -> float:
     """
     chain, load = motion.chain, motion.load
     push = math.hypot(*map(float, load.tip)) + float(chain.mass.sum()) * math.hypot(*map(float, load.weight))
-    if motion.base != BaseMotion():
+    for timed in motion.drive.loads:
+        numbers = pattern(chain, timed)
+        push += float(np.hypot(numbers[:, [0, 4]], numbers[:, [1, 5]]).sum() * _size(timed, motion.span))
+    if motion.drive.base != BaseMotion():
         (_, _, ax), (_, _, ay), (_, spin, gain) = _sampled(motion)
         carried = np.hypot(ax, ay) + chain.length.sum() * np.hypot(spin**2, gain)
         push += float(chain.mass.sum() * carried.max())
@@ -121,7 +133,30 @@ def _largest_pull(motion: Motion) -> float:
 
 
 def _sampled(motion: Motion) -> Floats:
-    return motion.base.at(np.linspace(0.0, motion.span, OUTPUTS + 1))
+    return motion.drive.base.at(np.linspace(0.0, motion.span, OUTPUTS + 1))
+
+
+def _size(timed: TimedLoad, span: float) -> float:
+    """Return the largest number that a load is multiplied by."""
+    times = np.concatenate([np.linspace(0.0, span, 4 * OUTPUTS + 1), timed.jumps])
+    return float(np.abs(timed.at(times[times <= span])).max())
+
+
+def _load_rates(motion: Motion, most: float) -> dict[str, float]:
+    """Return how fast each load varies between its jumps; what is only sampled, `most` at most [rad/s]."""
+    rates, times = {}, np.linspace(0.0, motion.span, 4 * OUTPUTS + 1)
+    for number, timed in enumerate(motion.drive.loads, start=1):
+        rate = timed.fastest
+        if rate is None:
+            values = timed.at(times)
+            cell = np.searchsorted(times, timed.jumps)
+            slopes = np.abs(np.diff(values))
+            slopes[cell[(cell > 0) & (cell < len(times))] - 1] = 0.0
+            # Of a harmonic course its frequency.
+            swing = float(np.ptp(values)) / 2.0
+            rate = min(float(slopes.max()) / (times[1] * swing), most) if swing else 0.0
+        rates[f"the variation of load {number}"] = float(rate)
+    return rates
 
 
 def _by_accuracy(motion: Motion, integrator: str, longest: float, stable: float, why: str) -> Chosen:
@@ -153,10 +188,11 @@ def _step_error(integrator: str, step: float, omega: Floats) -> str:
 
 
 def _rates(motion: Motion, most: float) -> dict[str, float]:
-    """Return how fast the base moves and turns, and the start turns, that `most` at most [rad/s]."""
+    """Return how fast base, loads and start move and turn, of what is sampled `most` at most [rad/s]."""
     speeds = motion.start[1][len(tip_names(motion.chain)) :]
     rates = {"the start's rate of turning": min(float(np.abs(speeds).max(initial=0.0)), most)}
-    if motion.base != BaseMotion():
+    rates |= _load_rates(motion, most)
+    if motion.drive.base != BaseMotion():
         course = np.abs(_sampled(motion)).max(axis=2)
         rates["the base's rate of turning"] = float(course[2, 1])
         # Of a harmonic course its frequency.
@@ -174,7 +210,7 @@ def _modes_wanted(motion: Motion, pulled: LinearModel) -> tuple[int, str]:
     with np.errstate(over="ignore", invalid="ignore"):
         shares = np.nan_to_num(_shares(motion, min(_MOST, there)), posinf=0.0)
     number = min(int(np.searchsorted(shares, _SHARE)) + 1, len(shares)) if shares.any() else 0
-    if motion.load != Load() or motion.base != BaseMotion():
+    if not motion.rests:
         # A pull makes modes of what was rigid-body motion.
         number = min(max(number + pulled.elastic_modes - there, _EXCITED), pulled.elastic_modes)
         return number, f"modes to {number} are what loads, the base and the start are taken to excite"
@@ -194,7 +230,7 @@ def _shares(motion: Motion, count: int) -> Floats:
     chain, (q, u) = motion.chain, motion.start
     modes = solve_modes(linearize(chain), count)
     tips, free = tip_names(chain), ~np.array(chain.held_angles)
-    course = motion.base.at(0.0)
+    course = motion.drive.base.at(0.0)
     across, turned = [], []
     for k, values in enumerate((q, u)):
         angle = np.zeros(chain.pieces)

@@ -164,6 +164,10 @@ def kept_number(name: str, value: object) -> Number:
     >>> kept_number("force", Fraction(1, 3)), kept_number("force", -0)
     (Fraction(1, 3), 0.0)
     """
+    if callable(value):
+        raise TypeError(
+            f"{name} must be a number, got {shown(value)}: a TimedLoad is a load times a function of time"
+        )
     number = real(name, value)
     # A minus sign on zero would make two loads of one.
     return value if isinstance(value, Fraction) else number + 0.0
