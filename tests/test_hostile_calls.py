@@ -642,7 +642,7 @@ ANSWERS = {
     "TimoshenkoModes",
 }
 #: Neither called nor made.
-CONSTANTS = {"BOUNDARIES", "ENDS", "INTEGRATORS", "JOINT_LAWS", "MODULI", "RULES", "__version__"}
+CONSTANTS = {"BOUNDARIES", "ENDS", "INTEGRATORS", "JOINT_LAWS", "MODULI", "RULES", "WAVEFORMS", "__version__"}
 EXCEPTIONS = {
     "DampingFitWarning",
     "DivergedWarning",
