@@ -274,7 +274,7 @@ def test_wrong_arguments_of_buckling_load() -> None:
         buckling_load(chain, "clamped-free")  # type: ignore[call-overload]
     with pytest.raises(TypeError, match="boundary must be given for a beam"):
         buckling_load(UNIT)  # type: ignore[call-overload]
-    with pytest.raises(TypeError, match="structure must be a Beam or a Chain"):
+    with pytest.raises(TypeError, match="structure must be a Beam, Chain, Structure or StructureChain"):
         buckling_load("beam", "clamped-free")  # type: ignore[call-overload]
     assert buckling_load(Chain(UNIT, "pinned-pinned", 1)) == INF
 

@@ -13,7 +13,7 @@ from random_structures import structure
 from shared_cases import INF, UNIT, portal
 
 import beammodes as bm
-from beammodes.exact.structure_judge import _Model
+from beammodes.exact.structure_judge import StructureModel
 from beammodes.vibration.structure_vibration import StructureCoordinates
 
 HALF = Fr(1, 2)
@@ -215,13 +215,32 @@ def test_weight_and_equilibrium_of_a_crane() -> None:
         np.testing.assert_allclose(chain.displacements[name], found.displacements[name], rtol=1e-5, atol=1e-9)
 
 
+def test_the_weight_of_a_beam_whose_mass_is_a_function() -> None:
+    # By hand: a mast of ρA(x) = 0.62 (1 - x/2.4)³ at an angle, ∫ ρA and ∫ x ρA; a table of it bends alike.
+    def mass(x: Any) -> Any:
+        return 0.62 * (1.0 - x / 2.4) ** 3
+
+    fine = np.linspace(0.0, 1.2, 101)
+    rows = []
+    for given in (mass, bm.Table(fine.tolist(), mass(fine).tolist())):
+        mast = bm.Structure(
+            {"foot": bm.Joint(0, 0, "clamped"), "top": bm.Joint(0.72, 0.96)},
+            [bm.Member(bm.Beam(1.2, 85.0, given), "foot", "top")],
+        )
+        found = bm.structure_statics(mast, bm.Load(gravity=10.0))
+        rows.append([found.deflection(1.2), found.axial_force(0.3), *found.reactions["foot"]])
+    total, first = 6.2 * 0.6 * (1 - 0.5**4), 6.2 * 1.44 * (4 * 0.5**5 / 5 - 0.5**4 + 0.2)
+    np.testing.assert_allclose(rows[0][3:], [total, 0.6 * first], rtol=1e-11)
+    np.testing.assert_allclose(rows[1], rows[0], rtol=1e-4, atol=1e-12)
+
+
 def test_random_structures_by_their_vibration() -> None:
     # Forces at joints: the compliance of the judge's K(0), and of the chain's energy coordinates, both of
     # which know nothing of equilibrium.
     held = 0
     for seed in range(60):
         given = structure(seed)
-        judge = _Model.of(given.parts, (1,) * len(given.parts.stretches), 22)
+        judge = StructureModel.of(given.parts, (1,) * len(given.parts.stretches), 22)
         if judge.rigid:
             continue
         held += 1

@@ -91,7 +91,8 @@ class HingedBending(NamedTuple):
 class BentStretch(NamedTuple):
     """A stretch with what is on it; distances are from its start.
 
-    Ends are m₀, m₁ and the deflections v₀, v₁ there.
+    Ends are m₀, m₁ and the deflections v₀, v₁ there, and the axial force at the second, None where
+    equilibrium does not tell it.
     """
 
     stretch: Stretch
@@ -100,6 +101,7 @@ class BentStretch(NamedTuple):
     bends: Flexibility
     shear_of_load: Piecewise
     moment_of_load: Piecewise
+    pull_of_load: Piecewise
 
     def weights(self) -> tuple[Piecewise, Piecewise]:
         """Return 1 - x/l and x/l."""
@@ -119,6 +121,16 @@ class BentStretch(NamedTuple):
     def shear(self, x: Any, ends: tuple[Any, ...], side: int) -> Any:
         """Return V at a place."""
         return (ends[1] - ends[0]) / self.length + self.shear_of_load(x, side)
+
+    def axial_force(self, x: Any, ends: tuple[Any, ...], side: int) -> Any:
+        """Return N at a place."""
+        if ends[4] is None:
+            raise ValueError(
+                f"structure must let equilibrium tell its axial forces, got one with that of "
+                f"{self.stretch.member} untold: members do not stretch, and supports or other members could "
+                "pull on it at both ends without any load. Let one of them slide"
+            )
+        return ends[4] + self.pull_of_load(x, side)
 
     def _shares(self, x: Any, ends: tuple[Any, ...], side: int) -> tuple[Any, Any]:
         """Return ∫ s κ ds before x and ∫ (l - s) κ ds behind it."""

@@ -12,15 +12,19 @@ from beammodes.accuracy.error_table import ChainGrid, labelled
 from beammodes.chains.chain import Chain
 from beammodes.chains.pieces import MAX_PIECES
 from beammodes.chains.rules import AnyRule
+from beammodes.chains.structure_chain import StructureChain
 from beammodes.checks import shown
 from beammodes.numerics.arrays import Floats
 from beammodes.problem.beam import Beam
 from beammodes.problem.ends import Boundary, BoundaryLike
+from beammodes.problem.structure import Structure
 from beammodes.vibration.modes import MAX_DENSE
 from beammodes.vibration.spectrum import FlexibilityForm, flexibility_form
 
 if TYPE_CHECKING:
     import xarray
+
+    from beammodes.accuracy.loaded_structures import Loads
 
 __all__ = ["buckling_dataset", "buckling_load"]
 
@@ -29,30 +33,43 @@ __all__ = ["buckling_dataset", "buckling_load"]
 def buckling_load(structure: Chain) -> float: ...
 @overload
 def buckling_load(structure: Beam, boundary: BoundaryLike) -> float: ...
-def buckling_load(structure: Beam | Chain, boundary: BoundaryLike | None = None) -> float:
-    """Return the smallest compression at which a straight beam or chain buckles.
+@overload
+def buckling_load(structure: Structure | StructureChain, *, load: Loads | None = None) -> float: ...
+def buckling_load(
+    structure: Beam | Chain | Structure | StructureChain,
+    boundary: BoundaryLike | None = None,
+    *,
+    load: Loads | None = None,
+) -> float:
+    """Return the smallest compression at which a straight beam or chain buckles, or the factor of a load.
 
         stored energy = P · ½ ∫ y'² dx (beam),  = P · ½ Σ l_i θ_i² (chain)  for one shape, and no smaller P
 
     The loads are dead: they keep their direction and pull on the beam's two ends. End bodies do not matter,
     supports do. A chain's load is within 1e-13 of its exact value.
 
+    A structure, or a chain of one, buckles under f times its load, f -∫ N y'² in place of P ∫ y'² with the
+    axial forces N of its statics. What the load bends before is left out. Right to 1e-10.
+
     Parameters
     ----------
-    structure : Beam or Chain
+    structure : Beam, Chain, Structure or StructureChain
     boundary : str, pair or Boundary
-        The ends of a beam; a chain has its own.
+        The ends of a beam; chains and structures have their own.
+    load : PointLoad, LineLoad, a sequence of these, or Load, optional
+        On a structure; of a `Load` the gravity only. If left out, unit forces that compress its only member.
 
     Returns
     -------
-    float [N]
-        Inf for a chain without an elastic mode.
+    float [N], or f
+        Inf for a chain without an elastic mode, and where a load compresses nothing.
 
     Raises
     ------
     TypeError, ValueError
-        If an argument is not of its kind, or the ends let a rigid rotation store nothing (pinned-free,
-        free-free), so that any compression turns it over.
+        If an argument is not of its kind; if the ends let a rigid rotation store nothing (pinned-free,
+        free-free), so that any compression turns it over; or if members that do not stretch leave axial
+        forces open, as between two fixed supports.
 
     Examples
     --------
@@ -62,7 +79,27 @@ def buckling_load(structure: Beam | Chain, boundary: BoundaryLike | None = None)
     >>> chain = bm.Chain(bm.Beam.unit(), "pinned-pinned", segments=4, rule="double_wall")
     >>> bool(abs(bm.buckling_load(chain) / (64 * np.sin(np.pi / 8) ** 2) - 1) < 1e-14)      # Hencky's own
     True
+
+    A mast under its own weight, ρA g L³ = 7.837 EI:
+
+    >>> mast = bm.Structure({"foot": bm.Joint(0, 0, "clamped"), "top": bm.Joint(0, 1)},
+    ...     [bm.Member(bm.Beam.unit(), "foot", "top")])
+    >>> round(bm.buckling_load(mast, load=bm.Load(gravity=1.0)), 6)
+    7.837347
     """
+    if isinstance(structure, Structure | StructureChain):
+        if boundary is not None:
+            raise TypeError(
+                f"boundary must be left out for a structure, which has its own, got {shown(boundary)}"
+            )
+        from beammodes.accuracy.buckled_structures import structure_buckling_load
+
+        return structure_buckling_load(structure, load)
+    if load is not None:
+        raise TypeError(
+            "load must be left out for a beam or chain, whose two ends are compressed, got "
+            f"{shown(load)}; a Structure takes loads"
+        )
     if isinstance(structure, Chain):
         if boundary is not None:
             raise TypeError(
@@ -70,7 +107,9 @@ def buckling_load(structure: Beam | Chain, boundary: BoundaryLike | None = None)
             )
         return _chain_load(structure)
     if not isinstance(structure, Beam):
-        raise TypeError(f"structure must be a Beam or a Chain, got {shown(structure)}")
+        raise TypeError(
+            f"structure must be a Beam, Chain, Structure or StructureChain, got {shown(structure)}"
+        )
     if boundary is None:
         raise TypeError("boundary must be given for a beam, got None")
     pair = Boundary.of(boundary)

@@ -38,19 +38,23 @@ from beammodes.chains.chain import Chain
 from beammodes.chains.structure_chain import StructureChain
 from beammodes.checks import bounded, real, real_numbers, shown, whole_number
 from beammodes.numerics.arrays import Floats
+from beammodes.numerics.piecewise import Piecewise
 from beammodes.problem.applied_loads import AppliedLoad, LineLoad, PointLoad
 from beammodes.problem.beam import Beam, each_place_once
 from beammodes.problem.ends import Boundary, BoundaryLike
 from beammodes.problem.loading import Load
-from beammodes.problem.profiles import SAME_PLACE
+from beammodes.problem.profiles import SAME_PLACE, Table
 from beammodes.problem.structure import Parts, Stretch, Structure, checked_structure
 
 __all__ = [
     "Loads",
     "Reaction",
     "StructureStatics",
+    "axial_forces",
     "beam_under",
     "chain_under",
+    "loads_listed",
+    "statics_of",
     "structure_chain_statics",
     "structure_statics",
 ]
@@ -130,6 +134,21 @@ class StructureStatics:
                 own = {*one.moment_of_load.edges, *one.shear_of_load.edges}
                 places += [float(one.start + x) for x in sorted(own)]
         return np.array(each_place_once(sorted(places), beam.beam.length))
+
+    def axial_force(self, x: ArrayLike | Fraction, member: str | None = None, side: int = -1) -> Any:
+        """Return the axial force [N], tension positive, before (side -1) or behind (1) a jump of it.
+
+        A ValueError tells where members that do not stretch leave it open, as between two fixed supports.
+
+        Examples
+        --------
+        >>> import beammodes as bm
+        >>> mast = bm.Structure({"foot": bm.Joint(0, 0, "clamped"), "top": bm.Joint(0, 2)},
+        ...     [bm.Member(bm.Beam(2.0, 1.0, 3.0), "foot", "top")])
+        >>> bm.structure_statics(mast, bm.Load(gravity=10.0)).axial_force([0.0, 1.0, 2.0])
+        array([-60., -30.,   0.])
+        """
+        return self._along(x, member, BentStretch.axial_force, side)
 
     @cached_property
     def reactions(self) -> Mapping[str, Reaction]:
@@ -218,7 +237,7 @@ def structure_statics(structure: Structure, load: Loads) -> StructureStatics:
     >>> pushed.deflection(Fraction(1, 2)), pushed.reactions["left"]
     (Fraction(1, 192), Reaction(force_x=0.0, force_y=-0.5, moment=-0.125))
     """
-    return _solved(checked_structure(structure), structure.parts, None, load)
+    return statics_of(checked_structure(structure), structure.parts, None, load)
 
 
 def structure_chain_statics(chain: StructureChain, load: Loads) -> StructureStatics:
@@ -243,7 +262,7 @@ def structure_chain_statics(chain: StructureChain, load: Loads) -> StructureStat
     """
     if not isinstance(chain, StructureChain):
         raise TypeError(f"chain must be a StructureChain, got {shown(chain)}")
-    return _solved(chain.structure, chain.parts, chain.chains, load)
+    return statics_of(chain.structure, chain.parts, chain.chains, load)
 
 
 def beam_under(beam: Beam, boundary: BoundaryLike, load: Loads) -> StructureStatics:
@@ -255,7 +274,7 @@ def beam_under(beam: Beam, boundary: BoundaryLike, load: Loads) -> StructureStat
     Fraction(1, 1)
     """
     structure = _alone(beam, Boundary.of(boundary))
-    return _solved(structure, structure.parts, None, load, tip="right")
+    return statics_of(structure, structure.parts, None, load, tip="right")
 
 
 def chain_under(chain: Chain, load: Loads) -> StructureStatics:
@@ -276,7 +295,26 @@ def chain_under(chain: Chain, load: Loads) -> StructureStatics:
         for node, (_, k) in zip(structure.parts.nodes, chain.scaled.supports, strict=False)
     ]
     whole = Stretch("left-right", 0.0, chain.beam, (0, 1), (1.0, 0.0), (math.inf, math.inf))
-    return _solved(structure, Parts(tuple(nodes), (whole,)), (chain,), load, tip="right")
+    return statics_of(structure, Parts(tuple(nodes), (whole,)), (chain,), load, tip="right")
+
+
+def axial_forces(statics: StructureStatics) -> list[Piecewise]:
+    """Return the axial force of each stretch over the distance from its start, tension positive [N].
+
+    Examples
+    --------
+    >>> structure = Structure.of_beam(Beam.unit(), "clamped-free")
+    >>> pulled = structure_statics(structure, PointLoad(0.5, force=(3.0, 0.0)))
+    >>> [axial_forces(pulled)[0](x) for x in (0.4, 0.6)]
+    [3.0, 0.0]
+    """
+    found = []
+    for one, ends in zip(statics._stretches, statics._ends, strict=True):
+        at_end = one.axial_force(one.length, ends, -1)
+        pull = one.pull_of_load
+        pieces = [(float(piece[0] + at_end), *map(float, piece[1:])) for piece in pull.pieces]
+        found.append(Piecewise(tuple(map(float, pull.edges)), tuple(pieces)))
+    return found
 
 
 def _alone(beam: Beam, boundary: Boundary) -> Structure:
@@ -285,20 +323,34 @@ def _alone(beam: Beam, boundary: Boundary) -> Structure:
     return Structure.of_beam(beam, Boundary(*ends))
 
 
-def _solved(
+def loads_listed(load: Loads) -> Load | list[AppliedLoad]:
+    """Return a `Load` as it is, and all else as a list.
+
+    Examples
+    --------
+    >>> loads_listed(PointLoad(0.5))
+    [PointLoad(x=0.5, force=0.0, moment=0.0, member=None, joint=None)]
+    """
+    if isinstance(load, Load):
+        return load
+    return [load] if isinstance(load, PointLoad | LineLoad) else bounded("load", load, most=_MOST_LOADS)
+
+
+def statics_of(
     structure: Structure,
     parts: Parts,
     chains: tuple[Chain, ...] | None,
     load: Loads,
     tip: str | None = None,
 ) -> StructureStatics:
-    exact = _is_exact(parts)
+    """Return the statics of the parts of a structure, or of the chains in their place."""
+    listed = loads_listed(load)
+    exact = _is_exact(parts, weighed=isinstance(listed, Load))
     number = Fraction if exact else float
     shares = SharedLoads(structure, parts, number)
-    if isinstance(load, Load):
-        shares.add_load(load, tip)
+    if isinstance(listed, Load):
+        shares.add_load(listed, tip)
     else:
-        listed = [load] if isinstance(load, PointLoad | LineLoad) else bounded("load", load, most=_MOST_LOADS)
         for one in listed:
             shares.add(one)
     stretches = []
@@ -316,9 +368,11 @@ def _solved(
     return StructureStatics(structure, exact, tuple(stretches), *system.read(values))
 
 
-def _is_exact(parts: Parts) -> bool:
-    """Return whether all beams are uniform and along the axes."""
+def _is_exact(parts: Parts, *, weighed: bool) -> bool:
+    """Return whether all beams bend uniformly and lie along the axes, and no weight is of a function."""
     return all(
-        isinstance(one.beam.bending_stiffness, float) and {abs(part) for part in one.axis} == {0.0, 1.0}
+        isinstance(one.beam.bending_stiffness, float)
+        and {abs(part) for part in one.axis} == {0.0, 1.0}
+        and (isinstance(one.beam.mass_per_length, float | Table) or not weighed)
         for one in parts.stretches
     )

@@ -6,10 +6,10 @@ from itertools import pairwise
 from typing import Any
 
 from beammodes.checks import shown
-from beammodes.numerics.piecewise import Piecewise, shifted
+from beammodes.numerics.piecewise import Piecewise, followed, shifted
 from beammodes.problem.applied_loads import AppliedLoad, LineLoad, PointLoad
 from beammodes.problem.loading import Load
-from beammodes.problem.profiles import SAME_PLACE, Table
+from beammodes.problem.profiles import SAME_PLACE, Table, profile_parts, value_at
 from beammodes.problem.structure import Parts, Stretch, Structure
 
 __all__ = ["SharedLoads"]
@@ -24,6 +24,9 @@ class SharedLoads:
         self.nodes = [[number(0)] * 3 for _ in self.parts.nodes]
         self.spread: list[list[tuple[Any, Any, tuple[Any, ...]]]] = [[] for _ in range(count)]
         self.points: list[list[tuple[Any, Any, Any]]] = [[] for _ in range(count)]
+        #: Along each stretch, as a whole pushed at its first node: forces, and those spread.
+        self.pulls: list[list[tuple[Any, Any]]] = [[] for _ in range(count)]
+        self.spread_pulls: list[list[tuple[Any, Any, tuple[Any, ...]]]] = [[] for _ in range(count)]
 
     def add(self, load: AppliedLoad) -> None:
         """Add a load."""
@@ -68,14 +71,19 @@ class SharedLoads:
                 return
             across, along = self._resolved(stretch, pair)
             self.points[i].append((x - start, across, number(load.moment)))
-            self._push(stretch.nodes[0], along, 0)
+            self.pulls[i].append((x - start, along))
+            self._push_along(stretch, along)
             return
 
-    def _resolved(self, stretch: Stretch, force: tuple[Any, Any]) -> tuple[Any, tuple[Any, Any]]:
-        """Return what a force has across a stretch, and the force along it, which moves all of it."""
+    def _resolved(self, stretch: Stretch, force: tuple[Any, Any]) -> tuple[Any, Any]:
+        """Return what a force has across a stretch, and along it."""
         (c, s), (u, v) = (map(self.number, axis) for axis in (stretch.axis, stretch.normal))
-        along = c * force[0] + s * force[1]
-        return u * force[0] + v * force[1], (c * along, s * along)
+        return u * force[0] + v * force[1], c * force[0] + s * force[1]
+
+    def _push_along(self, stretch: Stretch, force: Any) -> None:
+        """Push a stretch along itself, wherever that is: all of it moves."""
+        c, s = map(self.number, stretch.axis)
+        self._push(stretch.nodes[0], (c * force, s * force), 0)
 
     def _add_line(self, load: LineLoad) -> None:
         number, member = self.number, self.structure.member(load.member)
@@ -134,24 +142,48 @@ class SharedLoads:
         """Add the weight of beams and bodies."""
         number = self.number
         pull = number(gravity[0]), number(gravity[1])
-        for stretch in self.parts.stretches:
+        for i, stretch in enumerate(self.parts.stretches):
             across, along = self._resolved(stretch, pull)
-            profile, start = stretch.beam.mass_per_length, number(stretch.start)
-            if isinstance(profile, Table):
-                self._add_table(stretch.member, profile, start, across)
-            elif callable(profile):
-                raise ValueError(
-                    "mass_per_length must be a number or a Table for its weight, got a function: give its "
-                    "weight as a LineLoad of a Table"
-                )
-            else:
-                stop = start + number(stretch.beam.length)
-                self._spread(stretch.member, start, stop, start, (across * number(profile),))
-            mass = number(stretch.beam.mean_mass_per_length) * number(stretch.beam.length)
-            self._push(stretch.nodes[0], (mass * along[0], mass * along[1]), 0)
+            for a, b, mass in self._mass(stretch):
+                total = sum(c * (b - a) ** (k + 1) / (k + 1) for k, c in enumerate(mass))
+                self.spread[i].append((a, b, tuple(across * c for c in mass)))
+                self.spread_pulls[i].append((a, b, tuple(along * c for c in mass)))
+                self._push_along(stretch, along * total)
         for i, node in enumerate(self.parts.nodes):
             force = number(node.mass) * pull[0], number(node.mass) * pull[1]
             self._push(i, force, number(node.offset[0]) * force[1] - number(node.offset[1]) * force[0])
+
+    def _mass(self, stretch: Stretch) -> list[tuple[Any, Any, tuple[Any, ...]]]:
+        """Return the mass per length of a stretch: polynomials between two places, from the first on."""
+        number, profile = self.number, stretch.beam.mass_per_length
+        if isinstance(profile, Table):
+            places = list(map(number, profile.x))
+            values = list(map(number, profile.value))
+            return [
+                (a, b, (low, (high - low) / (b - a)))
+                for (a, b), (low, high) in zip(pairwise(places), pairwise(values), strict=True)
+                if b > a
+            ]
+        if not callable(profile):
+            return [(number(0), number(stretch.beam.length), (number(profile),))]
+        length = stretch.beam.length
+        edges = (0.0, *profile_parts(profile, length), length)
+        fitted = followed(lambda x: value_at(profile, x), edges, "mass_per_length")
+        return [
+            (number(a), number(b), tuple(map(number, piece)))
+            for (a, b), piece in zip(pairwise(fitted.edges), fitted.pieces, strict=True)
+        ]
+
+    def _along(self, index: int, length: Any) -> Piecewise:
+        """Return the pull of what is on a stretch beyond a place."""
+        none = self.number(0)
+        beyond = self._sum(self.spread_pulls[index], length).integrated()
+        for x, force in self.pulls[index]:
+            beyond = beyond.plus(Piecewise((none, x, length), ((none,), (force,))))
+        whole = beyond(length)
+        return Piecewise(beyond.edges, tuple(tuple(-c for c in piece) for piece in beyond.pieces)).plus(
+            Piecewise.one(none, length, whole)
+        )
 
     def _stretches(self, member: str) -> list[tuple[int, Stretch]]:
         return [(i, one) for i, one in enumerate(self.parts.stretches) if one.member == member]
@@ -163,14 +195,10 @@ class SharedLoads:
                 f"{name} must be on the member, at most its length {float(length)}, got {float(x)}"
             )
 
-    def on(self, index: int, length: Any) -> tuple[Piecewise, Piecewise]:
-        """Return shear and moment of a stretch's loads, without moment at either end."""
+    def on(self, index: int, length: Any) -> tuple[Piecewise, Piecewise, Piecewise]:
+        """Return shear and moment of a stretch's loads, without moment at either end, and their pull."""
         none = self.number(0)
-        spread = Piecewise.one(none, length, none)
-        for a, b, polynomial in self.spread[index]:
-            edges = sorted({none, a, b, length})
-            pieces = tuple(polynomial if start == a else (none,) for start in edges[:-1])
-            spread = spread.plus(Piecewise(tuple(edges), pieces))
+        spread = self._sum(self.spread[index], length)
         shear, jumps = spread.integrated(), Piecewise.one(none, length, none)
         for x, force, moment in self.points[index]:
             shear = shear.plus(Piecewise((none, x, length), ((none,), (force,))))
@@ -180,4 +208,15 @@ class SharedLoads:
         return (
             shear.plus(Piecewise.one(none, length, -slope)),
             moment.plus(Piecewise.one(none, length, none, -slope)),
+            self._along(index, length),
         )
+
+    def _sum(self, spread: list[tuple[Any, Any, tuple[Any, ...]]], length: Any) -> Piecewise:
+        """Return what is spread on a stretch as one function."""
+        none = self.number(0)
+        total = Piecewise.one(none, length, none)
+        for a, b, polynomial in spread:
+            edges = sorted({none, a, b, length})
+            pieces = tuple(polynomial if start == a else (none,) for start in edges[:-1])
+            total = total.plus(Piecewise(tuple(edges), pieces))
+        return total

@@ -202,8 +202,8 @@ class StaticSystem:
         )
 
     def read(self, values: dict[str, Any]) -> tuple[Any, Any, Any]:
-        """Return m₀, m₁, v₀, v₁ of every stretch; reactions; displacements of nodes."""
-        number, ends = self.number, []
+        """Return m₀, m₁, v₀, v₁, N of every stretch; reactions; displacements of nodes."""
+        number, ends, untold = self.number, list[tuple[Any, ...]](), self._untold()
         for s, one in enumerate(self.stretches):
             across = tuple(
                 sum(
@@ -212,7 +212,7 @@ class StaticSystem:
                 )
                 for node in one.stretch.nodes
             )
-            ends.append((values[f"m{s}"], values[f"n{s}"], *across))
+            ends.append((values[f"m{s}"], values[f"n{s}"], *across, None if untold[s] else values[f"N{s}"]))
         reactions, moved = {}, {}
         for i, node in enumerate(self.parts.nodes):
             turn = values[f"t{i}"] if self.turning[i] else number(0)
@@ -226,3 +226,21 @@ class StaticSystem:
             )
             reactions[node.name] = (*force, values[f"C{i}"] if node.rotational_stiffness else number(0))
         return tuple(ends), reactions, moved
+
+    def _untold(self) -> list[bool]:
+        """Return whether each stretch may have an axial force without any load: one that nothing tells."""
+        pulls = []
+        for one in self.parts.stretches:
+            pull = np.zeros((len(self.parts.nodes), 2))
+            for node, sign in zip(one.nodes, (1.0, -1.0), strict=True):
+                pull[node] += sign * np.array(one.axis)
+            pulls.append(pull.ravel())
+        for i, supported in enumerate(self.parts.nodes):
+            for unit, stiffness in supported.supports:
+                if stiffness == math.inf:
+                    push = np.zeros((len(self.parts.nodes), 2))
+                    push[i] = unit
+                    pulls.append(push.ravel())
+        _, size, right = np.linalg.svd(np.array(pulls).T)
+        free = right[int(np.sum(size > 1e-9)) :, : len(self.stretches)]
+        return [bool(largest > 1e-9) for largest in np.abs(free).max(axis=0, initial=0.0)]

@@ -36,10 +36,18 @@ from beammodes.numerics.blas import one_thread
 from beammodes.problem.beam import Beam, positions_on
 from beammodes.problem.structure import Parts, Stretch, Structure, checked_structure, part_of_beam
 
-__all__ = ["MOST_MODES", "Curve", "StructureModes", "modes_below", "structure_modes"]
+__all__ = [
+    "MOST_MODES",
+    "POINTS",
+    "Curve",
+    "StructureModel",
+    "StructureModes",
+    "modes_below",
+    "structure_modes",
+]
 
 #: Points of a stretch's curvature beyond those that its beam needs.
-_POINTS = 22
+POINTS = 22
 #: A part of a stretch that is longer, over its wavenumber, is divided.
 _LONGEST = 2.5
 _MOST_PARTS, MOST_MODES = 2000, 100
@@ -177,7 +185,7 @@ def modes_below(structure: Structure, angular_frequency: float) -> int:
     """
     omega = positive_real("angular_frequency", angular_frequency)
     parts = checked_structure(structure).parts
-    return _Model.of(parts, _divided(parts, omega**2), _POINTS).count(omega**2)
+    return StructureModel.of(parts, _divided(parts, omega**2), POINTS).count(omega**2)
 
 
 class _Element(NamedTuple):
@@ -193,9 +201,13 @@ class _Element(NamedTuple):
         λ_k.
     momentum : ndarray, shape (4, modes)
         c_k.
-    x : ndarray, shape (points,)
+    x, weight : ndarray, shape (points,)
+        Gauss-Legendre positions and weights.
     static, inner : ndarray, shape (points, 4), (points, modes)
         Deflections at x by the motions of the ends, and in the modes between clamps.
+    static_slope, inner_slope : ndarray, shape (points, 4), (points, all)
+        Slopes by the motions of the ends, and of all deflections between clamps in coordinates b of the
+        energy bᵀb/2.
     smooth : bool
         They are one polynomial.
     """
@@ -205,8 +217,11 @@ class _Element(NamedTuple):
     square: Floats
     momentum: Floats
     x: Floats
+    weight: Floats
     static: Floats
     inner: Floats
+    static_slope: Floats
+    inner_slope: Floats
     smooth: bool
 
 
@@ -246,8 +261,11 @@ def _element(beam: Beam, points: int) -> _Element:
         size[known] ** -2.0,
         inertia.T @ shape[:, known],
         grid.x,
+        grid.weight,
         np.array([one, grid.x, none, none]).T + deflection @ static,
         deflection @ bubbles @ modes[known].T / size[known],
+        np.array([none, one, none, none]).T + slope @ static,
+        slope @ bubbles,
         len(grid.sizes) == 1,
     )
 
@@ -263,7 +281,7 @@ class _Span(NamedTuple):
     heavy: float
 
 
-class _Model(NamedTuple):
+class StructureModel(NamedTuple):
     """K(λ) = K₀ - λ M₀ - λ² Σ_p Eᵀ C (Λ - λ)⁻¹ Cᵀ E  in coordinates z that obey all constraints, p the parts.
 
     Attributes
@@ -296,7 +314,7 @@ class _Model(NamedTuple):
     spans: tuple[_Span, ...]
 
     @classmethod
-    def of(cls, parts: Parts, divided: tuple[int, ...], points: int) -> _Model:
+    def of(cls, parts: Parts, divided: tuple[int, ...], points: int) -> StructureModel:
         """Return the model of stretches, each divided into so many equal parts."""
         builder = _Builder(parts, divided)
         for i, stretch in enumerate(parts.stretches):
@@ -399,9 +417,9 @@ class _Model(NamedTuple):
         return np.array(found), np.array(shapes)
 
 
-def _converged(parts: Parts, count: int) -> tuple[_Model, Floats, Floats]:
+def _converged(parts: Parts, count: int) -> tuple[StructureModel, Floats, Floats]:
     """Return a model, its first squared frequencies and shapes, at a degree that is high enough."""
-    model, squares, shapes = _solved(parts, count, _POINTS)
+    model, squares, shapes = _solved(parts, count, POINTS)
     if not all(stretch.beam.is_uniform for stretch in parts.stretches):
         for points in (30, 42, 60):
             before = squares
@@ -416,28 +434,28 @@ def _converged(parts: Parts, count: int) -> tuple[_Model, Floats, Floats]:
     return model, squares, shapes
 
 
-def _solved(parts: Parts, count: int, points: int) -> tuple[_Model, Floats, Floats]:
+def _solved(parts: Parts, count: int, points: int) -> tuple[StructureModel, Floats, Floats]:
     """Return the model of a structure, its first squared frequencies, and their shapes z."""
     divided = tuple([1] * len(parts.stretches))
-    model = _Model.of(parts, divided, points)
+    model = StructureModel.of(parts, divided, points)
     # A node inside a stretch has two coordinates.
     missing, square = model.rigid + 2 * count + 2 - len(model.mass), 1e-3 * float(model.square.min())
     while 2 * (sum(divided) - len(divided)) < missing:
         square *= 1.5
         divided = _divided(parts, square)
     if missing > 0:
-        model = _Model.of(parts, divided, points)
+        model = StructureModel.of(parts, divided, points)
     bounds = model.bounds(count)
     while (finer := _divided(parts, 1.02 * float(bounds.max()), divided)) != divided:
         divided = finer
-        model = _Model.of(parts, divided, points)
+        model = StructureModel.of(parts, divided, points)
         bounds = model.bounds(count)
     squares, shapes = model.roots(bounds)
     _check_counts(model, squares)
     return model, squares, model.scaled(squares, shapes)
 
 
-def _check_counts(model: _Model, squares: Floats) -> None:
+def _check_counts(model: StructureModel, squares: Floats) -> None:
     """Raise ArithmeticError unless as many modes are counted below each root as there are."""
     for n, square in enumerate(squares.tolist()):
         below, above = (model.count(square * (1.0 + near)) for near in (-_NEAR, _NEAR))
@@ -462,7 +480,7 @@ def _divided(parts: Parts, square: float, least: tuple[int, ...] | None = None) 
     """Return into how many parts stretches must be divided so that none has an own mode below λ."""
     many = []
     for stretch, fewest in zip(parts.stretches, least or (1,) * len(parts.stretches), strict=True):
-        first = _element_of(stretch.beam, _POINTS).square[0] * _unit_square(stretch.beam)
+        first = _element_of(stretch.beam, POINTS).square[0] * _unit_square(stretch.beam)
         # 4.73 is the wavenumber of the first mode between clamps.
         many.append(max(fewest, math.ceil((square / first) ** 0.25 * 4.730 / _LONGEST)))
     if sum(many) > _MOST_PARTS:
@@ -582,7 +600,7 @@ class _Builder:
             self.kinetic.append(_sum((math.sqrt(node.mass), row)))
         self.kinetic.append(_sum((math.sqrt(node.rotary_inertia), turn)))
 
-    def model(self) -> _Model:
+    def model(self) -> StructureModel:
         """Return the model in coordinates that obey all constraints."""
         free = self._allowed()
         energy, kinetic = (self._matrix(rows) for rows in (self.energy, self.kinetic))
@@ -608,7 +626,7 @@ class _Builder:
         kinetic, free, answers = kinetic @ change, free @ change, answers @ change
         motions = tuple(self._motion(i, free, answers) for i in range(len(self.parts.nodes)))
         ends = np.array([self._matrix(x) @ free for x in self.ends])
-        return _Model(
+        return StructureModel(
             energy, kinetic.T @ kinetic, *self._inner_modes(), ends, motions, rigid, tuple(self.spans)
         )
 

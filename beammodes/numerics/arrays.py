@@ -19,6 +19,7 @@ __all__ = [
     "Elementary",
     "Floats",
     "elementary",
+    "first_factor",
     "frozen",
     "ratios_less_one",
     "signs_of_largest",
@@ -61,6 +62,23 @@ def elementary(number: Any) -> Elementary:
     (1.5, array([1.5, 2. ]))
     """
     return OF_FLOATS if type(number) is float else OF_ARRAYS
+
+
+def first_factor(geometric: Floats) -> float:
+    """Return the smallest f > 0 at which 1 + f G, G symmetric, is singular, inf if there is none.
+
+    Examples
+    --------
+    >>> first_factor(np.diag([3.0, -0.5]))
+    2.0
+    """
+    from scipy.linalg import eigh
+
+    if not len(geometric):
+        return math.inf
+    lowest = float(eigh(geometric, eigvals_only=True, subset_by_index=(0, 0))[0])
+    # Next to large positive values a negative one may be rounding.
+    return -1.0 / lowest if lowest < -1e-13 * float(np.linalg.norm(geometric)) else math.inf
 
 
 def frozen(values: Floats) -> Floats:

@@ -3,10 +3,18 @@
 from __future__ import annotations
 
 from bisect import bisect_left, bisect_right
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from itertools import pairwise
 from typing import Any, NamedTuple
 
-__all__ = ["Piecewise", "shifted"]
+import numpy as np
+
+from beammodes.numerics.arrays import Floats
+
+__all__ = ["Piecewise", "followed", "shifted"]
+
+#: Polynomials that follow a function: their degree, how closely, in how many pieces at most.
+_DEGREE, _CLOSE, _MOST_PIECES = 6, 1e-11, 400
 
 
 class Piecewise(NamedTuple):
@@ -104,3 +112,39 @@ def shifted(piece: tuple[Any, ...], by: Any) -> tuple[Any, ...]:
     for c in reversed(piece):
         found = _sum(_product(found, (by, 1)), (c,))
     return found[: max(1, len(piece))]
+
+
+def followed(function: Callable[[Floats], Floats], edges: Sequence[float], name: str) -> Piecewise:
+    """Return polynomials that follow a function between edges to 1e-11 of its largest value.
+
+    Pieces are halved until they do.
+
+    Examples
+    --------
+    >>> found = followed(np.exp, (0.0, 1.0), "growth")
+    >>> len(found.pieces), abs(found(0.3) - np.exp(0.3)) < 1e-11
+    (4, True)
+    """
+    inner = 0.5 * (1.0 - np.cos(np.pi * (np.arange(_DEGREE + 1) + 0.5) / (_DEGREE + 1)))
+    between = 0.5 * (1.0 - np.cos(np.pi * np.arange(_DEGREE + 2) / (_DEGREE + 1)))
+    between[[0, -1]] = 1e-6, 1.0 - 1e-6
+    solve = np.linalg.inv(np.vander(inner, increasing=True))
+    check = np.vander(between, _DEGREE + 1, increasing=True)
+    pending, done, largest = list(pairwise(edges))[::-1], [], 0.0
+    while pending:
+        start, stop = pending.pop()
+        size = stop - start
+        scaled = solve @ function(start + size * inner)
+        values = function(start + size * between)
+        largest = max(largest, float(np.abs(values).max()))
+        if np.abs(check @ scaled - values).max() <= _CLOSE * largest:
+            done.append((start, tuple((scaled / size ** np.arange(_DEGREE + 1)).tolist())))
+        elif len(done) + len(pending) >= _MOST_PIECES:
+            raise ValueError(
+                f"{name} must be a function that polynomials follow in {_MOST_PIECES} pieces, got one that "
+                f"they do not, near x = {start:g}"
+            )
+        else:
+            middle = 0.5 * (start + stop)
+            pending += [(middle, stop), (start, middle)]
+    return Piecewise((*(start for start, _ in done), edges[-1]), tuple(piece for _, piece in done))
