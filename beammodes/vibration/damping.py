@@ -361,7 +361,8 @@ def modal_ratios(
         if np.any(np.asarray(damping.joint)):
             raise ValueError(f"damping must have joint=0 without a chain to have joints, got {damping}")
         return damping.mass / (2 * omega) + damping.stiffness * omega / 2
-    if isinstance(damping, Sequence | np.ndarray) and not is_text(damping) and np.ndim(damping):
+    of_text = is_text(damping)
+    if (isinstance(damping, Sequence) and not of_text) or (isinstance(damping, np.ndarray) and damping.ndim):
         row = np.array([not_negative("damping", each) for each in bounded("damping", damping)])
         if len(row) != len(omega):
             raise ValueError(f"damping must have a ratio for each of {len(omega)} modes, got {len(row)}")
