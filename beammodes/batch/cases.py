@@ -14,18 +14,23 @@ from numpy.typing import NDArray
 
 from beammodes.accuracy.beam_units import NUMBERS, with_numbers
 from beammodes.accuracy.lookups import Lookup, lookup_of
+from beammodes.batch.given_structures import StructureOf
 from beammodes.batch.study_axes import dimensions_of
 from beammodes.chains.axial_chain import AnyAxialRule, AxialChain
 from beammodes.chains.chain import Chain
 from beammodes.chains.rules import Rule
+from beammodes.chains.structure_chain import StructureChain
 from beammodes.checks import shown
-from beammodes.numerics.arrays import Floats
+from beammodes.exact.structure_judge import structure_modes
+from beammodes.numerics.arrays import Floats, ratios_less_one
 from beammodes.problem.axial_ends import AxialBoundary
 from beammodes.problem.beam import Beam
 from beammodes.problem.ends import Boundary
 from beammodes.problem.loading import Load
 from beammodes.problem.motions import unit_beam
 from beammodes.problem.sections import SECTIONS
+from beammodes.problem.structure import Structure
+from beammodes.vibration.structure_vibration import structure_chain_modes
 
 __all__ = ["MATERIAL", "MOVING_ALONG", "UNIFORM_BEAM", "Case", "Cases"]
 
@@ -84,6 +89,19 @@ class Case:
         return rule
 
     @property
+    def is_structure(self) -> bool:
+        """Whether it is a structure, and not a beam between two ends."""
+        return "structure" in self.values
+
+    @cached_property
+    def structure(self) -> Structure:
+        """The structure of these numbers."""
+        if not self.is_structure:
+            raise TypeError("structure must be an axis of the study, got one of beams")
+        made: StructureOf = self.values["structure"]
+        return made.made(self.values)
+
+    @property
     def motion(self) -> str:
         """The motion: bending, twist or stretch."""
         return str(self.values.get("motion", "bending"))
@@ -92,6 +110,7 @@ class Case:
     def beam(self) -> Beam:
         """The uniform beam: of the section and material, of the numbers given, or L = EI = ρA = 1."""
         given = self.values
+        self._check_beam("beam")
         if "section" in given:
             kind = str(given["section"])
             sizes = {size: float(given[size]) for size in dimensions_of(kind) if size in given}
@@ -103,8 +122,15 @@ class Case:
             return Beam(*(float(given[name]) for name in UNIFORM_BEAM), **along)
         return Beam.unit() if self.motion == "bending" else unit_beam()
 
+    def _check_beam(self, what: str) -> None:
+        if self.is_structure:
+            raise TypeError(
+                f"{what} must be asked of a point with one beam, got a structure: see its members"
+            )
+
     @cached_property
     def _held(self) -> tuple[Any, Load]:
+        self._check_beam("boundary and load")
         numbers = {name: float(self.values[name]) for name in NUMBERS if name in self.values}
         if self.motion != "bending":
             if numbers:
@@ -125,7 +151,12 @@ class Case:
 
     @property
     def chain(self) -> Any:
-        """The chain, a `Chain` or an `AxialChain`; raises ValueError where it has no positive springs."""
+        """The chain: a `Chain`, an `AxialChain` or a `StructureChain`.
+
+        Raises ValueError where it has no positive springs.
+        """
+        if self.is_structure:
+            return StructureChain(self.structure, self.segments, self.values["rule"])
         if self.motion != "bending":
             return AxialChain(self.beam, self.boundary, self.segments, self.rule, motion=self.motion)
         return Chain(self.beam, self.boundary, self.segments, self.values["rule"])
@@ -172,16 +203,23 @@ class Cases:
                 found[i] = answer
         return found
 
+    @property
+    def structures(self) -> list[StructureOf]:
+        """The different structures, or functions that make them."""
+        return list(dict.fromkeys(self.columns.get("structure", ())))
+
     @cached_property
     def frequency_unit(self) -> Floats:
-        """√(EI / (ρA L⁴)), shape (cases, 1)."""
-        if not self._has_beams:
+        """√(EI / (ρA L⁴)), shape (cases, 1); 1 rad/s for structures."""
+        if self.structures or not self._has_beams:
             return np.ones((len(self), 1))
         return self.each(lambda case: lookup_of(case.motion).frequency_unit(case.beam))[:, None]
 
     @cached_property
     def relative_error(self) -> Floats:
         """ω_chain / ω_beam - 1, shape (cases, modes)."""
+        if self.structures:
+            return self._of_structures[0]
         error = np.full(self.shape, np.nan)
         for load, pairs, rules, at in self._alike:
             error[at] = self._errors(at, pairs, rules, load)
@@ -190,7 +228,9 @@ class Cases:
 
     @cached_property
     def exact(self) -> Floats:
-        """The beam's angular frequencies for L = EI = ρA = 1, shape (cases, modes)."""
+        """Exact angular frequencies for L = EI = ρA = 1, of structures in their units, as errors."""
+        if self.structures:
+            return self._of_structures[1]
         modes = np.broadcast_to(self.mode, self.shape)
         exact = np.full(self.shape, np.nan)
         for (pair, _, load), at in self._groups:
@@ -198,6 +238,22 @@ class Cases:
             with self._answering(at):
                 exact[at] = _lookup(pair).exact(pair, wanted, load)[place].reshape(len(at), -1)
         return exact
+
+    @cached_property
+    def _of_structures(self) -> tuple[Floats, Floats]:
+        """Errors and exact frequencies of structures; points with equal structures share these."""
+        modes = np.broadcast_to(self.mode, self.shape)
+        error, exact = np.full((2, *self.shape), np.nan)
+        known: dict[Structure, Floats] = {}
+        for i, case in enumerate(self):
+            with self._answering([i], case):
+                structure, count = case.structure, int(modes.max())
+                if structure not in known:
+                    known[structure] = structure_modes(structure, count).angular_frequency
+                exact[i] = known[structure][modes[i] - 1]
+                chain = structure_chain_modes(case.chain).angular_frequency
+                error[i] = ratios_less_one(chain, known[structure], count)[modes[i] - 1]
+        return error, exact
 
     @property
     def _alike(self) -> Iterator[tuple[Load, Any, Any, NDArray[np.intp]]]:

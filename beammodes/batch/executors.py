@@ -201,6 +201,8 @@ def evaluate_elsewhere(
     if process != _THIS_PROCESS:
         for quantity in quantities:
             quantity.check_code()
+        for given in cases.structures:
+            given.check_code()
     # Kept: a worker may run several chunks in threads, and one must not release the others.
     one_thread()
     return _evaluated(cases, quantities)

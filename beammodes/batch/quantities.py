@@ -16,20 +16,18 @@ import numpy as np
 from beammodes.accuracy.buckling import buckling_load
 from beammodes.accuracy.statics import STATIC_QUANTITIES, chain_static_errors
 from beammodes.batch.cases import Case, Cases
-from beammodes.batch.running_code import running_code
+from beammodes.batch.running_code import check_running_code, running_code
 from beammodes.batch.study_axes import AXES
 from beammodes.checks import bounded, choice, shown
 from beammodes.numerics.arrays import Floats
 from beammodes.vibration.axial_spectrum import highest_axial_frequency
 from beammodes.vibration.stability import highest_angular_frequency, stable_time_step
+from beammodes.vibration.structure_vibration import structure_chain_modes
 
 __all__ = ["DIMENSIONS", "QUANTITIES", "REASON", "Quantity", "quantities_of"]
 
 #: More quantities of one study are a mistake.
 _MAX_QUANTITIES = 1000
-
-# Sources of the users' functions that were found to be the same in this process.
-_CHECKED: set[tuple[tuple[str, str], ...]] = set()
 
 #: Dimensions of a study's dataset and of a chunk's file that are no axes.
 DIMENSIONS = ("point", "sample", "case")
@@ -70,25 +68,9 @@ class Quantity:
     uncounted: tuple[str, ...] = ()
 
     def check_code(self) -> None:
-        """Raise ValueError if a user's function is not, in this process, the code that the study was made of.
-
-        What a worker loads from a module may be another text by now, or lack a value set since. Looked at
-        once in a process: while it works, a function may change what it remembers.
-        """
-        if not self.source or not isinstance(self.compute, _OfEach):
-            return
-        known = tuple(self.source.items())
-        if known in _CHECKED:
-            return
-        here = running_code(self.compute.function)
-        for name in {**self.source, **here}:
-            # What stands in no module's file is sent along with the function.
-            if not name.startswith("__main__.") and self.source.get(name) != here.get(name):
-                raise ValueError(
-                    f"workers must have {name} as it was when the study was made, got another: "
-                    f"{self.source.get(name)} there, {here.get(name)} here"
-                )
-        _CHECKED.add(known)
+        """Raise ValueError if a user's function is not, in this process, the one of the study."""
+        if self.source and isinstance(self.compute, _OfEach):
+            check_running_code(self.compute.function, self.source)
 
     def definition(self) -> dict[str, Any]:
         """Return what defines the quantity, in plain values for a file."""
@@ -118,13 +100,15 @@ def _relative_error(cases: Cases) -> Floats:
 
 
 def _highest(case: Case) -> float:
+    if case.is_structure:
+        return float(structure_chain_modes(case.chain).angular_frequency.max(initial=0.0))
     if case.motion != "bending":
         return highest_axial_frequency(case.chain)
     return highest_angular_frequency(case.chain, load=case.load)
 
 
 def _time_step(case: Case) -> float:
-    load = case.load if case.motion == "bending" else None
+    load = case.load if case.motion == "bending" and not case.is_structure else None
     return stable_time_step(case.chain, str(case.values.get("integrator", "rk4")), load=load)
 
 
@@ -165,7 +149,7 @@ _TABLE = (
     ),
     Quantity("stable_time_step", "largest stable fixed step of the chain", _OfEach(_time_step), _STEP),
     *(
-        Quantity(name, long_name, _OfEach(function), units, uncounted=("spin_rate", "motion"))
+        Quantity(name, long_name, _OfEach(function), units, uncounted=("spin_rate", "motion", "structure"))
         for name, long_name, function, units in (
             ("buckling_load", "buckling load of the chain", _chain_buckling, _FORCE),
             ("exact_buckling_load", "buckling load of the beam", _beam_buckling, _FORCE),
@@ -178,7 +162,7 @@ _TABLE = (
             f"relative error of the chain's static {name.replace('_', ' ')}",
             _OfEach(partial(_static_error, place=place)),
             _RELATIVE,
-            uncounted=("axial_force", "spin_rate", "motion"),
+            uncounted=("axial_force", "spin_rate", "motion", "structure"),
         )
         for place, name in enumerate(STATIC_QUANTITIES)
     ),

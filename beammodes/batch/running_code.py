@@ -10,7 +10,7 @@ import numbers
 import pathlib
 import sys
 import types
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -18,7 +18,7 @@ import numpy as np
 
 from beammodes.checks import shown
 
-__all__ = ["running_code"]
+__all__ = ["check_running_code", "running_code"]
 
 _PLAIN = (type(None), type(...), bool, int, float, complex, str, bytes, range)
 
@@ -31,6 +31,10 @@ _MACHINERY = {
 
 # Of a code object's flags those above are of `from __future__ import`, which the bytecode shows itself.
 _FLAGS = 0xFFFF
+
+
+# Sources of functions that were found to be the same in this process.
+_CHECKED: set[tuple[tuple[str, str], ...]] = set()
 
 
 def running_code(function: types.FunctionType) -> dict[str, str]:
@@ -73,6 +77,26 @@ def running_code(function: types.FunctionType) -> dict[str, str]:
     found = {name: _hashed(parts) for name, parts in gathered.parts.items()}
     python = ".".join(map(str, sys.version_info[:2]))
     return dict(sorted(found.items())) | {"python": python} | dict(sorted(gathered.versions.items()))
+
+
+def check_running_code(function: types.FunctionType, source: Mapping[str, str]) -> None:
+    """Raise ValueError if a user's function is not, in this process, the code that the study was made of.
+
+    What a worker loads from a module may be another text by now, or lack a value set since. Looked at once in
+    a process: while it works, a function may change what it remembers.
+    """
+    known = tuple(source.items())
+    if known in _CHECKED:
+        return
+    here = running_code(function)
+    for name in {**source, **here}:
+        # What stands in no module's file is sent along with the function.
+        if not name.startswith("__main__.") and source.get(name) != here.get(name):
+            raise ValueError(
+                f"workers must have {name} as it was when the study was made, got another: "
+                f"{source.get(name)} there, {here.get(name)} here"
+            )
+    _CHECKED.add(known)
 
 
 def _hashed(parts: Iterable[str]) -> str:

@@ -17,11 +17,12 @@ import numpy as np
 from beammodes.accuracy.beam_units import NUMBERS
 from beammodes.batch.cases import MATERIAL, MOVING_ALONG, UNIFORM_BEAM, Cases
 from beammodes.batch.executors import computed, executor_of
+from beammodes.batch.given_structures import own_numbers
 from beammodes.batch.quantities import QUANTITIES, REASON, Quantity, quantities_of
 from beammodes.batch.store import Evaluated, Store, definition_digest, locked, made_ready
-from beammodes.batch.study_axes import AXES, Axis, axis_values, dimensions_of
+from beammodes.batch.study_axes import AXES, Axis, axis_values, dimensions_of, kind_of
 from beammodes.chains.rules import is_closed
-from beammodes.checks import choice, shown, whole_number
+from beammodes.checks import shown, whole_number
 from beammodes.numerics.distributions import MAX_SEED, Normal, Uniform
 from beammodes.problem.axial_ends import AxialBoundary
 from beammodes.problem.sections import SECTIONS
@@ -57,7 +58,9 @@ class Study:
     and "static_load"; "motion", of "bending", "twist" and "stretch"; "section" with its dimensions,
     "elastic_modulus", "density" and "length", or "length", "bending_stiffness" and "mass_per_length", and
     "torsional_stiffness", "polar_inertia_per_length" and "axial_stiffness" for the other two motions. All
-    numbers are in the units of the beam, which without the last two sets is the one with L = EI = ρA = 1. One
+    numbers are in the units of the beam, which without the last two sets is the one with L = EI = ρA = 1.
+    Or "structure": a `Structure`, or a function made by def that returns one, whose numbers are axes under
+    their names in it, beside "rule", "segments" (in all), "mode" and "integrator". One
     value of an axis is shared by all points; several make a dimension. Ends are named with the firmer first,
     unless numbers of the left or right end, or loads, are axes.
 
@@ -81,6 +84,15 @@ class Study:
     >>> table = study.run()
     >>> table.relative_error.sel(boundary="clamped-free", mode=1).values.round(5)
     array([-0.14676, -0.03366, -0.01443])
+
+    A beam on two knife edges, one of which moves:
+
+    >>> def shelf(edge):
+    ...     return bm.Structure.of_beam(bm.Beam.unit(), "pinned-free", [bm.Station(edge, math.inf)])
+    >>> moved = {"structure": shelf, "edge": [0.7, 0.8], "segments": 10, "rule": "gregory", "mode": 1}
+    >>> table = bm.Study.grid(**moved, compute=["exact_angular_frequency", "relative_error"]).run()
+    >>> table.exact_angular_frequency.values.round(3), table.relative_error.values.round(5)
+    (array([15.096, 14.619]), array([-0.00051, -0.00048]))
     """
 
     axes: tuple[Axis, ...]
@@ -127,7 +139,7 @@ class Study:
         ...
         ValueError: axis must be one of boundary, rule, ..., got 'segment' (did you mean "segments"?)
         """
-        return _made(_grid_axes(axes), compute, chunk)
+        return _made(_grid_axes(axes, _own_numbers(axes)), compute, chunk)
 
     @classmethod
     def points(
@@ -155,11 +167,15 @@ class Study:
         """
         if not isinstance(points, Mapping) or not points:
             raise TypeError(f"points must map names of axes to sequences, got {shown(points)}")
-        along = tuple(Axis(name, "point", axis_values(name, values)[0]) for name, values in points.items())
+        own = _own_numbers({**points, **axes})
+        along = tuple(
+            Axis(name, "point", axis_values(name, values, own=name in own)[0], own=name in own)
+            for name, values in points.items()
+        )
         lengths = {axis.name: axis.size for axis in along}
         if len(set(lengths.values())) > 1:
             raise ValueError(f"points must have axes of one length, got {shown(lengths)}")
-        return _made(along + _grid_axes(axes), compute, chunk)
+        return _made(along + _grid_axes(axes, own), compute, chunk)
 
     @classmethod
     def sampled(cls, count: int, *, seed: int, compute: Any, chunk: int | None = None, **axes: Any) -> Study:
@@ -198,9 +214,10 @@ class Study:
         random = {name: value for name, value in axes.items() if isinstance(value, Normal | Uniform)}
         if not random:
             raise ValueError("sampled must have an axis with a distribution, Normal or Uniform, got none")
-        along = tuple(_random_axis(name, value, key, size) for name, value in random.items())
+        own = _own_numbers(axes)
+        along = tuple(_random_axis(name, value, key, size, name in own) for name, value in random.items())
         rest = {name: value for name, value in axes.items() if name not in random}
-        return _made(along + _grid_axes(rest), compute, chunk)
+        return _made(along + _grid_axes(rest, own), compute, chunk)
 
     @property
     def shape(self) -> dict[str, int]:
@@ -378,7 +395,7 @@ def _made(axes: tuple[Axis, ...], compute: Any, chunk: int | None) -> Study:
 
 def _default_chunk(named: Mapping[str, Axis], quantities: tuple[Quantity, ...]) -> int:
     points, numbers = _SOLVED_CHUNK
-    if all(quantity.closed_form for quantity in quantities):
+    if "structure" not in named and all(quantity.closed_form for quantity in quantities):
         if _all_plain(named):
             points, numbers = _CLOSED_FORM_CHUNK
         elif not set(named) & _LOADS_SOLVED and all(map(is_closed, named["rule"].values)):
@@ -388,19 +405,28 @@ def _default_chunk(named: Mapping[str, Axis], quantities: tuple[Quantity, ...]) 
     return max(1, min(points, numbers // modes))
 
 
-def _grid_axes(axes: Mapping[str, Any]) -> tuple[Axis, ...]:
+def _own_numbers(axes: Mapping[str, Any]) -> set[str]:
+    """Return which axes are numbers of the structures that another axis names."""
+    return own_numbers(axes, lambda value: axis_values("structure", value)[0])
+
+
+def _grid_axes(axes: Mapping[str, Any], own: Container[str]) -> tuple[Axis, ...]:
     """Return axes of one value each, or of several along a dimension of the axis's own name."""
-    read = {name: axis_values(name, value) for name, value in axes.items()}
-    return tuple(Axis(name, name if several else None, values) for name, (values, several) in read.items())
+    read = {name: axis_values(name, value, own=name in own) for name, value in axes.items()}
+    return tuple(
+        Axis(name, name if several else None, values, own=name in own)
+        for name, (values, several) in read.items()
+    )
 
 
-def _random_axis(name: str, distribution: Normal | Uniform, seed: int, count: int) -> Axis:
+def _random_axis(name: str, distribution: Normal | Uniform, seed: int, count: int, own: bool) -> Axis:
     """Return an axis of samples; raises as its values would, at the ends of the distribution."""
-    if not AXES[choice("axis", name, AXES)].is_number:
+    kind = kind_of(name, own)
+    if not kind.is_number:
         raise TypeError(f"{name} must be values, not a distribution, got {shown(distribution)}")
     for bound in distribution.bounds:
-        AXES[name].read(bound)
-    return Axis(name, "sample", (), distribution, seed, count)
+        kind.read(bound)
+    return Axis(name, "sample", (), distribution, seed, count, own)
 
 
 def _canonical(axes: tuple[Axis, ...]) -> tuple[Axis, ...]:
@@ -431,6 +457,12 @@ def _check_complete(named: Mapping[str, Axis], quantities: tuple[Quantity, ...])
                     f"axes must leave out {name} with {quantity.name}, which does not count it, "
                     f"got {', '.join(named)}"
                 )
+    if "structure" in named:
+        missing = [name for name in ("segments", "mode") if name not in named]
+        missing = [name for name in missing if name == "segments" or any(q.per_mode for q in quantities)]
+        if missing:
+            raise ValueError(f"axes must include {missing[0]} here, got {', '.join(named)}")
+        return
     needed = {"boundary", "segments"} | ({"mode"} if any(q.per_mode for q in quantities) else set())
     beam = {*UNIFORM_BEAM, *MOVING_ALONG, *MATERIAL, *_all_dimensions()} & set(named)
     used, always = {*UNIFORM_BEAM, *MOVING_ALONG}, set(UNIFORM_BEAM) if beam else set()
@@ -536,7 +568,7 @@ def _study_dataset(definition: Mapping[str, Any], chunks: Iterable[tuple[int, Ev
             array[start : start + step] = chunk.values[name]
         done += min(step, total - start)
         reasons.update({start + place: reason for place, reason in chunk.reasons.items()})
-    own = not any(axis.name == "length" for axis in axes)
+    own = not any(axis.name in ("length", "structure") for axis in axes)
     moving = any(axis.name == "motion" for axis in axes)
     variables = {}
     for name, array in arrays.items():
@@ -578,7 +610,7 @@ def _attributes(name: str, own: bool, moving: bool) -> dict[str, str]:
 
 
 def _coordinate(axis: Axis, own: bool) -> tuple[Any, ...]:
-    kind, labels = AXES[axis.name], axis.labels()
+    kind, labels = axis.kind, axis.labels()
     attributes = {"long_name": kind.long_name}
     if kind.is_number:
         attributes["units"] = kind.own_units if own else kind.units

@@ -18,9 +18,10 @@ from numpy.typing import NDArray
 from beammodes.accuracy.beam_units import BEAM_NUMBERS, NUMBERS, with_numbers
 from beammodes.accuracy.error_table import listed, stands_alone
 from beammodes.accuracy.statics import LOADS
+from beammodes.batch.given_structures import StructureOf, structure_of
 from beammodes.chains.axial_chain import AnyAxialRule, AxialLayout
 from beammodes.chains.rules import RULES, Layout, layout_of
-from beammodes.checks import choice, positive_real, shown, whole_number
+from beammodes.checks import choice, positive_real, real, shown, whole_number
 from beammodes.closed_form.uniform_chains import MAX_MODE, MAX_SEGMENTS
 from beammodes.numerics.distributions import Distribution, Normal, Uniform, draw
 from beammodes.problem.axial_ends import AxialBoundary
@@ -28,6 +29,7 @@ from beammodes.problem.ends import Boundary
 from beammodes.problem.loading import PLANES, Load
 from beammodes.problem.motions import MOTIONS
 from beammodes.problem.sections import SECTIONS
+from beammodes.problem.structure import Structure
 from beammodes.vibration.integrators import INTEGRATORS
 
 __all__ = [
@@ -36,12 +38,13 @@ __all__ = [
     "AxisKind",
     "axis_values",
     "dimensions_of",
+    "kind_of",
 ]
 
 _ANY_ENDS = Boundary.of("free-free")
 
 # Values of axes that go by their names.
-_RECORDS = (Boundary, AxialBoundary, Layout, AxialLayout)
+_RECORDS = (Boundary, AxialBoundary, Layout, AxialLayout, StructureOf)
 
 
 @dataclass(frozen=True)
@@ -161,8 +164,17 @@ AXES: Mapping[str, AxisKind] = MappingProxyType(
         "integrator": _word(
             "integrator", [name for name, each in INTEGRATORS.items() if not each.variable_step]
         ),
+        "structure": AxisKind(structure_of, "structure", single=(str, Structure, StructureOf)),
     }
 )
+
+
+def kind_of(name: str, own: bool) -> AxisKind:
+    """Return the kind of an axis: `own` of a number of the study's structures, which may have any name."""
+    if own:
+        unknown = "as the structure takes it"
+        return AxisKind(partial(real, name), name.replace("_", " "), unknown, unknown)
+    return AXES[choice("axis", name, AXES)]
 
 
 @dataclass(frozen=True)
@@ -180,6 +192,8 @@ class Axis:
     distribution : Normal, Uniform or None
     seed, count : int
         Of the samples.
+    own : bool
+        Whether it is a number of the study's structures.
     """
 
     name: str
@@ -188,6 +202,12 @@ class Axis:
     distribution: Distribution | None = None
     seed: int = 0
     count: int = 0
+    own: bool = False
+
+    @property
+    def kind(self) -> AxisKind:
+        """What its values are."""
+        return kind_of(self.name, self.own)
 
     @property
     def size(self) -> int:
@@ -209,26 +229,28 @@ class Axis:
 
     def definition(self) -> dict[str, Any]:
         """Return the definition of the axis in plain values for a file."""
-        shared: dict[str, Any] = {"dimension": self.dimension}
+        shared: dict[str, Any] = {"dimension": self.dimension} | ({"own": True} if self.own else {})
         if self.distribution:
             kind, numbers = type(self.distribution).__name__, vars(self.distribution)
             return shared | {"distribution": kind, **numbers, "seed": self.seed, "count": self.count}
         # Strict JSON knows no infinity.
         plain = ["inf" if value == math.inf else value for value in self.labels()]
         own = [_written(value) for value in self.values if isinstance(value, Layout | AxialLayout)]
-        records = {"records": own} if any(own) else {}
+        made = [dict(value.source) for value in self.values if isinstance(value, StructureOf)]
+        records: dict[str, Any] = {"records": own or made} if any(own) or made else {}
         return shared | {"values": plain, **records}
 
     @classmethod
     def from_definition(cls, name: str, written: Mapping[str, Any]) -> Axis:
         """Return the axis that `definition` wrote, except that ends and rules are names in it."""
+        own = bool(written.get("own"))
         if "distribution" in written:
-            rest = dict(written)
+            rest = {key: value for key, value in written.items() if key != "own"}
             dimension, seed, count = (rest.pop(key) for key in ("dimension", "seed", "count"))
             kind = {"Normal": Normal, "Uniform": Uniform}[rest.pop("distribution")]
-            return cls(name, dimension, (), kind(**rest), seed, count)
-        values = (float(value) if AXES[name].is_number else value for value in written["values"])
-        return cls(name, written["dimension"], tuple(values))
+            return cls(name, dimension, (), kind(**rest), seed, count, own)
+        values = (float(value) if kind_of(name, own).is_number else value for value in written["values"])
+        return cls(name, written["dimension"], tuple(values), own=own)
 
     @cached_property
     def _array(self) -> NDArray[Any]:
@@ -239,15 +261,15 @@ class Axis:
         return np.array(self.values)
 
 
-def axis_values(name: str, value: Any) -> tuple[tuple[Any, ...], bool]:
-    """Return the checked values of an axis, and whether they were given as several.
+def axis_values(name: str, value: Any, *, own: bool = False) -> tuple[tuple[Any, ...], bool]:
+    """Return the checked values of an axis, `own` of a structure, and whether they were given as several.
 
     Examples
     --------
     >>> axis_values("segments", range(1, 4)), axis_values("plane", "lag")
     (((1, 2, 3), True), (('lag',), False))
     """
-    kind = AXES[choice("axis", name, AXES)]
+    kind = kind_of(name, own)
     if isinstance(value, Normal | Uniform):
         raise TypeError(
             f"{name} must not be a distribution here: Study.sampled takes them, got {shown(value)}"
