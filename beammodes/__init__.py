@@ -77,7 +77,10 @@ _NAMES = {
     "accuracy.identification": "stiffness_from_deflection stiffness_from_frequency",
     "accuracy.law": "error_law law_holds_from",
     "accuracy.loaded_structures": "StructureStatics structure_chain_statics structure_statics",
+    "accuracy.random_motion": "random_response",
     "accuracy.remarks": "error_remarks",
+    "accuracy.response_law": "response_error",
+    "accuracy.responses": "frequency_response",
     "accuracy.segments": "segments_needed",
     "accuracy.shapes": "modal_assurance shape_dataset",
     "accuracy.statics": "beam_statics chain_statics static_dataset",
@@ -146,6 +149,7 @@ _NAMES = {
     "vibration.structure_vibration": "StructureChainModes structure_chain_modes",
     "views.animation": "animate",
     "views.diagrams": "draw_statics",
+    "views.response_plot": "plot_response",
     "views.schematic": "draw_chain",
 }
 _HOME = {name: home for home, names in _NAMES.items() for name in names.split()}
@@ -171,7 +175,10 @@ if TYPE_CHECKING:
     from beammodes.accuracy.loaded_structures import StructureStatics as StructureStatics
     from beammodes.accuracy.loaded_structures import structure_chain_statics as structure_chain_statics
     from beammodes.accuracy.loaded_structures import structure_statics as structure_statics
+    from beammodes.accuracy.random_motion import random_response as random_response
     from beammodes.accuracy.remarks import error_remarks as error_remarks
+    from beammodes.accuracy.response_law import response_error as response_error
+    from beammodes.accuracy.responses import frequency_response as frequency_response
     from beammodes.accuracy.segments import segments_needed as segments_needed
     from beammodes.accuracy.shapes import modal_assurance as modal_assurance
     from beammodes.accuracy.shapes import shape_dataset as shape_dataset
@@ -307,6 +314,7 @@ if TYPE_CHECKING:
     from beammodes.vibration.structure_vibration import structure_chain_modes as structure_chain_modes
     from beammodes.views.animation import animate as animate
     from beammodes.views.diagrams import draw_statics as draw_statics
+    from beammodes.views.response_plot import plot_response as plot_response
     from beammodes.views.schematic import draw_chain as draw_chain
 
 

@@ -79,6 +79,11 @@ def equations() -> Any:
 
 
 @functools.cache
+def answer() -> Any:
+    return bm.frequency_response(chain(), frequency=[1.0, 4.0], force_at=1.2, deflection_at=[0.5, 1.2])
+
+
+@functools.cache
 def motion() -> Any:
     return bm.simulate(chain(), duration=0.01, step=1e-3, initial=bm.mode_start(chain(), 1, 0.01))
 
@@ -300,6 +305,46 @@ CALLS: dict[str, Arguments] = {
         "joints": "ball",
         "most": 100.0,
         "start": 2.0,
+    },
+    "frequency_response": lambda: {
+        "system": chain(),
+        "boundary": None,
+        "frequency": [1.0, 4.0],
+        "force_at": 1.2,
+        "moment_at": None,
+        "base": None,
+        "deflection_at": [0.5, 1.2],
+        "rotation_at": None,
+        "damping_ratio": None,
+        "damping": bm.Damping(joint=0.01),
+        "loss_factor": 0.01,
+        "load": bm.Load(axial_force=0.1),
+    },
+    "plot_response": lambda: {"response": answer(), "ax": axes(), "quantity": "mobility", "label": "beam"},
+    "random_response": lambda: {
+        "system": beam(),
+        "boundary": "clamped-free",
+        "density": 0.1,
+        "band": (1.0, 5.0),
+        "force_at": None,
+        "moment_at": None,
+        "base": "shift",
+        "deflection_at": 1.2,
+        "rotation_at": None,
+        "damping_ratio": 0.05,
+        "damping": None,
+        "loss_factor": 0.0,
+        "load": None,
+        "tolerance": 1e-3,
+    },
+    "response_error": lambda: {
+        "boundary": "clamped-free",
+        "segments": [3, 4],
+        "mode": 1,
+        "damping_ratio": 0.01,
+        "rule": "gregory",
+        "load": None,
+        "beam": beam(),
     },
     "spatial_equilibrium": lambda: {
         "chain": bm.SpatialChain(rod(), "clamped-free", 4),
@@ -543,6 +588,7 @@ CALLS: dict[str, Arguments] = {
         "load": None,
         "beam": None,
         "motion": "stretch",
+        "damping_ratio": 0.01,
     },
     "segments_within_spread": lambda: {"spread": spread(), "rule": "gregory", "fraction": 0.3},
     "shape_dataset": lambda: {
@@ -766,6 +812,7 @@ ARITHMETIC = (
     "euler_bernoulli",
     "match_springs",
     "modal_response",
+    "random_response",
     "recommend",
     "rod_error_dataset",
     "rod_errors",
