@@ -146,11 +146,11 @@ def _taper_agrees() -> str:
 def _atlas_agrees() -> str:
     """Hold N and C of the atlas against the library's advice for one percent in three modes."""
     data = atlas()
-    place = data["tolerances"].index(TOLERANCE)
+    bending, place = data["motions"]["bending"], data["tolerances"].index(TOLERANCE)
     found = []
     for way in bm.recommend(PAIRS[0], TOLERANCE, 3):
         rule = list(bm.RULES).index(way.rule)
-        record = data["records"][data["chains"][data["pairs"].index(PAIRS[0])][rule]]
+        record = data["records"][bending["chains"][bending["pairs"].index(PAIRS[0])][rule]]
         if record["needed"][2][place] != way.segments:
             raise ArithmeticError(f"the atlas and the advice differ for rule {way.rule}")
         if way.segments <= SEGMENTS:

@@ -4,24 +4,25 @@
   const form = document.getElementById("atlas-form");
   const field = (name) => form.elements.namedItem(name);
   const show = (id, text) => { document.getElementById(id).textContent = text; };
-  const ends = ["clamped", "pinned", "guided", "free"];
+  const motions = Object.keys(data.motions);
+  const endsOf = (motion) => data.motions[motion].ends;
+  const units = {
+    bending: { spring: "EI/ℓ", step: "h = C L² √(ρA/EI)", omega: "√(EI/ρAL⁴)" },
+    twist: { spring: "GJ/ℓ", step: "h = C L √(ρIₚ/GJ)", omega: "√(GJ/ρIₚL²)" },
+  };
   const rules = data.rules.map((rule) => rule.name);
   const standard = {
-    left: "clamped", right: "free", rule: "mitiguy", beside: "gregory", segments: "10", modes: "3", tolerance: "0.01",
+    motion: "bending", left: "clamped", right: "free", rule: "mitiguy", beside: "gregory", segments: "10", modes: "3",
+    tolerance: "0.01",
   };
-  const allowed = {
-    left: ends, right: ends, rule: rules, beside: ["", ...rules],
+  const allowed = (motion) => ({
+    motion: motions, left: endsOf(motion), right: endsOf(motion), rule: rules, beside: ["", ...rules],
     segments: Array.from({ length: data.segments }, (_, i) => String(i + 1)),
     modes: Array.from({ length: data.modes }, (_, i) => String(i + 1)),
     tolerance: data.tolerances.map(String),
-  };
+  });
 
-  const number = (value, digits = 4) => {
-    const [mantissa, power] = value.toPrecision(digits).split("e");
-    const raised = power && String(Number(power)).replace(/./g, (c) => "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"["-0123456789".indexOf(c)]);
-    return mantissa.replace("-", "−") + (power ? ` × 10${raised}` : "");
-  };
-  const percent = (value) => (value === null ? "no such mode" : (value > 0 ? "+" : "") + number(100 * value));
+  const { number, percent } = pageNumbers;
   const tolerance = (value) => `${+(100 * value).toPrecision(3)} %`;
 
   function fill(name, values, word = (value) => value) {
@@ -30,10 +31,11 @@
 
   // The record of a rule on the chosen ends; whether the library lists the pair the other way round.
   function lookUp(state, rule) {
-    const listed = data.pairs.indexOf(`${state.left}-${state.right}`);
+    const { pairs, chains } = data.motions[state.motion];
+    const listed = pairs.indexOf(`${state.left}-${state.right}`);
     const turned = listed < 0;
-    const pair = turned ? data.pairs.indexOf(`${state.right}-${state.left}`) : listed;
-    return { record: data.records[data.chains[pair][rules.indexOf(rule)]], turned };
+    const pair = turned ? pairs.indexOf(`${state.right}-${state.left}`) : listed;
+    return { record: data.records[chains[pair][rules.indexOf(rule)]], turned };
   }
 
   function springs({ record, turned }, segments) {
@@ -53,11 +55,15 @@
     const omega = record.omega[segments - 1];
     const wanted = needed(record, state);
     const first = modes === 1 ? "first frequency" : `first ${modes} frequencies`;
-    const title = `${state.left}-${state.right}, rule ${state.rule}, N = ${segments}`;
+    const pair = `${state.left}-${state.right}${state.motion === "bending" ? "" : ` in ${state.motion}`}`;
+    const title = `${pair}, rule ${state.rule}, N = ${segments}`;
+    const unit = units[state.motion];
     show("atlas-state", title);
+    show("atlas-springs-label", `Springs, in ${unit.spring}, from the left`);
+    show("atlas-step-label", `Longest stable step of Runge-Kutta, C = 2√2/ω of the highest mode in ${unit.step}`);
     show("atlas-springs", springs(found, segments));
     show("atlas-step", omega
-      ? `${number(data.limit / omega)}   (highest ω = ${number(omega)} √(EI/ρAL⁴))`
+      ? `${number(data.limit / omega)}   (highest ω = ${number(omega)} ${unit.omega})`
       : "any: the chain has no elastic mode");
     show("atlas-needed-label", `Segments needed for ${tolerance(Number(state.tolerance))} in the ${first}`);
     show("atlas-wanted", wanted ? String(wanted) : `more than ${data.longest}`);
@@ -116,41 +122,57 @@
       return made;
     });
     document.querySelector("#atlas-rules tbody").replaceChildren(...rows);
-    const caption = `All rules, ${state.left}-${state.right}: N for ${tolerance(Number(state.tolerance))} in the ${first}`;
+    const caption = `All rules, ${state.left}-${state.right} in ${state.motion}: N for ${tolerance(Number(state.tolerance))} in the ${first}`;
     document.querySelector("#atlas-rules caption").textContent = caption;
   }
 
   // In the address: #atlas?left=clamped&right=free… What is not allowed is left out.
   function fromAddress() {
     const given = new URLSearchParams(location.hash.split("?")[1] || "");
-    const kept = Object.keys(standard).filter((key) => allowed[key].includes(given.get(key) ?? " "));
-    return { ...standard, ...Object.fromEntries(kept.map((key) => [key, given.get(key)])) };
+    const motion = motions.includes(given.get("motion")) ? given.get("motion") : standard.motion;
+    const able = allowed(motion);
+    const kept = Object.keys(standard).filter((key) => able[key].includes(given.get(key) ?? " "));
+    return { ...inMotion(standard, motion), ...Object.fromEntries(kept.map((key) => [key, given.get(key)])) };
+  }
+
+  // The ends as another motion has them: a clamp is a fixed end, and what twist does not know is free.
+  function inMotion(state, motion) {
+    const other = (word) => (endsOf(motion).includes(word) ? word : endsOf(motion).at(["clamped", "fixed"].includes(word) ? 0 : -1));
+    return { ...state, motion, left: other(state.left), right: other(state.right) };
   }
 
   let current = standard;
 
   function intoForm(state) {
+    fill("left", endsOf(state.motion));
+    fill("right", endsOf(state.motion));
     for (const [key, value] of Object.entries(state)) field(key).value = value;
     current = state;
     render(state);
   }
 
   function fromForm() {
-    const state = Object.fromEntries(Object.keys(standard).map((key) => [key, field(key).value]));
-    const bad = Object.keys(state).find((key) => !allowed[key].includes(state[key]));
+    let state = Object.fromEntries(Object.keys(standard).map((key) => [key, field(key).value]));
+    if (state.motion !== current.motion) state = inMotion(state, state.motion);
+    const able = allowed(state.motion);
+    const bad = Object.keys(state).find((key) => !able[key].includes(state[key]));
     field("segments").setAttribute("aria-invalid", bad === "segments" ? "true" : "false");
     if (bad) return;
     history.replaceState(null, "", `#atlas?${new URLSearchParams(state)}`);
+    if (state.motion !== current.motion) {
+      intoForm(state);
+      return;
+    }
     current = state;
     render(state);
   }
 
-  fill("left", ends);
-  fill("right", ends);
+  const able = allowed(standard.motion);
+  fill("motion", motions);
   fill("rule", rules);
-  fill("beside", allowed.beside, (value) => value || "none");
-  fill("modes", allowed.modes);
-  fill("tolerance", allowed.tolerance, (value) => tolerance(Number(value)));
+  fill("beside", able.beside, (value) => value || "none");
+  fill("modes", able.modes);
+  fill("tolerance", able.tolerance, (value) => tolerance(Number(value)));
   form.addEventListener("input", fromForm);
   form.addEventListener("submit", (event) => event.preventDefault());
   addEventListener("hashchange", () => { if (location.hash.startsWith("#atlas?")) intoForm(fromAddress()); });

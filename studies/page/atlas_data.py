@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from fractions import Fraction
 from functools import lru_cache
 from itertools import groupby
@@ -14,6 +15,8 @@ from numpy.typing import NDArray
 
 import beammodes as bm
 from beammodes.closed_form.chain_frequencies import chain_frequency
+from beammodes.problem.motions import unit_beam
+from beammodes.vibration.axial_spectrum import highest_axial_frequency
 from beammodes.vibration.integrators import stability_limit
 from beammodes.vibration.stability import highest_angular_frequency
 
@@ -33,29 +36,59 @@ NO_SPRINGS = "none: the rule's pattern does not fit this N"
 Array = NDArray[np.float64]
 
 
+@dataclass(frozen=True, slots=True)
+class Kind:
+    """What the atlas shows of one motion: its pairs of ends, what they are in bending, its largest ω.
+
+    Attributes
+    ----------
+    motion : str
+    words : tuple of str
+        Of one end, the firmest first.
+    pairs : tuple of pairs
+    stand_in : callable
+        The pair in bending at which a rule lays out hinges as it does for a pair.
+    highest : callable
+        A chain's largest ω by pair, N and rule.
+    """
+
+    motion: str
+    words: tuple[str, ...]
+    pairs: tuple[Any, ...]
+    stand_in: Callable[[Any], bm.Boundary]
+    highest: Callable[[Any, int, bm.Rule], float]
+
+
 @lru_cache(maxsize=1)
 def atlas() -> dict[str, Any]:
     """Return everything, as JSON has it; what two rules share on a pair of ends is listed once.
 
-    `chains[pair][rule]` is the number of a chain's record in `records`: errors by N and mode, largest ω by
-    N, springs by N (numbers in `springs`), N needed by modes and tolerance (0 beyond `longest`), order,
-    coefficients of the law by mode, and from which N on it is within `LAW_WITHIN` of the error.
+    `motions[motion].chains[pair][rule]` is the number of a chain's record in `records`: errors by N and mode,
+    largest ω by N, springs by N (numbers in `springs`), N needed by modes and tolerance (0 beyond `longest`),
+    order, coefficients of the law by mode, and from which N on it is within `LAW_WITHIN` of the error.
     """
     records: dict[str, int] = {}
     springs: dict[str, int] = {}
     kept: list[dict[str, Any]] = []
-    chains: list[list[int]] = []
-    for pair in bm.BOUNDARIES:
-        chains.append([])
-        for rule in bm.RULES.values():
-            record = _record(pair, rule, springs)
-            key = repr(record)
-            if key not in records:
-                records[key] = len(kept)
-                kept.append(record)
-            chains[-1].append(records[key])
+    motions: dict[str, Any] = {}
+    for kind in KINDS:
+        chains: list[list[int]] = []
+        for pair in kind.pairs:
+            chains.append([])
+            for rule in bm.RULES.values():
+                record = _record(kind, pair, rule, springs)
+                key = repr(record)
+                if key not in records:
+                    records[key] = len(kept)
+                    kept.append(record)
+                chains[-1].append(records[key])
+        motions[kind.motion] = {
+            "ends": list(kind.words),
+            "pairs": [pair.name for pair in kind.pairs],
+            "chains": chains,
+        }
     return {
-        "pairs": [pair.name for pair in bm.BOUNDARIES],
+        "motions": motions,
         "rules": [
             {"name": rule.name, "summary": rule.summary, "usedBy": rule.used_by} for rule in bm.RULES.values()
         ],
@@ -66,41 +99,56 @@ def atlas() -> dict[str, Any]:
         "limit": stability_limit("rk4"),
         "springs": list(springs),
         "records": kept,
-        "chains": chains,
     }
 
 
-def _record(pair: bm.Boundary, rule: bm.Rule, springs: dict[str, int]) -> dict[str, Any]:
+def _record(kind: Kind, pair: Any, rule: bm.Rule, springs: dict[str, int]) -> dict[str, Any]:
     segments, mode = np.arange(1, SEGMENTS + 1), np.arange(1, MODES + 1)
-    error = bm.frequency_error(pair, segments=segments[:, None], mode=mode, rule=rule)
-    if rule.has_equal_springs:
+    error = bm.frequency_error(pair, segments=segments[:, None], mode=mode, rule=rule, motion=kind.motion)
+    if kind.motion == "bending" and rule.has_equal_springs:
         every = chain_frequency(pair, segments[:, None], np.arange(1, SEGMENTS + 2), rule)
         highest = np.nan_to_num(every, nan=0.0).max(axis=1)
     else:
-        highest = np.array([_highest(pair, int(n), rule) for n in segments])
-    laws = [bm.error_law(pair, n, rule) for n in range(1, MODES + 1)]
+        highest = np.array([kind.highest(pair, int(n), rule) if rule.fits(int(n)) else 0.0 for n in segments])
+    laws = [bm.error_law(pair, n, rule, motion=kind.motion) for n in range(1, MODES + 1)]
+    whole = kind.stand_in(pair)
     texts = [
-        _springs(rule.hinge_weights(pair, n)) if rule.fits(n) else NO_SPRINGS for n in range(1, SEGMENTS + 1)
+        _springs(rule.hinge_weights(whole, n)) if rule.fits(n) else NO_SPRINGS for n in range(1, SEGMENTS + 1)
     ]
     return {
         "error": _listed(error),
         "omega": _listed(highest),
         "springs": [springs.setdefault(text, len(springs)) for text in texts],
-        "needed": segments_for(pair, rule).tolist(),
-        "order": rule.declared_order(pair),
+        "needed": segments_for(pair, rule, kind.motion).tolist(),
+        "order": rule.declared_order(pair) if kind.motion == "bending" else laws[0].order,
         "lawOrder": [law.order for law in laws],
-        "lawFrom": [bm.law_holds_from(pair, n, rule, within=LAW_WITHIN) for n in range(1, MODES + 1)],
+        "lawFrom": [
+            bm.law_holds_from(pair, n, rule, within=LAW_WITHIN, motion=kind.motion)
+            for n in range(1, MODES + 1)
+        ],
         "law": _listed(np.array([law.coefficient for law in laws])),
     }
 
 
 def _highest(pair: bm.Boundary, segments: int, rule: bm.Rule) -> float:
-    """Return a chain's largest ω, 0 where the rule has none of so many segments."""
-    return (
-        highest_angular_frequency(bm.Chain(bm.Beam.unit(), pair, segments, rule))
-        if rule.fits(segments)
-        else 0.0
-    )
+    return highest_angular_frequency(bm.Chain(bm.Beam.unit(), pair, segments, rule))
+
+
+def _highest_twist(pair: bm.AxialBoundary, segments: int, rule: bm.Rule) -> float:
+    return highest_axial_frequency(bm.AxialChain(unit_beam(), pair, segments, rule, motion=pair.motion))
+
+
+#: Stretch is twist again: in multiples of their own both have the same numbers.
+KINDS = (
+    Kind("bending", tuple(bm.ENDS), tuple(bm.BOUNDARIES), lambda pair: pair, _highest),
+    Kind(
+        "twist",
+        ("fixed", "free"),
+        tuple(bm.AxialBoundary.of(name) for name in ("fixed-fixed", "fixed-free", "free-free")),
+        lambda pair: pair.stand_in,
+        _highest_twist,
+    ),
+)
 
 
 def _listed(values: Any) -> Any:
@@ -118,7 +166,7 @@ def _springs(weights: Sequence[Fraction]) -> str:
     )
 
 
-def segments_for(pair: bm.Boundary, rule: bm.Rule) -> NDArray[np.int64]:
+def segments_for(pair: Any, rule: bm.Rule, motion: str = "bending") -> NDArray[np.int64]:
     """Return the N from which the first modes stay within a tolerance, 0 beyond 400.
 
     What `bm.segments_needed` answers one by one, for all at once; shape (modes, tolerances).
@@ -128,7 +176,9 @@ def segments_for(pair: bm.Boundary, rule: bm.Rule) -> NDArray[np.int64]:
         # Each chain is solved: fewer of them, among those that there are.
         counts = np.array([n for n in counts if n <= 2 * SEGMENTS and rule.fits(n)])
     error = np.abs(
-        bm.frequency_error(pair, segments=counts[:, None], mode=np.arange(1, MODES + 1), rule=rule)
+        bm.frequency_error(
+            pair, segments=counts[:, None], mode=np.arange(1, MODES + 1), rule=rule, motion=motion
+        )
     )
     worst = np.maximum.accumulate(np.where(np.isnan(error), np.inf, error), axis=1)
     found = np.zeros((MODES, len(TOLERANCES)), dtype=np.int64)

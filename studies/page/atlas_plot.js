@@ -1,22 +1,13 @@
 // The curves of the atlas: sizes of errors against N, both logarithmic, as an SVG of the width at hand.
 const atlasPlot = (() => {
   const colours = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00"];
-  const space = "http://www.w3.org/2000/svg";
-
-  const node = (parent, name, attributes, text) => {
-    const made = document.createElementNS(space, name);
-    for (const [key, value] of Object.entries(attributes)) made.setAttribute(key, value);
-    if (text !== undefined) made.textContent = text;
-    parent.appendChild(made);
-    return made;
-  };
+  const { node, superscript } = pageNumbers;
 
   // Errors of one mode as points [N, e]; a gap where the chain has no such mode.
   const points = (errors, mode) =>
     errors.map((row, i) => [i + 1, row[mode - 1]]).filter(([, e]) => e !== null && e !== 0);
 
   const label = (power) => (power >= -4 ? `${+(10 ** (power + 2)).toPrecision(1)} %` : `10${superscript(power + 2)} %`);
-  const superscript = (n) => String(n).replace(/./g, (c) => "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"["-0123456789".indexOf(c)]);
 
   function draw(place, view) {
     const width = Math.min(900, Math.max(300, place.clientWidth || 720));

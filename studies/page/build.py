@@ -10,7 +10,7 @@ from string import Template
 import beammodes as bm
 from beammodes.numerics.blas import one_thread
 from studies import PAGE, every_study
-from studies.page import added, errors, springs, steps, systems
+from studies.page import added, errors, rods_data, springs, steps, systems
 from studies.page.atlas_data import atlas
 from studies.page.evidence import EVIDENCE, note, source_list
 from studies.page.markup import escaped, figure, picture
@@ -19,7 +19,7 @@ from studies.runner import write_bytes
 __all__ = ["page", "unused", "write"]
 
 FOLDER = Path(__file__).parent
-TEXTS = ("source", "added", "atlas")
+TEXTS = ("source", "added", "atlas", "rods")
 
 
 def page(folder: Path) -> str:
@@ -43,7 +43,10 @@ def _put_together(folder: Path) -> str:
         content, agreed = module.parts(folder)
         parts |= content
         agreements |= agreed
-    parts["atlas_data"] = _json(atlas())
+    content, agreed = rods_data.parts()
+    parts |= content
+    agreements |= agreed
+    parts |= {"atlas_data": _json(atlas()), "rods_data": _json(rods_data.rods())}
     parts |= {name: _read(f"{file}.js") for name, file in _SCRIPTS.items()}
     texts = {name: _read(f"{name}.html") for name in TEXTS}
     placed = [
@@ -69,7 +72,12 @@ def unused(parts: Iterable[str], text: str) -> list[str]:
     return [name for name in parts if f"${{{name}}}" not in text]
 
 
-_SCRIPTS = {"atlas_script": "atlas", "atlas_plot_script": "atlas_plot"}
+_SCRIPTS = {
+    "numbers_script": "numbers",
+    "atlas_script": "atlas",
+    "atlas_plot_script": "atlas_plot",
+    "rods_script": "rods",
+}
 
 
 def _read(name: str) -> str:
