@@ -953,7 +953,7 @@ def test_commands_in_space_say_what_the_library_does(
 ) -> None:
     import beammodes as bm
 
-    polar, across = {"polar_inertia_per_length": 1e-3}, {"second_bending_stiffness": 9.0}
+    polar, across = {"polar_inertia_per_length": 1e-4}, {"second_bending_stiffness": 9.0}
     points = [[math.cos(t / 6), math.sin(t / 6), 0.1 * t] for t in range(9)]
     (tmp_path / "line.csv").write_text("x, y, z\n" + "\n".join(f"{x!r}, {y!r}, {z!r}" for x, y, z in points))
     rods = {
@@ -968,7 +968,7 @@ def test_commands_in_space_say_what_the_library_does(
         ),
         ("--length=1", "--shape=curved(y=1, x=2)"): bm.Rod(1.0, curvature=(2.0, 1.0, 0.0), **WIRE),
         (f"--points={tmp_path / 'line.csv'}",): bm.Rod.through(points, **WIRE),
-        ("--length=1", "--ei-across=9", "--rho-ip=1e-3"): bm.Rod(1.0, **WIRE, **across, **polar),
+        ("--length=1", "--ei-across=9", "--rho-ip=1e-4"): bm.Rod(1.0, **WIRE, **across, **polar),
     }
     case = ["clamped-free(mass=0.5)", "--segments=6", "--rule=gregory", *SPACE]
     for flags, rod in rods.items():
@@ -983,6 +983,14 @@ def test_commands_in_space_say_what_the_library_does(
     assert [row["frequency"] for row in rows] == bm.spatial_modes(chain, 5).frequency.tolist()
     error = Ran(["error", *case, *flags, "--mode=2", "--json"], capsys).json
     assert error["relative_error"] == pytest.approx(errors[1], abs=1e-12) and error["motion"] == "space"
+    # A light section's twist is fastest: about 2 N/L √(GJ/ρIp).
+    call = ["time-step", *case, *flags, "--integrator=leapfrog"]
+    step = Ran([*call, "--json"], capsys).json
+    assert step["time_step"] == bm.stable_time_step(chain, "leapfrog")
+    assert step["highest_angular_frequency"] == pytest.approx(12 * math.sqrt(1 / 1e-4), rel=0.03)
+    assert step["stored_in"]["twist"] > 0.99 and "set by twist: " in Ran(call, capsys).lines[1]
+    hung = Ran([*call, "--gravity=0,0,-9.81", "--json"], capsys).json["time_step"]
+    assert hung == bm.stable_time_step(chain, "leapfrog", load=bm.SpatialLoad(gravity=(0, 0, -9.81)))
     ours, same = tmp_path / "ours.xml", tmp_path / "same.xml"
     more = ["--gravity=0,0,-9.81", "--damping-ratio=0.02", "--joints=yzx", f"--output={ours}"]
     assert Ran(["export", *case, *flags, *more], capsys).code == 0

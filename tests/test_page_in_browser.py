@@ -14,7 +14,7 @@ from drawn_ends import RULES_DRAWN
 from page_reading import same, stiffnesses
 
 import beammodes as bm
-from studies.page import atlas_data, build
+from studies.page import atlas_data, build, rods_data
 
 playwright = pytest.importorskip("playwright.sync_api")
 FIGURES = Path(__file__).parent.parent / "figures"
@@ -119,7 +119,7 @@ def test_every_picture_loads_and_nothing_is_wider_than_the_screen(page: Any, wid
     boxes = page.evaluate(
         "[...document.querySelectorAll('svg')].map((drawn) => drawn.getBoundingClientRect().toJSON())"
     )
-    assert len(boxes) == 2
+    assert len(boxes) == 3
     assert all(box["width"] > 200 and box["height"] > 150 for box in boxes)
     for width in widths:
         page.set_viewport_size({"width": width, "height": 800})
@@ -165,6 +165,48 @@ def test_all_rules_are_listed_for_the_tolerance(page: Any) -> None:
             assert row.locator("td").nth(1).inner_text() == f"not kept over N = {atlas_data.SEGMENTS}"
 
 
+def test_twist_in_the_atlas(page: Any, address: str) -> None:
+    page.get_by_label("Motion", exact=True).select_option("twist")
+    # sin x/x - 1, x = β/2N, between exact mirrors.
+    errors = [100 * (np.sinc(mode * 0.5 / 20) - 1) for mode in (1, 3, 5)]
+    assert page.locator("#atlas-state").inner_text() == "fixed-free in twist, rule mitiguy, N = 10"
+    for shown, error in zip(_state(page)["errors"], errors, strict=True):
+        same(shown, error)
+    assert _state(page)["needed"] == "17" and "GJ/ℓ" in page.locator("#atlas-springs-label").inner_text()
+    assert "motion=twist&left=fixed&right=free" in page.evaluate("location.href")
+    page.goto(f"{address}#atlas?motion=twist&left=free&right=fixed&rule=simpson&segments=4")
+    page.wait_for_function("document.querySelector('#atlas-state').innerText.startsWith('free-fixed')")
+    assert stiffnesses(_state(page)["springs"]) == [0.75, 1.5, 0.75, 3.0]
+    page.get_by_label("Motion", exact=True).select_option("bending")
+    _wait_for(page, "free-clamped", "simpson", 4)
+
+
+def test_rods_in_space_are_drawn_and_turned(page: Any, address: str) -> None:
+    def points() -> str:
+        return page.locator("#rods-plot polyline").last.get_attribute("points")
+
+    first = points()
+    assert len(first.split()) == 21 and page.locator("#rods-plot circle").count() == 20
+    page.locator("#rods-turn").fill("10")
+    turned = points()
+    box = page.locator("#rods-plot").bounding_box()
+    page.mouse.move(box["x"] + 100, box["y"] + 100)
+    page.mouse.down()
+    page.mouse.move(box["x"] + 160, box["y"] + 120)
+    page.mouse.up()
+    assert len({first, turned, points()}) == 3 and "turn=-20" in page.evaluate("location.href")
+    blade = "pretwisted by 90°, EI ratio 16"
+    page.get_by_label("Rod", exact=True).select_option(blade)
+    chain = bm.SpatialChain(rods_data.RODS[blade], "clamped-free", 20, "half_stub")
+    page.locator("#rods-rule").select_option("half_stub")
+    rows = page.locator("#rods-errors tbody tr").all()
+    for row, error in zip(rows, bm.rod_errors(chain, rods_data.MODES), strict=True):
+        same(row.locator("td").nth(1 + rods_data.RULES.index("half_stub")).inner_text(), 100 * error)
+    page.goto(f"{address}#rods?rod=<b>&mode=99&segments=5&rule=naive")
+    title = "helix of one turn, round, rule naive, N = 5, mode 1"
+    page.wait_for_function("due => document.querySelector('#rods-state').innerText === due", arg=title)
+
+
 def test_the_atlas_by_keyboard(page: Any) -> None:
     page.keyboard.press("Tab")
     assert page.evaluate("document.activeElement.className") == "skip"
@@ -201,7 +243,7 @@ def test_what_cannot_be_chosen_changes_nothing(page: Any, address: str) -> None:
 
 def test_on_paper(page: Any) -> None:
     page.emulate_media(media="print")
-    assert not page.locator("#atlas-form").is_visible()
+    assert not page.locator("#atlas-form").is_visible() and not page.locator("#rods-form").is_visible()
     assert page.locator("#atlas-plot svg").is_visible() and page.locator("#atlas-state").is_visible()
 
 

@@ -20,9 +20,10 @@ from page_reading import Tables, rows, same, stiffnesses
 
 import beammodes as bm
 import studies.__main__
+from beammodes.problem.motions import unit_beam
 from beammodes.vibration.stability import highest_angular_frequency
 from studies import PAGE, c_table, every_study
-from studies.page import atlas_data, build, errors, markup
+from studies.page import atlas_data, build, errors, markup, rods_data
 from studies.page.evidence import EVIDENCE, Evidence, agree
 from studies.page.section import SECTION, integral_over_strips
 from studies.runner import missing
@@ -158,15 +159,19 @@ def test_stable_steps(tables: dict[str, list[list[str]]]) -> None:
 # --- The atlas' data -------------------------------------------------------------------------------------
 
 
-def record(pair: str, rule: str) -> dict[str, list[list[float]]]:
+def record(pair: str, rule: str, motion: str = "bending") -> dict[str, list[list[float]]]:
     data = atlas_data.atlas()
-    return data["records"][data["chains"][data["pairs"].index(pair)][list(bm.RULES).index(rule)]]
+    kind = data["motions"][motion]
+    return data["records"][kind["chains"][kind["pairs"].index(pair)][list(bm.RULES).index(rule)]]
+
+
+PAIRS_LISTED = [pair.name for pair in bm.BOUNDARIES]
 
 
 def test_the_data_of_the_atlas_are_the_librarys() -> None:
     data, random = atlas_data.atlas(), np.random.default_rng(8)
     for _ in range(150):
-        pair, rule = str(random.choice(data["pairs"])), str(random.choice(RULES_DRAWN))
+        pair, rule = str(random.choice(PAIRS_LISTED)), str(random.choice(RULES_DRAWN))
         n, mode = int(random.integers(2, data["segments"] + 1)), int(random.integers(1, data["modes"] + 1))
         known, chain = record(pair, rule), bm.Chain(bm.Beam.unit(), pair, n, rule)
         error = known["error"][n - 1][mode - 1]
@@ -180,13 +185,55 @@ def test_the_data_of_the_atlas_are_the_librarys() -> None:
 def test_segments_needed_of_the_atlas_are_the_librarys() -> None:
     data, random = atlas_data.atlas(), np.random.default_rng(9)
     for _ in range(60):
-        pair, rule = str(random.choice(data["pairs"])), str(random.choice(RULES_DRAWN))
+        pair, rule = str(random.choice(PAIRS_LISTED)), str(random.choice(RULES_DRAWN))
         modes, place = (
             int(random.integers(1, data["modes"] + 1)),
             int(random.integers(len(data["tolerances"]))),
         )
         exact = bm.segments_needed(pair, data["tolerances"][place], modes, rule)
         assert record(pair, rule)["needed"][modes - 1][place] == (exact if exact <= data["longest"] else 0)
+
+
+def test_the_atlas_in_twist_is_the_librarys() -> None:
+    data, random = atlas_data.atlas(), np.random.default_rng(15)
+    assert data["motions"]["bending"]["pairs"] == PAIRS_LISTED
+    for _ in range(20):
+        pair = str(random.choice(data["motions"]["twist"]["pairs"]))
+        rule = str(random.choice(list(bm.RULES)))
+        n, mode = 2 * int(random.integers(1, data["segments"] // 2 + 1)), int(random.integers(1, 6))
+        known = record(pair, rule, "twist")
+        chain = bm.AxialChain(unit_beam(), pair, n, rule, motion="twist")
+        exact = bm.axial_modes(unit_beam(), pair, 5, motion="twist").angular_frequency
+        found = bm.solve_modes(chain, 5).angular_frequency
+        error = known["error"][n - 1][mode - 1]
+        assert error == (pytest.approx(found[mode - 1] / exact[mode - 1] - 1, rel=1e-5, abs=1e-11)
+                         if mode <= len(found) else None)  # fmt: skip
+        assert known["omega"][n - 1] * bm.stable_time_step(chain) == pytest.approx(data["limit"], rel=1e-5)
+        springs_of = stiffnesses(data["springs"][known["springs"][n - 1]])
+        assert springs_of == pytest.approx((chain.joint_stiffness / n).tolist(), rel=1e-12)
+        place = int(random.integers(len(data["tolerances"])))
+        needed = bm.segments_needed(pair, data["tolerances"][place], mode, rule, motion="twist")
+        assert known["needed"][mode - 1][place] == (needed if needed <= data["longest"] else 0)
+
+
+def test_the_data_of_rods_are_the_librarys() -> None:
+    # Trusted, by exponentials of the twelve equations; without polar inertia, which twist alone has.
+    known = {"pretwisted by 90°, EI ratio 16": (3.6087715, 9.961236), "helix of one turn, round": (6.590381,)}
+    for rod in rods_data.rods()["rods"]:
+        assert rod["omega"][: len(known.get(rod["name"], ()))] == pytest.approx(
+            known.get(rod["name"], ()), rel=1e-6
+        )
+        chain = bm.SpatialChain(rods_data.RODS[rod["name"]], "clamped-free", 5, "gregory")
+        kept = rod["chains"][rods_data.RULES.index("gregory")][0]
+        assert kept["errors"] == pytest.approx(
+            bm.rod_errors(chain, rods_data.MODES).tolist(), rel=1e-5, abs=1e-11
+        )
+        assert np.allclose(kept["nodes"], chain.nodes, atol=5.1e-4)
+        shapes = np.linalg.norm(kept["shapes"], axis=2)
+        # The clamped end does not move; the fastest node by 1, and none in twist alone.
+        largest = shapes.max(axis=1)
+        assert not shapes[:, 0].any() and np.isclose(largest[largest > 0], 1.0, atol=2e-3).all()
+        assert (largest == 0).sum() == ("straight" in rod["name"])
 
 
 def test_the_atlas_knows_from_where_a_law_holds() -> None:

@@ -10,7 +10,7 @@ from types import MappingProxyType
 from typing import Any
 
 from beammodes.checks import percent
-from beammodes.command_line.options import Answer
+from beammodes.command_line.options import Answer, damping_of
 from beammodes.command_line.text_tables import (
     DECLARED,
     frequency_rows,
@@ -191,20 +191,23 @@ def _time_step(case: AxialCase) -> Answer:
     from beammodes.vibration.axial_spectrum import highest_axial_frequency
     from beammodes.vibration.stability import stable_time_step
 
-    chain, units = _chain(case), case.units
-    for flag in ("gravity", "tip_force", "damping_ratio", "stiffness_damping"):
-        if getattr(case.options, flag, None):
+    chain, units, options = _chain(case), case.units, case.options
+    for flag in ("gravity", "tip_force"):
+        if getattr(options, flag):
             raise ValueError(f"--{flag.replace('_', '-')} must be left out for motion {case.motion.name}")
-    step, highest = stable_time_step(chain, case.options.integrator), highest_axial_frequency(chain)
+    damping, integrator = damping_of(options, chain), options.integrator
+    step, highest = stable_time_step(chain, integrator, damping=damping), highest_axial_frequency(chain)
     if math.isinf(step):
         raise ValueError(
-            f"integrator and segments must have a stability limit, got {case.options.integrator} and "
-            f"{chain.segments}"
+            f"integrator and segments must have a stability limit, got {integrator} and {chain.segments}"
         )
     answer = {"motion": case.motion.name, "time_step": step, "highest_angular_frequency": highest}
     said = case.said(time_step=units["time"], highest_angular_frequency=units["angular_frequency"])
     fastest = f"highest angular frequency {number(highest)} {units['angular_frequency']}"
-    text = f"{number(step)} {units['time']}  ({case.options.integrator}, {fastest}, {case.holds_for})"
+    if damping is not None:
+        free = stable_time_step(chain, integrator)
+        fastest += f", with dampers; without them {number(free)} {units['time']}"
+    text = f"{number(step)} {units['time']}  ({integrator}, {fastest}, {case.holds_for})"
     return answer | said, "\n".join([text, *case.notes()])
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 from types import MappingProxyType
+from typing import TYPE_CHECKING, Any
 
 from beammodes.checks import percent
 from beammodes.command_line.options import Answer, damping_of
@@ -17,9 +18,14 @@ from beammodes.command_line.text_tables import (
     typed_in,
 )
 
+if TYPE_CHECKING:
+    from beammodes.problem.load_in_space import SpatialLoad
+
 __all__ = ["ANSWERS_IN_SPACE"]
 
 _TURNS = ("twist", "about_y", "about_z")
+#: Of a share: rounding.
+_NOTHING = 1e-9
 
 
 def _error(case: RodCase) -> Answer:
@@ -84,6 +90,77 @@ def _frequencies(case: RodCase) -> Answer:
     return answer | said, "\n".join([title, table, case.holds_for, *case.notes()])
 
 
+def _time_step(case: RodCase) -> Answer:
+    from beammodes.vibration.highest_in_space import highest_in_space
+    from beammodes.vibration.stability import GRAVITY, stable_time_step
+
+    options, chain, units = case.options, case.chain, case.units
+    load, damping = _load(case), damping_of(options, chain)
+    step = stable_time_step(chain, options.integrator, load=load, damping=damping)
+    if math.isinf(step):
+        raise ValueError(
+            f"integrator and segments must have a stability limit, got {options.integrator} and "
+            f"{chain.segments}"
+        )
+    highest = highest_in_space(chain, load)
+    shares = dict(zip(_TURNS, highest.shares.tolist(), strict=True))
+    answer = {
+        "motion": "space",
+        "time_step": step,
+        "highest_angular_frequency": highest.angular_frequency,
+        "stored_in": shares,
+    }
+    time, omega = units["time"], units["angular_frequency"]
+    said = case.said(
+        time_step=time, highest_angular_frequency=omega, stored_in="1", time_step_under_gravity=time
+    )
+    fastest = f"highest angular frequency {number(highest.angular_frequency)} {omega}"
+    held = "without load" if load is None else f"under {_told(load)}, as if the chain hung by it"
+    if damping is not None:
+        free = stable_time_step(chain, options.integrator, load=load)
+        held += f", with dampers; without them {number(free)} {time}"
+    lines = [f"{number(step)} {time}  ({options.integrator}, {fastest}, {held})", _stored(shares)]
+    if load is None:
+        from beammodes.problem.load_in_space import SpatialLoad
+
+        gravity = GRAVITY / units["metres"]
+        hangs = SpatialLoad(gravity=(gravity, 0.0, 0.0))
+        hung = stable_time_step(chain, options.integrator, load=hangs, damping=damping)
+        answer["time_step_under_gravity"] = hung
+        if hung < 0.99 * step:
+            weight = f"gravity {gravity:.4g} {units['acceleration']}"
+            lines.append(f"{number(hung)} {time}  with {weight} in any direction, hanging too: --gravity")
+    return answer | said, "\n".join([*lines, *case.notes()])
+
+
+def _stored(shares: Mapping[str, float]) -> str:
+    """Return in words which turning of the joints the highest mode is, and so which sets the step."""
+    told = [f"{_word(name)} {100 * share:.3g} %" for name, share in shares.items() if share > _NOTHING]
+    first = max(shares, key=lambda name: shares[name])
+    return f"set by {_word(first)}: the springs of the highest mode store {', '.join(told)}"
+
+
+def _word(turn: str) -> str:
+    return turn if turn == "twist" else f"bending {turn.replace('_', ' ')}"
+
+
+def _told(load: SpatialLoad) -> str:
+    """Return in words the loads that there are."""
+    given = {"a tip force": load.force, "gravity": load.gravity}
+    return " and ".join(
+        f"{name} ({', '.join(map(number, three))})" for name, three in given.items() if any(three)
+    )
+
+
+def _load(case: RodCase) -> Any:
+    """Return the load, or None."""
+    from beammodes.problem.load_in_space import SpatialLoad
+
+    given = {"force": case.options.tip_force, "gravity": case.options.gravity}
+    told = {name: value for name, value in given.items() if value is not None}
+    return SpatialLoad(**told) if told else None
+
+
 def _buckling(case: RodCase) -> Answer:
     from beammodes.equations.equilibria_in_space import critical_factor
     from beammodes.problem.load_in_space import SpatialLoad
@@ -112,12 +189,9 @@ def _buckling(case: RodCase) -> Answer:
 
 def _export(case: RodCase) -> Answer:
     from beammodes.exporters.export import export_chain
-    from beammodes.problem.load_in_space import SpatialLoad
 
     options, chain = case.options, case.chain
     joints = options.joints or "yzx_alternating"
-    given = {"force": options.tip_force, "gravity": options.gravity}
-    told = {name: value for name, value in given.items() if value is not None}
     written = export_chain(
         chain,
         options.output,
@@ -127,7 +201,7 @@ def _export(case: RodCase) -> Answer:
         damping=damping_of(options, chain),
         timestep=options.timestep,
         integrator=options.integrator,
-        load=SpatialLoad(**told) if told else None,
+        load=_load(case),
         units=case.system if options.units is not None else None,
         joints=joints,
         force=options.force,
@@ -143,6 +217,7 @@ ANSWERS_IN_SPACE: Mapping[str, Callable[[RodCase], Answer]] = MappingProxyType(
         "error": _error,
         "springs": _springs,
         "frequencies": _frequencies,
+        "time-step": _time_step,
         "buckling": _buckling,
         "export": _export,
     }

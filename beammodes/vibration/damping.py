@@ -226,7 +226,7 @@ def damped_eigenvalues(omega: Floats, coupling: Floats) -> NDArray[np.complex128
 
 
 def joint_dampers(
-    chain: Chain | SpatialChain, ratio: float | Mapping[int, float], *, mode: int = 1
+    chain: Chain | AxialChain | SpatialChain, ratio: float | Mapping[int, float], *, mode: int = 1
 ) -> Damping:
     """Return joint dampers that give a mode a damping ratio, or several modes a ratio each.
 
@@ -245,9 +245,9 @@ def joint_dampers(
 
     Parameters
     ----------
-    chain : Chain or SpatialChain
+    chain : Chain, AxialChain or SpatialChain
     ratio : float, or mapping of modes to them
-        ζ, 1 for critical damping, such as {1: 0.008, 2: 0.011}; one number in space.
+        ζ, 1 for critical damping, such as {1: 0.008, 2: 0.011}; one number in twist, stretch and space.
     mode : int
         Of a single ratio, from 1; rigid-body modes are not counted, bending and twist in space together.
 
@@ -276,12 +276,13 @@ def joint_dampers(
     >>> bm.damped_modes(chain, both).damping_ratio.values.round(4)
     array([0.008 , 0.0109, 0.0939, 0.0704])
     """
-    if isinstance(ratio, Mapping) and not isinstance(chain, SpatialChain):
+    if isinstance(ratio, Mapping) and not isinstance(chain, AxialChain | SpatialChain):
         return _fitted_joints(chain, ratios_of_modes("ratio", ratio))
     wanted = positive_real("ratio", ratio)
-    if isinstance(chain, SpatialChain):
-        number = whole_number("mode", mode, most=3 * len(chain.hinge_position))
-        found = spatial_modes(chain, number).angular_frequency
+    if isinstance(chain, AxialChain | SpatialChain):
+        number = whole_number("mode", mode, most=3 * max(1, chain.joint_stiffness.size))
+        solved = spatial_modes if isinstance(chain, SpatialChain) else solve_axial_modes
+        found = solved(chain, number).angular_frequency
         if len(found) < number:
             raise ValueError(f"mode must be one that the chain has, at most {len(found)}, got {number}")
         return Damping(stiffness=2.0 * wanted / float(found[-1]))

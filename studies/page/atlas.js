@@ -68,7 +68,7 @@
     show("atlas-needed-label", `Segments needed for ${tolerance(Number(state.tolerance))} in the ${first}`);
     show("atlas-wanted", wanted ? String(wanted) : `more than ${data.longest}`);
     const { summary, usedBy } = data.rules[rules.indexOf(state.rule)];
-    show("atlas-rule", `${summary} Used by: ${usedBy}. Order ${record.order} between these ends.`);
+    show("atlas-rule", `${state.motion === "bending" ? "" : "In bending: "}${summary} Used by: ${usedBy}. Order ${record.order} between these ends.`);
     errors(record, segments, modes);
     everyRule(state, first);
     const lines = [];

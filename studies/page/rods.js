@@ -6,7 +6,7 @@
   const field = (name) => form.elements.namedItem(name);
   const blue = "#0072b2";
   const modes = data.rods[0].omega.length;
-  const amplitude = 0.16;
+  const amplitude = 0.13;
   const standard = { rod: data.rods.at(-1).name, rule: "gregory", segments: "20", mode: "1", turn: "-58", tilt: "22" };
   const allowed = {
     rod: data.rods.map((rod) => rod.name), rule: data.rules, segments: data.segments.map(String),
@@ -17,6 +17,8 @@
   const { number, percent, node } = pageNumbers;
 
   const sum = (a, b, factor = 1) => a.map((value, i) => value + factor * b[i]);
+
+  const shown = (chain, shape) => chain.nodes.map((p, i) => sum(p, shape[i], amplitude));
 
   // A point of space on the picture, to the right and down, seen from aside and above.
   function seen(state) {
@@ -32,15 +34,20 @@
     const chain = rod.chains[data.rules.indexOf(state.rule)][data.segments.indexOf(Number(state.segments))];
     const mode = Number(state.mode);
     const exists = mode > 0 && chain.errors[mode - 1] !== null;
-    const moved = exists ? chain.nodes.map((p, i) => sum(p, chain.shapes[mode - 1][i], amplitude)) : chain.nodes;
-    // All modes of a rod are shown at one scale, from any side: a ball around them fits.
-    const all = rod.chains.flat().flatMap((each) => each.nodes);
-    const middle = [0, 1, 2].map((k) => (Math.min(...all.map((p) => p[k])) + Math.max(...all.map((p) => p[k]))) / 2);
-    const reach = Math.max(...all.map((p) => Math.hypot(...sum(p, middle, -1)))) + amplitude + 0.06;
-    const ground = Math.min(...all.map((p) => p[2])) - amplitude - 0.04;
+    const moved = exists ? shown(chain, chain.shapes[mode - 1]) : chain.nodes;
+    // One scale for all modes of a rod, and while it turns: all that may be drawn is seen.
+    const spread = rod.chains.flat().flatMap((each) => [each.nodes, ...each.shapes.map((shape) => shown(each, shape))]).flat();
+    const bounds = [0, 1, 2].map((k) => [Math.min, Math.max].map((most) => most(...spread.map((p) => p[k]))));
+    bounds[2][0] -= 0.05;
+    const ground = bounds[2][0];
+    const middle = bounds.map(([low, high]) => (low + high) / 2);
     const width = Math.min(760, Math.max(280, place.clientWidth || 640));
-    const height = Math.round(Math.min(460, 0.72 * width));
-    const scale = Math.min(width, height) / 2 / reach;
+    const height = Math.round(Math.min(440, 0.7 * width));
+    const tilt = (Number(state.tilt) * Math.PI) / 180;
+    const around = spread.flatMap((p) => [p, [p[0], p[1], ground]]).map((p) => sum(p, middle, -1));
+    const across = around.map(([x, y]) => Math.hypot(x, y));
+    const tall = around.map(([, , z], i) => across[i] * Math.abs(Math.sin(tilt)) + Math.abs(z) * Math.cos(tilt));
+    const scale = Math.min(width / (2 * Math.max(...across) + 0.1), height / (2 * Math.max(...tall) + 0.1));
     const turned = seen(state);
     const at = (p) => turned(sum(p, middle, -1)).map((value, i) => value * scale + [width, height][i] / 2);
     const row = (points) => points.map((p) => at(p).map((value) => value.toFixed(1)).join(",")).join(" ");
