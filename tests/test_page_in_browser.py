@@ -196,7 +196,7 @@ def test_rods_in_space_are_drawn_and_turned(page: Any, address: str) -> None:
     page.mouse.up()
     assert len({first, turned, points()}) == 3 and "turn=-20" in page.evaluate("location.href")
     blade = "pretwisted by 90°, EI ratio 16"
-    page.get_by_label("Rod", exact=True).select_option(blade)
+    page.get_by_label("Rod at rest", exact=True).select_option(blade)
     chain = bm.SpatialChain(rods_data.RODS[blade], "clamped-free", 20, "half_stub")
     page.locator("#rods-rule").select_option("half_stub")
     rows = page.locator("#rods-errors tbody tr").all()

@@ -233,7 +233,7 @@ def test_the_data_of_rods_are_the_librarys() -> None:
         # The clamped end does not move; the fastest node by 1, and none in twist alone.
         largest = shapes.max(axis=1)
         assert not shapes[:, 0].any() and np.isclose(largest[largest > 0], 1.0, atol=2e-3).all()
-        assert (largest == 0).sum() == ("straight" in rod["name"])
+        assert (largest == 0).sum() == chain.rod.is_straight
 
 
 def test_the_atlas_knows_from_where_a_law_holds() -> None:

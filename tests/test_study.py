@@ -74,6 +74,32 @@ def test_a_grid_of_numbers_is_the_error_dataset(over: dict[str, list[float]]) ->
     np.testing.assert_allclose(found, expected.relative_error, rtol=0, atol=1e-13)
 
 
+def test_numbers_of_ends_in_twist_and_stretch(tmp_path: Path) -> None:
+    grid = {"boundary": ["fixed-free", "free-free"], "segments": [3, 8], "rule": ["mitiguy", "half_stub"]}
+    for motion, body in (("twist", "right_inertia"), ("stretch", "right_mass")):
+        over = {"left_stiffness": [0.5, math.inf], body: [0.0, 0.3, 2.0]}
+        table = bm.error_dataset(**grid, modes=2, over=over, motion=motion)
+        study = bm.Study.grid(**grid, **over, motion=motion, mode=[1, 2], compute="relative_error")
+        found = study.run(store=tmp_path / motion)
+        assert found.boundary.values.tolist() == ["fixed-free", "free-free"] and found.failed_cases == 0
+        found = found.relative_error.transpose(*table.relative_error.dims)
+        # Arrays and single pairs differ by their last bit.
+        assert np.allclose(found, table.relative_error, rtol=1e-12, atol=1e-15)
+        for name in over:
+            assert found[name].units == table[name].units.replace("rho ", "rho")
+        assert bm.open_study(tmp_path / motion).relative_error.equals(study.run().relative_error)
+    # In units of the beam; a mass is one in bending and in stretch; each motion's own ends.
+    steel = {"length": 2.0, "bending_stiffness": 3.0, "mass_per_length": 0.5, "axial_stiffness": 40.0}
+    both = bm.Study.grid(boundary="clamped-free(mass=0.2)", segments=6, mode=1, motion=["bending", "stretch"],
+                         left_stiffness=[7.0, 90.0], compute="angular_frequency", **steel).run()  # fmt: skip
+    assert both.failed_cases == 2 and "left_stiffness must be left out for motion bending" in both.reasons
+    beam, ends = bm.Beam(2.0, 3.0, 0.5, axial_stiffness=40.0), bm.AxialEnd(inertia=0.2)
+    for k, stiffness in enumerate((7.0, 90.0)):
+        chain = bm.AxialChain(beam, (bm.AxialEnd(stiffness), ends), 6, motion="stretch")
+        solved = bm.solve_modes(chain, 1).angular_frequency[0]
+        assert both.angular_frequency.values[1, k] == pytest.approx(solved, rel=1e-11)
+
+
 def test_frequencies_of_a_section_are_those_of_the_solved_chain() -> None:
     # The second route: mass and stiffness in SI units, solved.
     heights, masses = [0.001, 0.003], [0.0, 0.25]
@@ -423,6 +449,10 @@ GOOD = {"boundary": "clamped-free", "segments": 5, "mode": 1, "compute": "relati
         ({"segments": range(1, 10**12)}, "segments must have at most 1000000 values"),
         ({"mode": iter(int, 1)}, "mode must have at most 1000000 values"),
         ({"plane": "flat"}, 'did you mean "flap"'),
+        ({"right_inertia": 1.0}, "leave out right_inertia for motion bending"),
+        ({"motion": "twist", "right_mass": 1.0}, "leave out right_mass for motion twist"),
+        ({"motion": "twist", "right_stiffness": -1.0}, "right_stiffness: stiffness must not be negative"),
+        ({"motion": "twist", "boundary": "pinned-free"}, "pinned says what bending may do, not twist"),
     ],
 )
 def test_bad_studies_are_refused(change: dict[str, object], message: str) -> None:

@@ -12,10 +12,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from beammodes.accuracy.beam_units import NUMBERS, with_numbers
 from beammodes.accuracy.lookups import Lookup, lookup_of
 from beammodes.batch.given_structures import StructureOf
-from beammodes.batch.study_axes import dimensions_of
+from beammodes.batch.study_axes import END_NUMBERS, SIDED, dimensions_of, ends_in_motion
 from beammodes.chains.axial_chain import AnyAxialRule, AxialChain
 from beammodes.chains.chain import Chain
 from beammodes.chains.rules import Rule
@@ -131,13 +130,15 @@ class Case:
     @cached_property
     def _held(self) -> tuple[Any, Load]:
         self._check_beam("boundary and load")
-        numbers = {name: float(self.values[name]) for name in NUMBERS if name in self.values}
-        if self.motion != "bending":
-            if numbers:
-                raise ValueError(f"{min(numbers)} must be left out for motion {self.motion}")
-            return AxialBoundary.of(self.values["boundary"], self.motion), Load()
-        plane = str(self.values.get("plane", Load().plane))
-        return with_numbers(Boundary.of(self.values["boundary"]), Load(plane=plane), numbers)
+        numbers = {name: float(value) for name, value in self.values.items() if name in SIDED - {"plane"}}
+        lookup = lookup_of(self.motion)
+        for name in numbers:
+            if name not in END_NUMBERS[self.motion]:
+                raise ValueError(f"{name} must be left out for motion {self.motion}")
+        load = Load()
+        if self.motion == "bending":
+            load = Load(plane=str(self.values.get("plane", load.plane)))
+        return lookup.with_numbers(ends_in_motion(self.values["boundary"], self.motion), load, numbers)
 
     @property
     def boundary(self) -> Any:
@@ -320,7 +321,7 @@ class Cases:
     def _groups(self) -> list[tuple[tuple[Any, Any, Load], NDArray[np.intp]]]:
         """Ends for L = EI = ρA = 1, rule and load likewise, and the places of the cases that share them."""
         pairs, rules = self.columns["boundary"], self.columns["rule"]
-        numbered = any(name in self.columns for name in (*NUMBERS, "plane", "motion"))
+        numbered = any(name in self.columns for name in (*SIDED, "motion"))
         if numbered or (self._has_beams and not all(pair.is_plain for pair in pairs)):
             return self._groups_by_number()
         # Objects are told apart by identity: the hash of a rule costs more than its error.

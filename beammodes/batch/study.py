@@ -14,13 +14,22 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from beammodes.accuracy.beam_units import NUMBERS
 from beammodes.batch.cases import MATERIAL, MOVING_ALONG, UNIFORM_BEAM, Cases
 from beammodes.batch.executors import computed, executor_of
 from beammodes.batch.given_structures import own_numbers
 from beammodes.batch.quantities import QUANTITIES, REASON, Quantity, quantities_of
 from beammodes.batch.store import Evaluated, Store, definition_digest, locked, made_ready
-from beammodes.batch.study_axes import AXES, Axis, axis_values, dimensions_of, kind_of
+from beammodes.batch.study_axes import (
+    AXES,
+    END_NUMBERS,
+    SIDED,
+    Axis,
+    axis_values,
+    dimensions_of,
+    ends_in_motion,
+    kind_of,
+    number_units,
+)
 from beammodes.chains.rules import is_closed
 from beammodes.checks import shown, whole_number
 from beammodes.numerics.distributions import MAX_SEED, Normal, Uniform
@@ -55,7 +64,8 @@ class Study:
     `Study.grid`, `Study.points` and `Study.sampled` make one; `run` computes it. Axes are "boundary",
     "rule", "segments", "mode"; numbers of ends and loads as in `error_dataset`, such as "right_mass" (a tip
     mass), "left_rotational_stiffness", "axial_force", "spin_rate", "hub_radius", and "plane"; "integrator"
-    and "static_load"; "motion", of "bending", "twist" and "stretch"; "section" with its dimensions,
+    and "static_load"; "motion", of "bending", "twist" and "stretch", with "right_stiffness", "right_inertia"
+    (of twist) or "right_mass" (of stretch), and so on left; "section" with its dimensions,
     "elastic_modulus", "density" and "length", or "length", "bending_stiffness" and "mass_per_length", and
     "torsional_stiffness", "polar_inertia_per_length" and "axial_stiffness" for the other two motions. All
     numbers are in the units of the beam, which without the last two sets is the one with L = EI = ρA = 1.
@@ -381,7 +391,7 @@ def _made(axes: tuple[Axis, ...], compute: Any, chunk: int | None) -> Study:
             raise ValueError(f"each axis must be given once, got {name} twice")
     if "rule" not in names:
         axes += (Axis("rule", None, axis_values("rule", "mitiguy")[0]),)
-    axes = _canonical(axes)
+    axes = _canonical(_ends_of_motions(axes))
     named = {axis.name: axis for axis in axes}
     _check_complete(named, quantities)
     size = (
@@ -429,9 +439,29 @@ def _random_axis(name: str, distribution: Normal | Uniform, seed: int, count: in
     return Axis(name, "sample", (), distribution, seed, count, own)
 
 
+def _ends_of_motions(axes: tuple[Axis, ...]) -> tuple[Axis, ...]:
+    """Return the axes with ends named as twist and stretch have them, where no point bends."""
+    motions = sorted({motion for axis in axes if axis.name == "motion" for motion in axis.values})
+    if not motions or "bending" in motions:
+        return axes
+
+    def read(pair: Any) -> Any:
+        for motion in motions[:-1]:
+            try:
+                return ends_in_motion(pair, motion)
+            except (TypeError, ValueError):
+                continue
+        return ends_in_motion(pair, motions[-1])
+
+    return tuple(
+        replace(axis, values=tuple(map(read, axis.values))) if axis.name == "boundary" else axis
+        for axis in axes
+    )
+
+
 def _canonical(axes: tuple[Axis, ...]) -> tuple[Axis, ...]:
     """Return the axes with the firmer end first, where nothing else tells the left end from the right."""
-    if any(axis.name in (*NUMBERS, "plane") for axis in axes):
+    if any(axis.name in SIDED for axis in axes):
         return axes
     return tuple(
         replace(axis, values=tuple(pair.canonical for pair in axis.values))
@@ -443,7 +473,7 @@ def _canonical(axes: tuple[Axis, ...]) -> tuple[Axis, ...]:
 
 def _all_plain(named: Mapping[str, Axis]) -> bool:
     """Return whether no point has springs, bodies or loads."""
-    if set(named) & {*NUMBERS, "plane"}:
+    if set(named) & SIDED:
         return False
     return all(isinstance(pair, AxialBoundary) or pair.is_plain for pair in named["boundary"].values)
 
@@ -463,6 +493,12 @@ def _check_complete(named: Mapping[str, Axis], quantities: tuple[Quantity, ...])
         if missing:
             raise ValueError(f"axes must include {missing[0]} here, got {', '.join(named)}")
         return
+    motions = named["motion"].values if "motion" in named else ("bending",)
+    for name in sorted(set(named) & (SIDED - {"plane"})):
+        if not any(name in END_NUMBERS[motion] for motion in motions):
+            raise ValueError(
+                f"axes must leave out {name} for motion {' and '.join(motions)}, got {', '.join(named)}"
+            )
     needed = {"boundary", "segments"} | ({"mode"} if any(q.per_mode for q in quantities) else set())
     beam = {*UNIFORM_BEAM, *MOVING_ALONG, *MATERIAL, *_all_dimensions()} & set(named)
     used, always = {*UNIFORM_BEAM, *MOVING_ALONG}, set(UNIFORM_BEAM) if beam else set()
@@ -569,14 +605,14 @@ def _study_dataset(definition: Mapping[str, Any], chunks: Iterable[tuple[int, Ev
         done += min(step, total - start)
         reasons.update({start + place: reason for place, reason in chunk.reasons.items()})
     own = not any(axis.name in ("length", "structure") for axis in axes)
-    moving = any(axis.name == "motion" for axis in axes)
+    motions = next((axis.values for axis in axes if axis.name == "motion"), ("bending",))
     variables = {}
     for name, array in arrays.items():
         spread = sizes | ({"mode": modes} if modes and array.ndim == 2 else {})
         variables[name] = (
             tuple(spread),
             array.reshape(tuple(spread.values())),
-            _attributes(name, own, moving),
+            _attributes(name, own, motions != ("bending",)),
         )
     if reasons:
         said = np.full(total, "", dtype=object)
@@ -585,7 +621,7 @@ def _study_dataset(definition: Mapping[str, Any], chunks: Iterable[tuple[int, Ev
         variables[REASON] = (tuple(sizes), said.reshape(tuple(sizes.values())), long_name)
     return xarray.Dataset(
         variables,
-        coords={axis.name: _coordinate(axis, own) for axis in axes},
+        coords={axis.name: _coordinate(axis, own, motions) for axis in axes},
         attrs={
             "source": f"beammodes {definition['beammodes']}",
             "route": "study in chunks",
@@ -609,10 +645,12 @@ def _attributes(name: str, own: bool, moving: bool) -> dict[str, str]:
     return {"long_name": quantity.long_name, "units": units}
 
 
-def _coordinate(axis: Axis, own: bool) -> tuple[Any, ...]:
+def _coordinate(axis: Axis, own: bool, motions: tuple[str, ...]) -> tuple[Any, ...]:
     kind, labels = axis.kind, axis.labels()
     attributes = {"long_name": kind.long_name}
-    if kind.is_number:
+    if kind.is_number and axis.name in SIDED and not axis.own:
+        attributes["units"] = number_units(axis.name, own, motions)
+    elif kind.is_number:
         attributes["units"] = kind.own_units if own else kind.units
     elif not isinstance(labels[0], str):
         attributes["units"] = "1"

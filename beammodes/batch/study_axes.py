@@ -15,8 +15,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from beammodes.accuracy.beam_units import BEAM_NUMBERS, NUMBERS, with_numbers
+from beammodes.accuracy.axial_errors import axial_with_numbers
+from beammodes.accuracy.beam_units import NUMBERS, with_numbers
 from beammodes.accuracy.error_table import listed, stands_alone
+from beammodes.accuracy.lookups import lookup_of
 from beammodes.accuracy.statics import LOADS
 from beammodes.batch.given_structures import StructureOf, structure_of
 from beammodes.chains.axial_chain import AnyAxialRule, AxialLayout
@@ -34,11 +36,15 @@ from beammodes.vibration.integrators import INTEGRATORS
 
 __all__ = [
     "AXES",
+    "END_NUMBERS",
+    "SIDED",
     "Axis",
     "AxisKind",
     "axis_values",
     "dimensions_of",
+    "ends_in_motion",
     "kind_of",
+    "number_units",
 ]
 
 _ANY_ENDS = Boundary.of("free-free")
@@ -89,10 +95,38 @@ def dimensions_of(section: str, *, optional: bool = True) -> tuple[str, ...]:
     return tuple(part.name for part in found if optional or part.default is part.empty)
 
 
+#: Numbers of ends and loads that each motion takes, with their units without a beam and in SI.
+END_NUMBERS: Mapping[str, Mapping[str, tuple[str, str]]] = MappingProxyType(
+    {name: lookup_of(name).numbers() for name in MOTIONS}
+)
+_NUMBERS = {name: None for numbers in END_NUMBERS.values() for name in numbers}
+#: Axes that tell the left end from the right.
+SIDED = frozenset((*_NUMBERS, "plane"))
+
+
+def number_units(name: str, own: bool, motions: Iterable[str]) -> str:
+    """Return the units of a number of ends or loads in these motions, of its `own` without a beam.
+
+    Examples
+    --------
+    >>> number_units("right_stiffness", False, ["twist", "stretch"])
+    'N m/rad of twist, N/m of stretch'
+    """
+    found = {motion: END_NUMBERS[motion][name] for motion in motions if name in END_NUMBERS[motion]}
+    units = {motion: both[0 if own else 1].replace("rho ", "rho") for motion, both in found.items()}
+    alike = len(set(units.values())) == 1
+    return ", ".join(
+        dict.fromkeys(unit if alike else f"{unit} of {motion}" for motion, unit in units.items())
+    )
+
+
 def _end_number(name: str, value: Any) -> float:
     """Return a number of an end or a load, which its own class has checked."""
     try:
-        with_numbers(_ANY_ENDS, Load(), {name: value})
+        if name in NUMBERS:
+            with_numbers(_ANY_ENDS, Load(), {name: value})
+        else:
+            axial_with_numbers(AxialBoundary.of("free-free"), {name: value})
     except (TypeError, ValueError) as error:
         raise type(error)(f"{name}: {error}") from None
     return float(value)
@@ -111,6 +145,19 @@ def _ends(value: Any) -> Boundary | AxialBoundary:
             except (TypeError, ValueError):
                 continue
         raise
+
+
+def ends_in_motion(pair: Boundary | AxialBoundary, motion: str) -> Any:
+    """Return a pair of ends as a motion has it, also one that was read before the motion was known.
+
+    Examples
+    --------
+    >>> print(ends_in_motion(Boundary.of("clamped-free(mass=2)"), "stretch"))
+    fixed-free(mass=2.0)
+    """
+    if motion != "bending" and isinstance(pair, Boundary):
+        return AxialBoundary.of(pair.name, motion)
+    return lookup_of(motion).boundary(pair)
 
 
 def _rule(value: AnyAxialRule) -> Layout | AxialLayout:
@@ -149,10 +196,10 @@ AXES: Mapping[str, AxisKind] = MappingProxyType(
             name: AxisKind(
                 partial(_end_number, name),
                 name.replace("_", " "),
-                BEAM_NUMBERS[name],
-                units,
+                number_units(name, False, MOTIONS),
+                number_units(name, True, MOTIONS),
             )
-            for name, units in NUMBERS.items()
+            for name in _NUMBERS
         },
         "plane": _word("plane", PLANES),
         "section": _word("section", SECTIONS),
