@@ -11,6 +11,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+import beammodes as bm
 from beammodes.chains.chain import Chain
 from beammodes.checks import shown
 from beammodes.dynamics.simulation import DivergedWarning, UnstableStepWarning, mode_start, simulate
@@ -354,3 +355,21 @@ def test_what_is_no_ratio(ratio: Any) -> None:
 def test_bad_input(call: Any, kind: type[Exception], message: str) -> None:
     with pytest.raises(kind, match=message):
         call()
+
+
+def test_dampers_in_twist_and_in_space_give_a_mode_its_ratio() -> None:
+    shaft = bm.Beam(1.0, 1.0, 1.0, torsional_stiffness=2.0, polar_inertia_per_length=0.3)
+    twisting = bm.AxialChain(shaft, "fixed-free", 5, motion="twist")
+    rod = bm.SpatialChain(bm.Rod.arc(1.0, length=1.0, bending_stiffness=1.3, torsional_stiffness=1.0,
+                                     mass_per_length=1.0), "clamped-free", 5)  # fmt: skip
+    for chain, omega in (
+        (twisting, bm.solve_modes(twisting, 3).angular_frequency),
+        (rod, bm.spatial_modes(rod, 3).angular_frequency),
+    ):
+        # β ω/2, by what `Damping` says of its stiffness.
+        beta = bm.joint_dampers(chain, 0.02, mode=3).stiffness
+        assert beta * omega[2] / 2 == pytest.approx(0.02, rel=1e-12)
+        with pytest.raises(ValueError, match="mode must be"):
+            bm.joint_dampers(chain, 0.02, mode=40)
+        with pytest.raises(TypeError, match="ratio must be"):
+            bm.joint_dampers(chain, {1: 0.1, 2: 0.2})

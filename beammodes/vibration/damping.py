@@ -281,8 +281,10 @@ def joint_dampers(
     wanted = positive_real("ratio", ratio)
     if isinstance(chain, AxialChain | SpatialChain):
         number = whole_number("mode", mode, most=3 * max(1, chain.joint_stiffness.size))
-        solved = spatial_modes if isinstance(chain, SpatialChain) else solve_axial_modes
-        found = solved(chain, number).angular_frequency
+        if isinstance(chain, SpatialChain):
+            found = spatial_modes(chain, number).angular_frequency
+        else:
+            found = solve_axial_modes(chain, number).angular_frequency
         if len(found) < number:
             raise ValueError(f"mode must be one that the chain has, at most {len(found)}, got {number}")
         return Damping(stiffness=2.0 * wanted / float(found[-1]))
