@@ -273,6 +273,13 @@ def test_time_steps_say_the_case_that_they_hold_for(capsys: pytest.CaptureFixtur
     # Measured in MuJoCo: stable at 0.0066286 s once it hangs.
     (line,) = Ran([*call, "--gravity=9.81,0"], capsys).lines
     assert line.startswith("0.00662857 s") and "under Load(gravity=(9.81, 0.0))" in line
+    # One that takes springs implicitly has none, only a step that keeps the first mode.
+    free, kept = Ran([*call, "--integrator", "Gazebo DART"], capsys).lines
+    assert free == "any step is stable  (Gazebo DART, without load)"
+    told = Ran([*call, "--integrator", "Gazebo DART", "--json"], capsys).json
+    assert told["time_step"] is None and kept.startswith(
+        f"{told['accurate_time_step']:.6g} s  keeps the first"
+    )
     pulled = Ran([*call, "--tip-force=7,0", "--damping-ratio", "0.01", "--json"], capsys).json["time_step"]
     expected = stable_time_step(
         rope, engine, load=Load(tip_force=(7.0, 0.0)), damping=joint_dampers(rope, 0.01)
@@ -282,7 +289,6 @@ def test_time_steps_say_the_case_that_they_hold_for(capsys: pytest.CaptureFixtur
         (["--gravity", "1,2,3"], ["--gravity must have two components"]),
         (["--gravity", "x"], ["--gravity must be a real number", "'x'"]),
         (["--tip-force", "1,"], ["--tip-force[1] must be a real number"]),
-        (["--integrator", "MuJoCo discrete"], ["integrator must take springs explicitly"]),
         (["--integrator", "dop853"], ["chooses its steps itself"]),
     ):
         Ran([*call, *options], capsys).refused(*words)

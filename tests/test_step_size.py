@@ -108,8 +108,10 @@ def test_every_name_of_an_engine_is_of_one_integrator() -> None:
         for alias in (*record.engines, record.name):
             assert find_integrator(alias) == find_integrator(alias.upper()) == record
     # An engine alone is answered with what it has.
-    for alias in names:
+    for alias in (each for each in names if " " in each):
         engine = alias.split(" ")[0]
+        if engine in names:
+            continue
         with pytest.raises(ValueError, match=rf"must be one of .*{re.escape(alias)}.*, got '{engine}'"):
             find_integrator(engine)
 

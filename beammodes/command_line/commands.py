@@ -353,7 +353,9 @@ def _frequencies(options: argparse.Namespace) -> Answer:
 )
 def _time_step(options: argparse.Namespace) -> Answer:
     from beammodes.problem.loading import Load
-    from beammodes.vibration.integrators import fixed_step_integrator
+    from beammodes.vibration.damping import modes_with_ratios
+    from beammodes.vibration.integrators import accurate_step, fixed_step_integrator
+    from beammodes.vibration.linear import linearize
     from beammodes.vibration.stability import (
         GRAVITY,
         highest_angular_frequency,
@@ -364,28 +366,38 @@ def _time_step(options: argparse.Namespace) -> Answer:
     chain, load = _chain(options), _load(options)
     damping = damping_of(options, chain)
     record = fixed_step_integrator(options.integrator)
-    if record.springs == "implicit":
-        raise ValueError(
-            f'integrator must take springs explicitly: "{record.name}" does not and is stable at any step'
-        )
     step = stable_time_step(chain, record.name, load=load, damping=damping)
-    highest = highest_angular_frequency(chain, load=taut_load(chain, load))
-    if math.isinf(step):
+    taut = taut_load(chain, load)
+    highest = highest_angular_frequency(chain, load=taut)
+    first = modes_with_ratios(chain, damping, linearize(chain, load=taut), 1)
+    if not first:
         raise ValueError(
             f"segments must be larger: {chain.boundary.name} with {options.segments} has no elastic mode "
             "and so no stability limit"
         )
     units = _units(options)
     time = units["time"]
-    answer = {"time_step": step, "highest_angular_frequency": highest}
+    kept = accurate_step(record.name, *first[0])
+    answer: dict[str, Any] = {
+        "time_step": step if math.isfinite(step) else None,
+        "accurate_time_step": kept if math.isfinite(kept) else None,
+        "highest_angular_frequency": highest,
+    }
     answer |= _said_units(
         options,
         time_step=time,
+        accurate_time_step=time,
         highest_angular_frequency=units["angular_frequency"],
         time_step_under_gravity=time,
     )
-    fastest = f"highest angular frequency {number(highest)} {units['angular_frequency']}"
     case = "without load" if load == Load() else f"under {load}"
+    if record.springs == "implicit":
+        text = f"any step is stable  ({options.integrator}, {case})"
+        if math.isfinite(kept):
+            text += f"\n{number(kept)} {time}  keeps the first mode: "
+            text += "frequency within 0.1 %, amplitude within 1 % over 100 periods"
+        return answer, "\n".join([text, *_units_note(options)])
+    fastest = f"highest angular frequency {number(highest)} {units['angular_frequency']}"
     if damping is not None:
         free = stable_time_step(chain, record.name, load=load)
         case += f", with dampers; without them {number(free)} {time}"

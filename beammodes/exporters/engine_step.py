@@ -19,22 +19,19 @@ import numpy as np
 from beammodes.chains.chain import Chain
 from beammodes.checks import positive_real, shown
 from beammodes.equations.mechanics import axial_pull
-from beammodes.exporters.export_facts import damped_modes, one_line
+from beammodes.exporters.export_facts import one_line
 from beammodes.exporters.model_tree import Tree
 from beammodes.exporters.planar_tree import AXES
 from beammodes.exporters.tree_matrices import TreeMatrices, tree_matrices
 from beammodes.exporters.unit_systems import UNIT_SYSTEMS
 from beammodes.problem.loading import Load
-from beammodes.vibration.damping import Damping
-from beammodes.vibration.integrators import accuracy_limit, find_integrator
+from beammodes.vibration.damping import Damping, modes_with_ratios
+from beammodes.vibration.integrators import accurate_step, find_integrator
 from beammodes.vibration.linear import linearize
 from beammodes.vibration.stability import GRAVITY, stable_time_step, taut_load
 
 __all__ = ["chosen_step", "engine_step", "held_step", "load_cases"]
 
-#: Relative error that the default step may add to the first frequency, or this share of its damping ratio if
-#: that is more: what a tenth of the half width of a resonance is.
-_STEP_ERROR, _DAMPED_ERROR = 1e-3, 0.1
 _EXPLICIT, _IMPLICIT = "MuJoCo RK4", "MuJoCo implicitfast"
 _STEP_WITHOUT_MODES = 0.002
 #: Held trees of more joints are not solved: each of some forty trial steps takes the eigenvalues of 2 N rows.
@@ -106,7 +103,7 @@ def engine_step(
         mode
         for chain in chains
         for each in cases.values()
-        for mode in damped_modes(chain, damping, linearize(chain, load=taut_load(chain, each)), 1)
+        for mode in modes_with_ratios(chain, damping, linearize(chain, load=taut_load(chain, each)), 1)
     ]
     size, lines = chosen_step(engine, limits, modes, timestep)
     if not lines:
@@ -165,7 +162,7 @@ def chosen_step(
         raise ValueError(
             f"timestep must be less than {first:.3g}, where {name} becomes unstable, got {shown(timestep)}"
         )
-    best = min([least / 2, *(_accurate_step(engine, omega, ratio) for omega, ratio in modes)])
+    best = min([least / 2, *(accurate_step(engine, omega, ratio) for omega, ratio in modes)])
     size = given or (_rounded_down(best) if math.isfinite(best) else _STEP_WITHOUT_MODES)
     if not math.isfinite(first):
         return size, []
@@ -179,14 +176,6 @@ def chosen_step(
 def _across(load: Load) -> Load:
     weight, force = (math.hypot(*map(float, pair)) for pair in (load.weight, load.tip))
     return replace(load, gravity=weight, tip_force=force)
-
-
-def _accurate_step(engine: str, omega: float, ratio: float) -> float:
-    if ratio >= 1.0:
-        return math.inf
-    share = _DAMPED_ERROR * ratio
-    frequency, amplitude = max(_STEP_ERROR, share), max(10 * _STEP_ERROR, share)
-    return accuracy_limit(engine, ratio, frequency=frequency, amplitude=amplitude) / omega
 
 
 def _rounded_down(step: float) -> float:

@@ -97,7 +97,8 @@ def export_chain(
     timestep : float [s], optional
         For "mjcf" and "sdf". By default half the largest stable one (`stable_time_step`, with the engine's
         way of taking dampers), less where the integrator would shift the first frequency by more than 0.1 %
-        and by more than a tenth of its damping ratio. The file says the limit, and for which case it holds.
+        and by more than a tenth of its damping ratio. The file says the limit, and for which case it holds;
+        a "urdf" file, which has no step, says those of PyBullet, Drake and Newton.
     integrator : str
         For "mjcf": "RK4", "Euler", "implicit" or "implicitfast". An "sdf" file's step is that of Drake's
         discrete plants.
@@ -189,6 +190,8 @@ def export_chain(
             first = float(spatial_modes(chain, 1).angular_frequency.max(initial=0.0))
             step, lines = engine_step_in_space(first, engine, tree, damping, timestep, dead, units)
             facts += lines
+        for other in kind.said:
+            facts += engine_step_in_space(0.0, other, tree, damping, units=units)[1][:1]
         gravity = dead.gravity if dead is not None else (0.0, 0.0, 0.0)
     else:
         plain = load if isinstance(load, Load) else None
@@ -199,10 +202,12 @@ def export_chain(
             # Not about a shape bent in the other plane, which is not a motion in one plane.
             straight = plain if plain is not None and not plain.bends else None
             facts += [f"along y: {line}" for line in facts_about(second, damping, straight, units)[1:-1]]
+        chains = [chain] if second is None else [chain, second]
         if engine:
-            chains = [chain] if second is None else [chain, second]
             step, lines = engine_step(chains, engine, tree, damping, timestep, plain, units)
             facts += lines
+        for other in kind.said:
+            facts += engine_step(chains, other, tree, damping, units=units)[1][:1]
         gravity = _gravity(plain, tree.turned)
     model = Model(chain, tree, tuple(facts), name, paths, fragment, step, integrator, gravity)
     return _write(paths, force, *kind.write(model))

@@ -17,12 +17,12 @@ from beammodes.equations.equilibria import EquilibriumNotFound, find_equilibrium
 from beammodes.exporters.unit_systems import UNIT_SYSTEMS
 from beammodes.problem.loading import Load
 from beammodes.version import SOURCE
-from beammodes.vibration.damping import Damping
-from beammodes.vibration.linear import BentModel, LinearModel, linearize
+from beammodes.vibration.damping import Damping, modes_with_ratios
+from beammodes.vibration.linear import linearize
 from beammodes.vibration.modes import solve_modes
 from beammodes.vibration.modes_in_space import spatial_modes
 
-__all__ = ["damped_modes", "facts_about", "facts_about_rod", "one_line"]
+__all__ = ["facts_about", "facts_about_rod", "one_line"]
 
 _REPORTED = 3
 #: Longer chains take more than some seconds to find their shape at rest.
@@ -76,7 +76,7 @@ def facts_about(
         lines += [f"their errors against the exact beam: {said}"] if first else []
         lines += filter(None, [stout_remark(beam, chain.boundary, errors)])
     if damping not in (None, Damping()):
-        ratios = [ratio for _, ratio in damped_modes(chain, damping, model)]
+        ratios = [ratio for _, ratio in modes_with_ratios(chain, damping, model, _REPORTED)]
         lines += [f"damping ratios of these modes, without load: {_few(ratios, '.4g')}"] if ratios else []
     if load not in (None, Load()):
         lines += _under(chain, damping, load)
@@ -133,7 +133,9 @@ def _under(chain: Chain, damping: Damping | None, load: Load | None) -> tuple[st
     if chain.pieces > _MAX_RESTING:
         return (f"{unknown}the chain has more than {_MAX_RESTING} pieces",)
     try:
-        modes = damped_modes(chain, damping, linearize(chain, at=find_equilibrium(chain, load)))
+        modes = modes_with_ratios(
+            chain, damping, linearize(chain, at=find_equilibrium(chain, load)), _REPORTED
+        )
     except (EquilibriumNotFound, ArithmeticError, ValueError) as error:
         return (f"{unknown}{error}",)
     if not modes:
@@ -147,23 +149,6 @@ def _under(chain: Chain, damping: Damping | None, load: Load | None) -> tuple[st
 
 def _few(values: Iterable[float], form: str) -> str:
     return ", ".join(format(value, form) for value in values)
-
-
-def damped_modes(
-    chain: Chain, damping: Damping | None, model: LinearModel | BentModel, count: int = _REPORTED
-) -> list[tuple[float, float]]:
-    """Return frequency [rad/s] and damping ratio of the first modes, φᵀ C φ/(2 ω), with φᵀ M φ = 1.
-
-    C is that of the joints and of elastic supports, which a file carries.
-    """
-    given, modes = damping or Damping(), solve_modes(model, count)
-    rate = np.diff(modes.rotation, axis=1) ** 2 @ given.joint_damping(chain)
-    for end, (translation, rotation) in enumerate(chain.support_stiffness.tolist()):
-        for stiffness, shape in ((translation, modes.deflection), (rotation, modes.rotation)):
-            if 0.0 < stiffness < math.inf:
-                rate = rate + given.stiffness * stiffness * shape[:, -end] ** 2
-    omega = modes.angular_frequency
-    return list(zip(omega.tolist(), (rate / (2 * omega)).tolist(), strict=True))
 
 
 def one_line(text: str) -> str:

@@ -103,6 +103,8 @@ class Format:
     engine : str
         The integrator that the file's step is for, such as "Drake discrete"; only the engine, "MuJoCo", where
         the argument `integrator` completes it; empty for a format without a step.
+    said : tuple of str
+        Integrators whose largest stable steps the head says, of a file that has no step.
     beside : str
         Suffix of a second file, if it has one.
     most_bodies : int or None
@@ -120,6 +122,7 @@ class Format:
     takes: tuple[str, ...]
     write: Writer
     engine: str = ""
+    said: tuple[str, ...] = ()
     beside: str = ""
     most_bodies: int | None = None
     because: str = ""
@@ -418,11 +421,20 @@ _URDF_LIMITS = {
 }
 
 
-@_format("urdf", ".urdf", ("second", "damping"), beside=".springs.yaml", most_bodies=_MAX_LINKS)
+@_format(
+    "urdf",
+    ".urdf",
+    ("second", "damping"),
+    said=("PyBullet", "Drake discrete", "Newton MuJoCo", "Newton Featherstone"),
+    beside=".springs.yaml",
+    most_bodies=_MAX_LINKS,
+)
 def _urdf(model: Model) -> Sequence[Iterable[str]]:
     notes = (
         f"URDF knows no springs: without those in {one_line(model.paths[1].name)} this is a loose chain",
         "gravity is not part of a URDF file: with it the beam sags and rings at other frequencies",
+        "PyBullet: set each spring's torque before every step, force=0 for the motor that a joint has by",
+        "default, and linearDamping=0, angularDamping=0, which are 0.04 by default",
         *_carriers(model.tree),
     )
     lines = [XML_HEAD, *_comment(model, *notes), f'<robot name="{model.name}">']

@@ -28,7 +28,7 @@ from beammodes.numerics.nonnegative import nearest_nonnegative
 from beammodes.problem.loading import Load
 from beammodes.version import SOURCE
 from beammodes.vibration.axial_spectrum import solve_axial_modes
-from beammodes.vibration.linear import linearize
+from beammodes.vibration.linear import BentModel, LinearModel, linearize
 from beammodes.vibration.modes import MAX_DENSE, Modes, solve_modes
 from beammodes.vibration.modes_in_space import spatial_modes
 from beammodes.vibration.spectrum import is_turned
@@ -48,6 +48,7 @@ __all__ = [
     "given_for_asked",
     "joint_dampers",
     "modal_ratios",
+    "modes_with_ratios",
     "ratios_of_modes",
 ]
 
@@ -391,6 +392,23 @@ def given_for_asked(wanted: Mapping[int, float], found: Floats) -> str:
     rows = (map(str, wanted), *((f"{ratio:.4g}" for ratio in each) for each in (found, wanted.values())))
     modes, given, asked = (", ".join(row) for row in rows)
     return f"modes {modes} get {given} for {asked}"
+
+
+def modes_with_ratios(
+    chain: Chain, damping: Damping | None, model: LinearModel | BentModel, count: int
+) -> list[tuple[float, float]]:
+    """Return frequency [rad/s] and damping ratio of the first modes, φᵀ C φ/(2 ω), with φᵀ M φ = 1.
+
+    Of straight chains and of bent ones; dampers couple modes, which is left out.
+    """
+    given, modes = damping or Damping(), solve_modes(model, count)
+    rate = given.mass + np.diff(modes.rotation, axis=1) ** 2 @ given.joint_damping(chain)
+    for end, (translation, rotation) in enumerate(chain.support_stiffness.tolist()):
+        for stiffness, shape in ((translation, modes.deflection), (rotation, modes.rotation)):
+            if 0.0 < stiffness < np.inf:
+                rate = rate + given.stiffness * stiffness * shape[:, -end] ** 2
+    omega = modes.angular_frequency
+    return list(zip(omega.tolist(), (rate / (2 * omega)).tolist(), strict=True))
 
 
 def damped_modes(chain: Chain, damping: Damping) -> xarray.Dataset:

@@ -32,11 +32,16 @@ __all__ = [
     "INTEGRATORS",
     "Integrator",
     "accuracy_limit",
+    "accurate_step",
     "amplification",
     "find_integrator",
     "fixed_step_integrator",
     "stability_limit",
 ]
+
+#: Relative error that `accurate_step` leaves, or this share of the damping ratio if that is more: what a
+#: tenth of the half width of a resonance is.
+_STEP_ERROR, _DAMPED_ERROR = 1e-3, 0.1
 
 Complex = NDArray[np.complex128]
 
@@ -52,7 +57,7 @@ class Integrator:
         The error of a motion falls as step^order.
     source : str
     engines : tuple of str
-        Names in engines, such as "MuJoCo implicitfast".
+        Names in engines, such as "MuJoCo implicitfast", or "PyBullet" of an engine that has no other.
     stages, weights : tuple
         Butcher's A, row by row, and b of a Runge-Kutta method; empty for a kick and a drift.
     damping : str
@@ -151,15 +156,22 @@ _RECORDS = (
     Integrator(
         name="semi_implicit_euler",
         order=1,
-        engines=("MuJoCo Euler without eulerdamp",),
-        source="Hairer, Lubich and Wanner, § I.1.2; damping of the velocity at the step's start",
+        engines=(
+            "MuJoCo Euler without eulerdamp",
+            "Drake semi_explicit_euler",
+            "PyBullet",
+            "Newton Featherstone",
+        ),
+        source="Hairer, Lubich and Wanner, § I.1.2; damping of the velocity at the step's start; PyBullet, "
+        "with springs as torques that you set before each step, and Newton by their sources",
     ),
     Integrator(
         name="implicit_damping_euler",
         order=1,
         damping="implicit",
-        engines=("MuJoCo implicit", "MuJoCo implicitfast", "Drake discrete"),
-        source="measured with MuJoCo 4.0.0 and Drake 1.51.1 by the tests",
+        engines=("MuJoCo implicit", "MuJoCo implicitfast", "Drake discrete", "Newton MuJoCo"),
+        source="measured with MuJoCo 4.0.0 and Drake 1.51.1 by the tests; Newton's MuJoCo solver takes "
+        "implicitfast by default, by its sources",
     ),
     Integrator(
         name="implicit_joint_damping_euler",
@@ -172,10 +184,11 @@ _RECORDS = (
     Integrator(
         name="implicit_euler",
         order=1,
-        engines=("MuJoCo discrete", "Gazebo DART"),
+        engines=("MuJoCo discrete", "DART", "Gazebo DART", "Drake implicit_euler"),
         stages=((1.0,),),
         weights=(1.0,),
-        source="MuJoCo measured by the tests; DART's joints add h d + h² k to their inertia, by its sources",
+        source="MuJoCo and Drake measured by the tests; DART's joints add h d + h² k to their inertia, by "
+        "its sources",
     ),
     Integrator(
         name="sdirk2",
@@ -372,6 +385,23 @@ def accuracy_limit(
         return np.asarray(np.maximum(turn / allowed[0], loss / allowed[1]) - 1)
 
     return min(_first_crossing(excess, 1e-6, 2.0), stability_limit(kind, ratio))
+
+
+def accurate_step(engine: str, omega: float, ratio: float) -> float:
+    """Return the step that keeps a mode: its frequency within 0.1 %, its amplitude within 1 % in 100 periods.
+
+    Both within a tenth of its damping ratio where that is more.
+
+    Examples
+    --------
+    >>> round(accurate_step("MuJoCo RK4", 2.0, 0.0), 4)
+    0.1487
+    """
+    if ratio >= 1.0:
+        return math.inf
+    share = _DAMPED_ERROR * ratio
+    frequency, amplitude = max(_STEP_ERROR, share), max(10 * _STEP_ERROR, share)
+    return accuracy_limit(engine, ratio, frequency=frequency, amplitude=amplitude) / omega
 
 
 def _amplitude_error(exact: Floats, found: Floats, steps: Floats) -> Floats:
