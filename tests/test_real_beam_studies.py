@@ -10,7 +10,7 @@ import xarray
 from computed_studies import computed
 
 import beammodes as bm
-from studies import every_study, figures_3_and_5, truck
+from studies import every_study, figures_3_and_5, truck, truck_frame
 
 #: A beam on free bodies, and between walls instead.
 BLOCKS = {
@@ -149,3 +149,27 @@ def test_truck(tables: dict[str, xarray.Dataset]) -> None:
     # I of a channel 200 x 70 x 6 mm from its rectangles.
     second_moment = 0.006 * 0.188**3 / 12 + 2 * (0.07 * 0.006**3 / 12 + 0.07 * 0.006 * 0.097**2)
     assert truck.BED.bending_stiffness == pytest.approx(2 * 210e9 * second_moment, rel=5e-3)
+
+
+def test_truck_with_axles_inside_and_a_rigid_bed_is_a_rigid_body_on_two_springs() -> None:
+    table = computed("truck_frame")
+    bare, load = truck.BED.mean_mass_per_length * truck_frame.LENGTH, truck_frame.SAND
+    parts = [(bare, 0.0, truck_frame.LENGTH), (truck.CAB_MASS, truck_frame.CAB, truck_frame.CAB)]
+    parts.append((load * (truck_frame.LENGTH - truck_frame.LOADED), truck_frame.LOADED, truck_frame.LENGTH))
+    mass = np.zeros((2, 2))
+    mass[1, 1] = truck.FRONT.rotary_inertia
+    for m, start, stop in parts:
+        middle = (start + stop) / 2
+        mass += m * np.array([[1.0, middle], [middle, middle**2 + (stop - start) ** 2 / 12]])
+    springs = zip(truck_frame.AXLES, truck_frame.SPRINGS, strict=True)
+    stiffness = sum(k * np.array([[1.0, x], [x, x**2]]) for x, k in springs)
+    omega = np.sqrt(np.sort(np.linalg.eigvals(np.linalg.solve(mass, stiffness)).real))
+    np.testing.assert_allclose(table.rigid_bed_frequency[:2], omega / (2 * math.pi), rtol=1e-5)
+    assert (table.exact_frequency[:2] < table.rigid_bed_frequency[:2]).all()
+    # With the rule at every node the bending modes err least.
+    error = np.abs(table.relative_error.sel(mode=[3, 4]))
+    best = error.sel(rule="gregory", applied_at="every node")
+    assert (best * 3 < error.sel(rule="gregory", applied_at="ends only")).all()
+    assert (best * 3 < error.sel(rule="mitiguy", applied_at="every node")).all()
+    apart = np.abs(table.deflection - table.curve.interp(x=table.position)).max("node")
+    assert (apart[:2] < 1e-3).all() and apart.max() < 0.07

@@ -328,6 +328,22 @@ def test_segments_that_are_enough() -> None:
         assert worst[0] > tolerance > max(worst[1:])
 
 
+def test_no_stretch_gets_fewer_segments_than_its_rule_takes() -> None:
+    # gregory's weights of one segment are 13/24 twice, of two those of Simpson's rule: their sums tell.
+    close = bm.Structure.of_beam(UNIT, "clamped-free", [bm.Station(x, mass=0.3) for x in (0.45, 0.55)])
+    shares = {
+        "gregory": (4, 2, 4),
+        "half_stub_corrected": (3, 3, 3),
+        "gregory2": (5, 1, 4),
+        "mitiguy": (5, 1, 4),
+    }
+    for rule, shared in shares.items():
+        assert bm.StructureChain(close, 10, rule).segments == shared
+    assert bm.StructureChain(close, 5, "gregory").segments == (2, 1, 2)
+    few, enough = (np.abs(errors(close, count, 2)).max() for count in ([5, 1, 4], 10))
+    assert few > 4 * enough
+
+
 def test_what_a_structure_refuses() -> None:
     joints = {"a": bm.Joint(0, 0), "b": bm.Joint(2, 0)}
     cases: list[tuple[Callable[[], object], str]] = [

@@ -28,6 +28,8 @@ __all__ = ["Hinge", "StructureChain", "shared_segments"]
 
 #: Body 0 is the ground.
 GROUND = 0
+#: A rule that takes so many segments to be right for the simplest moments is never.
+_FEW = 7
 
 
 class Hinge(NamedTuple):
@@ -65,7 +67,9 @@ class StructureChain:
         N in all, shared out so that the longest segment is as short as N segments allow: every stretch
         between two nodes gets ⌈its length/h⌉ with the smallest h for which these are no more than N, equal
         stretches equally many (so that a few of N may be left over), and an even number if the rule needs
-        that. Or the number of each stretch, in the order of `structure.parts.stretches`.
+        that; where N is enough, no fewer than its weights take to be right on so short a stretch (2 of
+        `gregory`, 3 of `half_stub_corrected`). Or the number of each stretch, in the order of
+        `structure.parts.stretches`.
     rule : str, Rule or any Layout
         Its weights of clamped ends are those of every end of a stretch that bears a moment.
     corrected : bool
@@ -185,10 +189,15 @@ def shared_segments(parts: Parts, segments: int | Sequence[int], rule: Layout) -
             f"got {total}"
         )
 
+    words = _moments_at_ends(parts)
+    fewest = {pair: next(n for n in range(_fewest(rule, pair), 1000) if fits(n)) for pair in set(words)}
+    wanted = [fewest[pair] for pair in words]
+    bound = wanted if sum(wanted) <= total else [1] * len(lengths)
+
     def counts(h: float) -> list[int]:
         found = []
-        for length in lengths:
-            n = max(1, math.ceil(length / h * (1.0 - 1e-9)))
+        for length, at_least in zip(lengths, bound, strict=True):
+            n = max(at_least, math.ceil(length / h * (1.0 - 1e-9)))
             while not fits(n):
                 n += 1
             found.append(n)
@@ -200,6 +209,27 @@ def shared_segments(parts: Parts, segments: int | Sequence[int], rule: Layout) -
         middle = 0.5 * (low + high)
         low, high = (low, middle) if sum(counts(middle)) <= total else (middle, high)
     return tuple(counts(high))
+
+
+def _fewest(rule: Layout, words: tuple[str, str]) -> int:
+    """Return how many segments a rule's weights take to be right on a stretch with such ends; 1 if none are.
+
+    Right is Σ w M² = ∫ M² of a moment that is constant, or falls to nothing at an end that bears none.
+    """
+    if "clamped" not in words:
+        return 1
+    pair, both = Boundary(ENDS[words[0]], ENDS[words[1]]), words[0] != "free" != words[1]
+    for n in range(1, _FEW):
+        try:
+            weights, lengths = rule.hinge_weights(pair, n), rule.piece_lengths(pair, n)
+        except ValueError:
+            continue
+        places = [sum(lengths[: j + 1]) for j in range(len(weights))]
+        arms = [1 if both else x if words[0] == "free" else n - x for x in places]
+        found = float(sum(w * arm * arm for w, arm in zip(weights, arms, strict=True)))
+        if abs(found - (n if both else n**3 / 3)) < 1e-9:
+            return n
+    return 1
 
 
 def _moments_at_ends(parts: Parts) -> list[tuple[str, str]]:
