@@ -22,6 +22,7 @@ from turns import in_turns
 from beammodes.accuracy.chain_against_beam import chain_errors
 from beammodes.auditing.audit_model import audit_file
 from beammodes.chains.chain import Chain
+from beammodes.equations.equilibria import find_equilibrium
 from beammodes.exporters.export import export_chain
 from beammodes.exporters.formats import MAX_NESTED
 from beammodes.problem.beam import Beam
@@ -571,3 +572,31 @@ def _numbers(pattern: str, text: str) -> list[float]:
     match = re.search(pattern, text)
     assert match is not None, text
     return [float(word) for word in match[1].split(", ")]
+
+
+@pytest.mark.parametrize(
+    ("boundary", "rule", "span"),
+    [("pinned-pinned", "mitiguy", (0.8, 0.1)), ("pinned-clamped", "half_stub", (0.7, -0.2))],
+)
+def test_mujoco_starts_from_a_cable_at_rest_and_holds_both_ends(
+    boundary: str, rule: str, span: tuple[float, float], tmp_path: Path
+) -> None:
+    chain = Chain(Beam(1.0, 0.5, 2.0), boundary, 12, rule)
+    hung = find_equilibrium(chain, Load(gravity=9.81), span=span)
+    mujoco, model, data = mujoco_model(chain, tmp_path, at=hung)
+    mujoco.mj_resetDataKeyframe(model, data, 0)
+    mujoco.mj_forward(model, data)
+    turned = boundary == "pinned-clamped"  # the file begins at the firmer end
+    pull = np.array([data.efc_force[0], data.efc_force[2]])
+    # At the right end of the file, along its x and z: there the left end of the chain is held by the rest.
+    wanted = (
+        -(hung.multipliers - [0.0, 9.81 * chain.mass.sum()]) * [-1.0, 1.0] if turned else hung.multipliers
+    )
+    np.testing.assert_allclose(pull, wanted, rtol=1e-3)
+    start = data.qpos.copy()
+    for _ in range(300):
+        mujoco.mj_step(model, data)
+    assert np.abs(data.qpos - start).max() < 1e-5
+    np.testing.assert_allclose(data.site("chain_tip").xpos, data.site("chain_end").xpos, atol=1e-6)
+    with pytest.raises(ValueError, match="at must be left out for urdf files"):
+        export_chain(chain, tmp_path / "chain.urdf", at=hung)

@@ -41,7 +41,10 @@ def catenary() -> float:
 
 def test_a_cable_without_stiffness_hangs_as_the_catenary_to_second_order() -> None:
     assert abs(catenary() / 671477.584249241 - 1) < 1e-12  # the question's expected value
-    assert abs(cable(1e5, 200).multipliers[0] / catenary() - 1) < 1e-5
+    hung = cable(1e5, 200)
+    assert abs(hung.multipliers[0] / catenary() - 1) < 1e-5
+    # T = H/cos θ of a string.
+    np.testing.assert_allclose(hung.tension * np.cos(hung.angle), catenary(), rtol=1e-4)
     errors = np.array([cable(1e-2, n).multipliers[0] for n in (20, 40, 80)]) / catenary() - 1
     assert abs(errors[-1]) < 1e-4
     np.testing.assert_allclose(np.log2(errors[:-1] / errors[1:]), 2, atol=0.02)

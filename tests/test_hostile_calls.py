@@ -485,6 +485,7 @@ CALLS: dict[str, Arguments] = {
         "timestep": 1e-4,
         "integrator": "RK4",
         "load": bm.Load(),
+        "at": None,
         "joints": "xyz",
         "force": False,
     },

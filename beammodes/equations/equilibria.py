@@ -107,6 +107,29 @@ class Equilibrium:
         return self.nodes[1:-1]
 
     @property
+    def tension(self) -> Floats:
+        """Pull along every piece at its centre of mass, compression negative, shape (pieces,) [N]."""
+        chain, load, nodes = self.chain, self.load, self.nodes
+        along = np.stack([np.cos(self.angle), np.sin(self.angle)], axis=1)
+        centre = nodes[:-1] + chain.centre[:, None] * along
+        radius = np.stack(
+            [centre[:, 0] + float(load.hub_radius), centre[:, 1] * (load.plane == "lag")], axis=1
+        )
+        own = np.array(load.weight, dtype=np.float64) + float(load.spin_rate) ** 2 * radius
+        own *= chain.mass[:, None]
+        tip = np.array(load.tip, dtype=np.float64)
+        tip[0] += float(load.axial_force)
+        # Multipliers are those of the closures there are, along the beam and across.
+        if chain.boundary.right.holds_deflection:
+            tip[1] += self.multipliers[-1]
+        else:
+            tip[1] -= float(chain.support_stiffness[1, 0]) * nodes[-1, 1]
+        if len(self.multipliers) > chain.boundary.right.holds_deflection:
+            tip[0] += self.multipliers[0]
+        beyond = np.cumsum(own[::-1], axis=0)[::-1] - own / 2 + tip
+        return np.asarray((along * beyond).sum(axis=1))
+
+    @property
     def stored_energy(self) -> float:
         """Energy in the hinges' springs and the ends' supports [J]."""
         still, algebra = [0.0] * len(self.coordinates), Algebra.physical(self.chain, math.sin, math.cos)

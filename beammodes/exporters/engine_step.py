@@ -48,6 +48,7 @@ def engine_step(
     timestep: float | None = None,
     load: Load | None = None,
     units: str | None = None,
+    pull: float | None = None,
 ) -> tuple[float, list[str]]:
     """Return the time step of a file [s], and lines that say which cases it holds for.
 
@@ -67,6 +68,8 @@ def engine_step(
     load : Load, optional
         By default the step holds without gravity and with 9.81 m/s² in any direction, along a chain that
         hangs too.
+    pull : float [N], optional
+        The largest one along a chain whose ends are held apart, instead of a load.
 
     Raises
     ------
@@ -86,6 +89,10 @@ def engine_step(
     cases = {case: Load(gravity=gravity) for case, gravity in load_cases(units).items()}
     if load is not None:
         cases = {"without load" if load == Load() else f"under {load}": load}
+    if pull is not None:
+        cases = {
+            f"about its shape at rest, with {pull:.4g} along a segment": Load(axial_force=max(0.0, pull))
+        }
     if tree.turned:
         # The file holds the right end along the beam, not the left one: let loads pull either way.
         cases = {case: _across(each) for case, each in cases.items()}
@@ -188,10 +195,10 @@ def _stable_step(
 ) -> float:
     """Return the stable step of a chain that deflects along z or y, with its far end as the file holds it."""
     record, step = find_integrator(engine), stable_time_step(chain, engine, load=load, damping=damping)
-    held = any(tie.stiffness == math.inf for tie in tree.ties)
+    held = tree.anchor is not None or any(tie.stiffness == math.inf for tie in tree.ties)
     if not held or damping in (None, Damping()) or record.damping == "explicit":
         return step
-    if len(tree.bodies) > _MAX_HELD:
+    if len(tree.bodies) > _MAX_HELD or tree.anchor is not None:
         return min(step, stable_time_step(chain, "semi_implicit_euler", load=load, damping=damping))
     pull = np.array(axial_pull(chain, taut_load(chain, load)), dtype=np.float64) * chain.units.stiffness
     pull = pull[::-1] if tree.turned else pull

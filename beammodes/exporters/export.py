@@ -13,6 +13,7 @@ from beammodes.chains.chain import Chain
 from beammodes.chains.spatial_chain import SpatialChain
 from beammodes.chains.structure_chain import StructureChain
 from beammodes.checks import choice, flag, shown
+from beammodes.equations.equilibria import Equilibrium
 from beammodes.equations.joint_laws import JointLaw, joint_law
 from beammodes.exporters.engine_step import engine_step
 from beammodes.exporters.engine_step_in_space import engine_step_in_space
@@ -57,6 +58,7 @@ def export_chain(
     timestep: float | None = None,
     integrator: str = "RK4",
     load: Load | SpatialLoad | None = None,
+    at: Equilibrium | None = None,
     units: str | None = None,
     joints: str | JointLaw = "yzx_alternating",
     force: bool = False,
@@ -109,6 +111,9 @@ def export_chain(
         that then hangs, which its weight and body stiffen. With one, the head also has the frequencies, and
         with `damping` the ratios, about the shape at rest under it. For a chain in space a `SpatialLoad`,
         along the axes at s = 0; the limit that the file then says is that of a chain which hangs.
+    at : Equilibrium, optional
+        For "mjcf": a shape at rest to start from, as the keyframe "rest", under its load. Ends that it holds
+        apart the file holds too, by a constraint between two sites, which does not fail in large motion.
     units : str, optional
         What the beam's numbers are in, "SI", "mm-N-t" or "in-lbf-s": for words in the head, and for the
         gravity that the step holds for. The file's numbers stay as they are.
@@ -152,13 +157,18 @@ def export_chain(
     if units is not None:
         choice("units", units, UNIT_SYSTEMS)
     given: dict[str, object] = {"fragment": fragment or None, "second": second, "damping": damping}
-    given |= {"timestep": timestep, "load": load, "integrator": None if integrator == "RK4" else integrator}
+    given |= {
+        "timestep": timestep,
+        "load": load,
+        "at": at,
+        "integrator": None if integrator == "RK4" else integrator,
+    }
     for what, value in given.items():
         if value is not None and what not in kind.takes:
             takers = ", ".join(each.name for each in FORMATS.values() if what in each.takes)
             raise ValueError(f"{what} must be left out for {kind.name} files: it is for {takers}")
     loads = SpatialLoad if isinstance(chain, SpatialChain) else Load
-    for what, known in (("second", Chain), ("damping", Damping), ("load", loads)):
+    for what, known in (("second", Chain), ("damping", Damping), ("load", loads), ("at", Equilibrium)):
         if not isinstance(given[what], known | None):
             raise TypeError(f"{what} must be a {known.__name__} or None, got {shown(given[what])}")
     if not isinstance(name, str) or not re.fullmatch(r"[A-Za-z_][A-Za-z0-9_]{0,59}", name):
@@ -177,6 +187,8 @@ def export_chain(
         choice("format of a chain in space", kind.name, SPATIAL_FORMATS)
         if second is not None:
             raise ValueError("second must be left out for a chain in space, which bends in both planes")
+        if at is not None:
+            raise ValueError("at must be left out for a chain in space, whose shape at rest is in its frames")
         if not law.orders and not kind.balls:
             able = ", ".join(each.name for each in FORMATS.values() if each.balls)
             raise ValueError(
@@ -195,16 +207,20 @@ def export_chain(
         gravity = dead.gravity if dead is not None else (0.0, 0.0, 0.0)
     else:
         plain = load if isinstance(load, Load) else None
-        build = partial(planar_tree, chain, name, second=second, damping=damping)
+        pull = None
+        if at is not None:
+            plain = _checked_start(chain, at, plain, fragment=fragment, second=second)
+            pull = None if at.span is None else float(at.tension.max())
+        build = partial(planar_tree, chain, name, second=second, damping=damping, at=at)
         tree = _tree(kind, chain.pieces, chain.boundary.name, build)
-        facts = facts_about(chain, damping, plain, units, turned=tree.turned)
+        facts = facts_about(chain, damping, plain, units, turned=tree.turned, at=at)
         if second is not None:
             # Not about a shape bent in the other plane, which is not a motion in one plane.
             straight = plain if plain is not None and not plain.bends else None
             facts += [f"along y: {line}" for line in facts_about(second, damping, straight, units)[1:-1]]
         chains = [chain] if second is None else [chain, second]
         if engine:
-            step, lines = engine_step(chains, engine, tree, damping, timestep, plain, units)
+            step, lines = engine_step(chains, engine, tree, damping, timestep, plain, units, pull)
             facts += lines
         for other in kind.said:
             facts += engine_step(chains, other, tree, damping, units=units)[1][:1]
@@ -225,6 +241,20 @@ def _alone(what: str, given: dict[str, object]) -> None:
     for option, value in given.items():
         if value is not None:
             raise ValueError(f"{option} must be left out of files of {what}, got {shown(value)}")
+
+
+def _checked_start(
+    chain: Chain, at: Equilibrium, load: Load | None, *, fragment: bool, second: Chain | None
+) -> Load:
+    """Return the load of the shape to start from."""
+    if at.chain is not chain and at.chain != chain:
+        raise ValueError(f"at must be of the same chain, {shown(chain)}, got one of {shown(at.chain)}")
+    if load is not None and load != at.load:
+        raise ValueError(f"load must be left out or be that of at, {at.load}, got {load}")
+    for name, value in (("fragment", fragment), ("second", second)):
+        if value:
+            raise ValueError(f"{name} must be left out with at, got {shown(value)}")
+    return at.load
 
 
 def _gravity(load: Load | None, turned: bool) -> Vector:

@@ -13,7 +13,7 @@ from beammodes.accuracy.chain_against_rod import rod_errors
 from beammodes.chains.chain import Chain
 from beammodes.chains.spatial_chain import SpatialChain
 from beammodes.checks import percent
-from beammodes.equations.equilibria import EquilibriumNotFound, find_equilibrium
+from beammodes.equations.equilibria import Equilibrium, EquilibriumNotFound, find_equilibrium
 from beammodes.exporters.unit_systems import UNIT_SYSTEMS
 from beammodes.problem.loading import Load
 from beammodes.version import SOURCE
@@ -36,12 +36,13 @@ def facts_about(
     units: str | None = None,
     *,
     turned: bool = False,
+    at: Equilibrium | None = None,
 ) -> list[str]:
     """Return lines on a chain: its beam, ends and rule, its first frequencies and their errors.
 
     With a `load` also the frequencies about the shape at rest under it. Dampers keep their forces there, not
     their ratio: a chain that hangs is stiffer, and less damped. `turned` means that the file begins at the
-    right end.
+    right end; `at` is the shape at rest if it is known.
 
     Examples
     --------
@@ -78,8 +79,12 @@ def facts_about(
     if damping not in (None, Damping()):
         ratios = [ratio for _, ratio in modes_with_ratios(chain, damping, model, _REPORTED)]
         lines += [f"damping ratios of these modes, without load: {_few(ratios, '.4g')}"] if ratios else []
-    if load not in (None, Load()):
-        lines += _under(chain, damping, load)
+    if at is not None and at.span is not None:
+        lines.append(
+            "ends held apart: the right one at x = {:.6g}, y = {:.6g} from the left one".format(*at.span)
+        )
+    if load not in (None, Load()) or at is not None:
+        lines += _under(chain, damping, load, at)
     return _headed(lines, units)
 
 
@@ -127,15 +132,16 @@ def _headed(lines: Iterable[str], units: str | None) -> list[str]:
     return [f"written by {SOURCE}", *map(one_line, [*lines, units_line])]
 
 
-def _under(chain: Chain, damping: Damping | None, load: Load | None) -> tuple[str, ...]:
+def _under(
+    chain: Chain, damping: Damping | None, load: Load | None, at: Equilibrium | None
+) -> tuple[str, ...]:
     """Return lines on the first modes about the shape at rest under a load."""
     unknown = f"natural frequencies under {load}: others than these, and not known here: "
-    if chain.pieces > _MAX_RESTING:
+    if at is None and chain.pieces > _MAX_RESTING:
         return (f"{unknown}the chain has more than {_MAX_RESTING} pieces",)
     try:
-        modes = modes_with_ratios(
-            chain, damping, linearize(chain, at=find_equilibrium(chain, load)), _REPORTED
-        )
+        about = linearize(chain, at=at or find_equilibrium(chain, load))
+        modes = modes_with_ratios(chain, damping, about, _REPORTED)
     except (EquilibriumNotFound, ArithmeticError, ValueError) as error:
         return (f"{unknown}{error}",)
     if not modes:

@@ -194,7 +194,7 @@ def _thickness(tree: Tree) -> float:
 @_format(
     "mjcf",
     ".xml",
-    ("fragment", "second", "damping", "timestep", "integrator", "load"),
+    ("fragment", "second", "damping", "timestep", "integrator", "load", "at"),
     engine="MuJoCo",
     most_bodies=MAX_NESTED,
     because=": MuJoCo's XML reader refuses elements nested 500 deep",
@@ -217,13 +217,16 @@ def _mjcf(model: Model) -> Sequence[Iterable[str]]:
         lines.append("<mujocoinclude>")
     else:
         # MuJoCo's own 1e-8 leaves vibration of 1e-9 rad and less to itself.
-        exact = ' tolerance="1e-14"' if tree.ties else ""
+        exact = ' tolerance="1e-14"' if tree.ties or tree.anchor else ""
         option = f'timestep="{model.timestep!r}" integrator="{model.integrator}"'
         lines.append(f'<mujoco model="{model.name}">')
         lines.append(f' <option {option} gravity="{_n(*model.gravity)}"{exact}/>')
-    bodies = _mjcf_bodies(tree, 2 if whole else 1)
+    bodies = _mjcf_bodies(tree, 2 if whole else 1, model.name)
+    if tree.anchor is not None:
+        bodies = [f'  <site name="{model.name}_end" pos="{_n(*tree.anchor)}"/>', *bodies]
     lines += [" <worldbody>", *bodies, " </worldbody>"] if whole else bodies
-    lines += [*mjcf_ties(tree.ties, model.timestep), "</mujocoinclude>" if model.fragment else "</mujoco>"]
+    lines += [*mjcf_ties(tree.ties, model.timestep), *_mjcf_start(model)]
+    lines.append("</mujocoinclude>" if model.fragment else "</mujoco>")
     return (["\n".join([*lines, ""])],)
 
 
@@ -237,7 +240,11 @@ def _mjcf_notes(model: Model) -> Iterator[str]:
         yield "gravity is on: the beam sags and rings at other frequencies than without load"
     else:
         yield "gravity is off: with it the beam sags and rings at other frequencies"
-    if ties:
+    if model.tree.start:
+        yield 'the keyframe "rest" is the shape at rest that it was written for: start from it'
+    if model.tree.anchor is not None:
+        yield "a constraint between two sites holds its far end, in large motion too; straight, it is not met"
+    elif ties:
         slides = "" if any(tie.name.endswith("deflection_x") for tie in ties) else "; it slides along x"
         yield f"tendons support the far end, linear in the joints, for small deflections{slides}"
     if any(tie.stiffness == math.inf for tie in ties):
@@ -245,7 +252,19 @@ def _mjcf_notes(model: Model) -> Iterator[str]:
         yield "for that, solref is twice the timestep and solimp 0.9999; give the solver tolerance 1e-14"
 
 
-def _mjcf_bodies(tree: Tree, depth: int) -> list[str]:
+def _mjcf_start(model: Model) -> Iterator[str]:
+    """Yield what holds the far end apart from the near one, and the shape to start from."""
+    tree, name = model.tree, model.name
+    if tree.anchor is not None:
+        sites = f'site1="{name}_tip" site2="{name}_end"'
+        yield " <equality>"
+        yield f'  <connect name="{name}_held_apart" {sites} {mjcf_firm(model.timestep)}/>'
+        yield " </equality>"
+    if tree.start:
+        yield f' <keyframe>\n  <key name="rest" qpos="{_n(*tree.start)}"/>\n </keyframe>'
+
+
+def _mjcf_bodies(tree: Tree, depth: int, name: str) -> list[str]:
     radius, lines = _thickness(tree) / 2, []
     for i, body in enumerate(tree.bodies):
         pad = " " * (depth + i)
@@ -261,6 +280,8 @@ def _mjcf_bodies(tree: Tree, depth: int) -> list[str]:
         if body.length > radius / 10:
             size = f'fromto="0 0 0 {_n(*body.tip)}" size="{_n(radius)}" mass="0"'
             lines.append(f'{pad} <geom type="capsule" {size} contype="0" conaffinity="0"/>')
+        if tree.anchor is not None and i + 1 == len(tree.bodies):
+            lines.append(f'{pad} <site name="{name}_tip" pos="{_n(*body.tip)}"/>')
     return lines + [f"{' ' * (depth + i)}</body>" for i in reversed(range(len(tree.bodies)))]
 
 

@@ -87,12 +87,17 @@ class Tie:
 
 @dataclass(frozen=True)
 class Tree:
-    """Bodies in a row from the ground; `turned` if that is at the right end; `notes` for the file's head."""
+    """Bodies in a row from the ground; `turned` if that is at the right end; `notes` for the file's head.
+
+    `start` has the joints' coordinates of a shape to start from, `anchor` where the last body's tip is held.
+    """
 
     bodies: tuple[Body, ...] = ()
     ties: tuple[Tie, ...] = ()
     turned: bool = False
     notes: tuple[str, ...] = ()
+    start: tuple[float, ...] = ()
+    anchor: Vector | None = None
 
 
 @dataclass(frozen=True)

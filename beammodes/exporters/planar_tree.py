@@ -11,7 +11,10 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from types import MappingProxyType
 
+import numpy as np
+
 from beammodes.chains.chain import Chain
+from beammodes.equations.equilibria import Equilibrium
 from beammodes.exporters.model_tree import IDENTITY, NEARLY_NOTHING, Body, Joint, Tie, Tree
 from beammodes.numerics.arrays import Floats
 from beammodes.vibration.damping import Damping
@@ -102,13 +105,19 @@ def _bending_plane(chain: Chain, damping: Damping, turned: bool) -> _Plane:
 
 
 def planar_tree(
-    chain: Chain, name: str = "chain", *, second: Chain | None = None, damping: Damping | None = None
+    chain: Chain,
+    name: str = "chain",
+    *,
+    second: Chain | None = None,
+    damping: Damping | None = None,
+    at: Equilibrium | None = None,
 ) -> Tree:
     """Return a chain as bodies and joints named after `name`, bending about both axes if `second` is given.
 
     The two hinges of a node come in turns: about y first at every other node, about z first between them. In
     one fixed order R = R_z R_y they would have a spurious twist of the rate  κ_y κ_z ℓ/2  and so of first
-    order in ℓ; turned about at every other node the rates cancel, and the twist is of second order.
+    order in ℓ; turned about at every other node the rates cancel, and the twist is of second order. From a
+    shape `at` come the joints' start, and where it holds the far end.
 
     Raises
     ------
@@ -128,6 +137,7 @@ def planar_tree(
     chains = [chain] if second is None else [chain, second]
     planes = [_bending_plane(each, damper, turned) for each in chains]
     _check_alike(planes)
+    length = planes[0].length
     planes = [plane.without_held_far_piece() for plane in planes]
     grounded = any(end.is_grounded for each in chains for end in (each.boundary.left, each.boundary.right))
     joints = [_joints(planes, i, name, grounded) for i in range(len(planes[0].length))]
@@ -136,7 +146,30 @@ def planar_tree(
         f"x runs along the beam; it bends in {both}",
         "twist, stretch and shear are not modelled; the small inertia about x stands for nothing",
     )
-    return Tree(tuple(_bodies(planes, joints, name)), tuple(_ties(planes, name)), turned, notes)
+    bodies, ties = tuple(_bodies(planes, joints, name)), tuple(_ties(planes, name))
+    if at is None:
+        return Tree(bodies, ties, turned, notes)
+    values = _start(at, planes, turned, name)
+    start = tuple(values[joint.name] for body in bodies for joint in body.joints)
+    if at.span is None:
+        return Tree(bodies, ties, turned, notes, start)
+    x, z = at.span
+    # A held last piece lies along x.
+    anchor = x - math.fsum(length[len(planes[0].length) :]), 0.0, -z if turned else z
+    ties = tuple(tie for tie in ties if "_far_deflection_" not in tie.name)
+    return Tree(bodies, ties, turned, notes, start, anchor)
+
+
+def _start(at: Equilibrium, planes: Sequence[_Plane], turned: bool, name: str) -> dict[str, float]:
+    """Return the coordinates of joints in a shape, by their names."""
+    way, end = (-1, -1) if turned else (1, 0)
+    angle = way * at.angle[::way]
+    x, z = at.nodes[end] - (at.span if turned and at.span else (0.0, 0.0))
+    if turned and not at.span:
+        x = float(at.chain.length.sum()) - x
+    turns = np.diff(angle, prepend=0.0).tolist()
+    hinges = {_hinge_name(planes, planes[0], i, name): turns[i] for i in range(len(planes[0].length))}
+    return {f"{name}_slide_x": float(x), f"{name}_slide_z": float(z)} | hinges
 
 
 def _check_alike(planes: Sequence[_Plane]) -> None:
