@@ -17,6 +17,8 @@ from scipy.optimize import brentq
 from scipy.special import ellipe, ellipk
 
 from beammodes.chains.chain import Chain
+from beammodes.dynamics.base_motion import BaseMotion, harmonic
+from beammodes.dynamics.simulation import mode_start, simulate
 from beammodes.equations.equilibria import Equilibrium, EquilibriumNotFound, find_equilibrium
 from beammodes.equations.mechanics import Algebra, energies
 from beammodes.problem.beam import Beam
@@ -204,6 +206,57 @@ def test_an_arch_sways_when_its_push_reaches_that_of_the_second_branch() -> None
     # From a shape on a branch on to a neighbour.
     again = find_equilibrium(strip, Load(gravity=61.0), span=(0.98, 0.01), guess=low)
     assert again.is_stable and again.nodes[10, 1] < 0
+
+
+def test_every_kind_of_integrator_swings_about_the_shape_at_the_frequency_of_its_modes() -> None:
+    chain = Chain(Beam(1.0, 0.5, 2.0), ("clamped", SPRUNG[1]), 8, "gregory")
+    load = Load(gravity=9.81)
+    hung = find_equilibrium(chain, load, span=(0.8, 0.1))
+    omega = float(solve_modes(linearize(chain, at=hung), 1).angular_frequency[0])
+    start, period = mode_start(chain, 1, 1e-4, at=hung), 2 * math.pi / omega
+    for integrator in ("rk4", "sdirk2", "dop853"):
+        motion = simulate(
+            chain,
+            duration=period,
+            initial=start,
+            span=hung.span,
+            load=load,
+            integrator=integrator,
+            step=period / 800,
+        )
+        away = motion.q.values - hung.coordinates
+        np.testing.assert_allclose(away[-1], away[0], atol=1e-3 * np.abs(away[0]).max())
+        half = away[len(away) // 2]
+        np.testing.assert_allclose(half, -away[0], atol=1e-3 * np.abs(away[0]).max())
+        np.testing.assert_allclose(motion.x[:, -1], 0.8, atol=1e-12)
+    # At rest it stays, whatever method is chosen.
+    still = simulate(chain, duration=period, initial=hung, load=load)
+    assert np.abs(still.q.values - hung.coordinates).max() < 1e-9
+
+
+def test_a_cable_that_is_thrown_and_shaken_keeps_its_ends_and_its_energy() -> None:
+    chain = Chain(Beam(1.0, 0.02, 2.0), "pinned-pinned", 8)
+    thrown = find_equilibrium(chain, Load(gravity=9.81), span=(0.7, -0.2))
+    # Gravity turns round: it flies up to the other side.
+    load, ends = Load(gravity=-9.81), {}
+    for integrator, step in (("rk4", 2e-4), ("midpoint", 1e-3), ("midpoint", 5e-4)):
+        motion = simulate(chain, duration=0.3, initial=thrown, load=load, integrator=integrator, step=step)
+        ends[integrator, step] = motion.y.values[-1]
+        limit = 1e-6 if integrator == "rk4" else 1e-2
+        assert np.ptp(motion.energy.values) < limit * motion.kinetic_energy.max()
+    error = [np.abs(ends["midpoint", step] - ends["rk4", 2e-4]).max() for step in (1e-3, 5e-4)]
+    assert ends["rk4", 2e-4][4] > thrown.nodes[4, 1] + 0.1 and error[0] < 2e-3
+    np.testing.assert_allclose(error[0] / error[1], 4, rtol=0.2)
+    shaken = {"initial": thrown, "load": Load(gravity=9.81), "base": BaseMotion(y=harmonic(0.05, 20.0))}
+    one, other = (
+        simulate(chain, duration=0.2, integrator=name, step=step, **shaken)
+        for name, step in (("rk4", 2e-4), ("midpoint", 2e-4))
+    )
+    for motion in (one, other):
+        np.testing.assert_allclose(motion.y[:, -1] - motion.y[:, 0], -0.2, atol=1e-11)
+    np.testing.assert_allclose(one.y[-1], other.y[-1], atol=1e-4)
+    with pytest.raises(ValueError, match="initial must be given with span"):
+        simulate(chain, duration=0.1, span=0.7)
 
 
 @pytest.mark.parametrize(

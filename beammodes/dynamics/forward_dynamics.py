@@ -15,7 +15,8 @@ for the moment τ of its springs and loads and the force F on its centre of mass
 forces do where the end leaves a direction free. No mass matrix is formed.
 
 The deflection of a held right end is a closure with one multiplier, the force on the right tip across the
-beam. Accelerations are affine in it, so two sweeps find the force that keeps the tip with the base.
+beam. Accelerations are affine in it, so two sweeps find the force that keeps the tip with the base; where
+both ends are held apart there are two components, and three sweeps.
 """
 
 from __future__ import annotations
@@ -188,11 +189,11 @@ class _Sweep:
         shift, rate = self.place[node][1] - base[3], self.speed[node][1] - base[4]
         return -stiffness * (shift + self.damping.stiffness * rate)
 
-    def accelerations(self, closing: Any) -> tuple[list[Any], Any]:
-        """Return q'' and the right tip's acceleration in y, under the force `closing` on it in y."""
+    def accelerations(self, closing: Vector) -> tuple[list[Any], Vector]:
+        """Return q'' and the right tip's acceleration, under the force `closing` on it."""
         pull, (fx, fy) = float(self.load.axial_force), self.load.tip
         a: Symmetric = (casadi.SX(0), casadi.SX(0), casadi.SX(0))
-        b: Vector = (-(pull + float(fx)) + casadi.SX(0), -(float(fy) + self._support(1, -1) + closing))
+        b: Vector = (-(pull + float(fx) + closing[0]), -(float(fy) + self._support(1, -1) + closing[1]))
         inward = []
         for i in range(self.chain.pieces - 1, -1, -1):
             pause()
@@ -210,7 +211,7 @@ class _Sweep:
                 node[0] - length * (sine * gain + cosine * spin**2),
                 node[1] + length * (cosine * gain - sine * spin**2),
             )
-        return found, node[1]
+        return found, node
 
     def _carried(self, i: int, a: Symmetric, b: Vector) -> tuple[Symmetric, Vector, Any]:
         """Return A_i, b_i (A as xx, xy, yy) and h, D, k of piece i, from those of all beyond it."""
@@ -252,6 +253,7 @@ def forward_dynamics(
     damping: Damping | None = None,
     base: BaseMotion | None = None,
     loads: Sequence[TimedLoad] = (),
+    apart: bool = False,
 ) -> casadi.Function:
     """Return the accelerations q'' of a chain as a function of (q, q', base), base as `base_vector` gives it.
 
@@ -260,7 +262,7 @@ def forward_dynamics(
     The chain may be of any length; its left end must be tied to the base, or neither end held. A turning hub
     is a base that turns, not a spin rate of the load. `base` is checked only: its courses are an argument of
     the function. With `loads` that vary in time their factors follow the base's numbers in that argument, and
-    the function also returns their power [W].
+    the function also returns their power [W]. `apart` says that the right end is held along the beam, too.
 
     Raises
     ------
@@ -276,9 +278,10 @@ def forward_dynamics(
     -0.9
     """
     checked_system(chain, load, damping, base)
-    if load is None and damping is None and base is None and not loads and _can_be_kept(chain):
+    bare = load is None and damping is None and base is None and not loads and not apart
+    if bare and _can_be_kept(chain):
         return _of_chain_alone(chain)
-    return _compiled(chain, load, damping, loads)
+    return _compiled(chain, load, damping, loads, apart)
 
 
 def _can_be_kept(chain: Chain) -> bool:
@@ -292,21 +295,30 @@ def _can_be_kept(chain: Chain) -> bool:
 
 @lru_cache(maxsize=4)
 def _of_chain_alone(chain: Chain) -> casadi.Function:
-    return _compiled(chain, None, None, ())
+    return _compiled(chain, None, None, (), False)
 
 
 def _compiled(
-    chain: Chain, load: Load | None, damping: Damping | None, loads: Sequence[TimedLoad]
+    chain: Chain, load: Load | None, damping: Damping | None, loads: Sequence[TimedLoad], apart: bool
 ) -> casadi.Function:
     size, numbers = len(coordinate_names(chain)), 9 + len(loads)
     q, u, course = (casadi.SX.sym(name, count) for name, count in (("q", size), ("u", size), ("b", numbers)))
     state = ChainState.of(chain, casadi.vertsplit(q), casadi.vertsplit(u), casadi.vertsplit(course))
     sweep = _Sweep(chain, state, checked_load(load), damping or Damping(), loads)
-    result = sweep.accelerations(casadi.SX(0))
-    if chain.boundary.right.holds_deflection:
+    zero, one = casadi.SX(0), casadi.SX(1)
+    result, tip = sweep.accelerations((zero, zero))
+    if apart:
+        # Affine in the two multipliers, too.
+        (by_x, tip_x), (by_y, tip_y) = (sweep.accelerations(unit) for unit in ((one, zero), (zero, one)))
+        xx, yx, xy, yy = (each[k] - tip[k] for each in (tip_x, tip_y) for k in (0, 1))
+        gap_x, gap_y = course[2] - tip[0], course[5] - tip[1]
+        whole = xx * yy - xy * yx
+        fx, fy = (yy * gap_x - xy * gap_y) / whole, (xx * gap_y - yx * gap_x) / whole
+        result = [a + fx * (b - a) + fy * (c - a) for a, b, c in zip(result, by_x, by_y, strict=True)]
+    elif chain.boundary.right.holds_deflection:
         # Affine in the multiplier: the force that leaves the tip with the base.
-        nothing, unit = result, sweep.accelerations(casadi.SX(1))
-        force = (course[5] - nothing[1]) / (unit[1] - nothing[1])
-        result = ([x + force * (y - x) for x, y in zip(nothing[0], unit[0], strict=True)], None)
-    found = [casadi.vertcat(*result[0]), *([sweep.power()] if loads else [])]
+        unit, moved = sweep.accelerations((zero, one))
+        force = (course[5] - tip[1]) / (moved[1] - tip[1])
+        result = [x + force * (y - x) for x, y in zip(result, unit, strict=True)]
+    found = [casadi.vertcat(*result), *([sweep.power()] if loads else [])]
     return casadi.Function("acceleration", [q, u, course], found)

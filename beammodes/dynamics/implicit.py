@@ -38,7 +38,7 @@ from beammodes.dynamics.base_motion import BaseMotion
 from beammodes.dynamics.drive import Drive
 from beammodes.dynamics.forward_dynamics import applied_force, checked_system
 from beammodes.dynamics.timed_loads import COLUMNS, TimedLoad, pattern
-from beammodes.equations.mechanics import tip_names
+from beammodes.equations.mechanics import Span, tip_names
 from beammodes.numerics.arrays import Floats
 from beammodes.problem.loading import Load, checked_load
 from beammodes.vibration.damping import Damping
@@ -53,7 +53,7 @@ _MOST_ITERATIONS = 30
 _GOOD_ENOUGH = 1e-9
 
 
-def _piece() -> tuple[casadi.Function, casadi.Function, casadi.Function]:
+def _piece(closures: int) -> tuple[casadi.Function, casadi.Function, casadi.Function]:
     """Return three functions of one piece: its right end, its part of the elimination, its Newton step."""
     right, rate = casadi.SX.sym("right", 6), casadi.SX.sym("v")
     piece, stage = casadi.SX.sym("piece", 9 + COLUMNS), casadi.SX.sym("stage", 13)
@@ -89,21 +89,21 @@ def _piece() -> tuple[casadi.Function, casadi.Function, casadi.Function]:
     rows = [0, 1, 2, 3, 5]
     carried = casadi.jacobian(onward, right)[rows, :] @ free
     turned = casadi.jacobian(onward, rate)[rows]
-    gain, rest = casadi.SX.sym("gain", 5, 5), casadi.SX.sym("rest", 5, 2)
+    gain, rest = casadi.SX.sym("gain", 5, 5), casadi.SX.sym("rest", 5, 1 + closures)
     slope = casadi.jacobian(residual, beyond)
     pivot = casadi.jacobian(residual, rate) + slope @ gain @ turned
     pivot = casadi.if_else(held, 1, pivot)
     by_left = -(1 - held) * (casadi.jacobian(residual, right) @ free + slope @ gain @ carried) / pivot
-    by_rest = -(1 - held) * (casadi.horzcat(residual, 0) + slope @ rest) / pivot
+    by_rest = -(1 - held) * (casadi.horzcat(residual, casadi.SX(1, closures)) + slope @ rest) / pivot
     through = casadi.jacobian(inward, beyond)
     effect = casadi.jacobian(inward, rate) + through @ gain @ turned
     new_gain = casadi.jacobian(inward, right) @ free + through @ gain @ carried + effect @ by_left
     new_rest = through @ rest + effect @ by_rest
 
     change, given, alone = (
-        casadi.SX.sym("change", 5, 2),
+        casadi.SX.sym("change", 5, 1 + closures),
         casadi.SX.sym("given", 1, 5),
-        casadi.SX.sym("alone", 1, 2),
+        casadi.SX.sym("alone", 1, 1 + closures),
     )
     found = given @ change + alone
     common = [right, rate, piece, stage]
@@ -158,6 +158,8 @@ class ImplicitStepper:
         As `forward_dynamics` takes them. With `loads` that vary in time a state ends with their work.
     integrator : str
         One of `INTEGRATORS` whose run is "implicit", such as "midpoint" or "sdirk2".
+    span : pair of float [m], optional
+        From the left end to the right one, if both are held apart.
 
     Examples
     --------
@@ -175,11 +177,14 @@ class ImplicitStepper:
         damping: Damping | None = None,
         loads: Sequence[TimedLoad] = (),
         integrator: str = "midpoint",
+        span: Span | None = None,
     ) -> None:
         checked_system(chain, load, damping, None)
         self.chain, self.method = chain, INTEGRATORS[integrator]
         self.load, self.damping, self.loads = checked_load(load), damping or Damping(), tuple(loads)
-        self.held = np.array(chain.held_angles)
+        self.held, self.span = np.array(chain.held_angles), span
+        #: Directions in which closures hold the right tip, x or y.
+        self.closed = (1,) if span is None else (0, 1)
         names = tip_names(chain)
         #: Indices of the left tip's coordinates among (x, y).
         self.free = [("x_0", "y_0").index(name) for name in names]
@@ -203,11 +208,20 @@ class ImplicitStepper:
         damper = np.concatenate([[lag * left_turning], self.damping.joint_damping(chain)])
         fixed = [chain.length, chain.centre, chain.mass, chain.rotary_inertia, spring, damper, self.held]
 
-        symbols = {"q": count, "p": count, "v": count, "force": 1, "tip_q": 2, "tip_p": 2, "tip_v": 2}
+        symbols = {
+            "q": count,
+            "p": count,
+            "v": count,
+            "force": len(self.closed),
+            "tip_q": 2,
+            "tip_p": 2,
+            "tip_v": 2,
+        }
         symbols |= {"s": 1, "reach": 1, "base": 9, "late": 9, "factors": len(self.loads)}
         given = {name: casadi.MX.sym(name, size) for name, size in symbols.items()}
         q, p, v, force, tip_q, tip_p, tip_v, s, reach, base, late, factors = given.values()
-        onward, inward, newton = _piece()
+        closures = len(self.closed)
+        onward, inward, newton = _piece(closures)
         applied = casadi.MX(COLUMNS, count)
         for k, timed in enumerate(self.loads):
             applied += factors[k] * casadi.sparsify(casadi.DM(pattern(chain, timed).T))
@@ -223,26 +237,28 @@ class ImplicitStepper:
         tip_x, tip_y = map(float, load.tip)
         pushed = right * (tip[1] - base[3] + lag * (tip[3] - base[4]))
         bent = right_turning * (tip[4] - base[6] + lag * (tip[5] - base[7])) - float(load.tip_moment)
-        beyond = casadi.vertcat(0, 0, axial + tip_x, tip_y - pushed + force, bent)
+        beyond = casadi.vertcat(0, 0, axial + tip_x, tip_y - pushed, bent)
         gain = casadi.MX.zeros(5, 5)
         gain[3, 1], gain[3, 3], gain[4, 4] = -right, -right * lag, right_turning * (s + lag)
-        # The second column is what a unit of the closure's force does.
-        rest = casadi.DM.zeros(5, 2)
-        rest[3, 1] = 1
+        # Columns after the first are what a unit of each closure's force does.
+        rest = casadi.DM.zeros(5, 1 + closures)
+        for column, k in enumerate(self.closed):
+            beyond[2 + k] += force[column]
+            rest[2 + k, 1 + column] = 1
         back = list(range(count - 1, -1, -1))
         found = inward.mapaccum("inward", count, 3)(
             beyond, gain, casadi.MX(rest), lefts[:, back], *(each[:, back] for each in common)
         )
-        sums, gain, rest = found[0][:, -1], found[1][:, -5:], found[2][:, -2:]
+        sums, gain, rest = found[0][:, -1], found[1][:, -5:], found[2][:, -1 - closures :]
         by_left, by_rest, residual, momentum, power = (
             casadi.reshape(each, each.columns() // count * each.rows(), count)[:, back] for each in found[3:]
         )
 
-        change, off, tip_change = casadi.MX.zeros(5, 2), [], casadi.MX.zeros(2, 2)
+        change, off, tip_change = casadi.MX.zeros(5, 1 + closures), [], casadi.MX.zeros(2, 1 + closures)
         if self.free:
             moved = casadi.MX.zeros(5, len(self.free))
             matrix = casadi.MX.zeros(len(self.free), len(self.free))
-            column = casadi.MX.zeros(len(self.free), 2)
+            column = casadi.MX.zeros(len(self.free), 1 + closures)
             for row, k in enumerate(self.free):
                 moved[k, row], moved[2 + k, row] = s, 1
             for row, k in enumerate(self.free):
@@ -259,19 +275,24 @@ class ImplicitStepper:
                 tip_change[k, :] = solved[row, :]
         wide = [casadi.reshape(each, 1, each.rows() * count) for each in (by_left, by_rest)]
         _, rates = newton.mapaccum(count)(change, *wide, lefts, *common)
-        rates = casadi.reshape(rates, 2, count)
+        rates = casadi.reshape(rates, 1 + closures, count)
 
-        gap, force_change = casadi.MX(0), casadi.MX(0)
+        gap, force_change = casadi.MX.zeros(closures), casadi.MX.zeros(closures)
         if closed:
             held, length = casadi.DM(self.held.astype(float)), casadi.DM(chain.length)
             angle = held * late[6] + (1 - held) * (q + reach * v)
-            gap = casadi.dot(length, casadi.sin(angle))
-            slope = (1 - held) * length * casadi.cos(angle) * reach
+            cosine, sine = casadi.cos(angle), casadi.sin(angle)
+            arms = {0: (cosine, -sine), 1: (sine, cosine)}
+            gap = casadi.vertcat(*(casadi.dot(length, arms[k][0]) for k in self.closed))
+            slope = casadi.horzcat(*((1 - held) * length * arms[k][1] * reach for k in self.closed))
             felt = slope.T @ rates.T
+            if self.span is not None:
+                gap -= casadi.DM(self.span)
             if 1 in self.free:
                 gap += tip_q[1] + reach * tip_v[1] - late[3]
                 felt += reach * tip_change[1, :]
-            force_change = -(gap + felt[0]) / felt[1]
+            off_end, by = gap + felt[:, 0], felt[:, 1:]
+            force_change = -off_end / by if closures == 1 else -casadi.solve(by, off_end, "symbolicqr")
         step = casadi.vertcat(1, force_change)
         force_unit, moment_unit, length_unit = self.scale
         off_by = casadi.vertcat(
@@ -312,7 +333,7 @@ class ImplicitStepper:
         work = state[size:]
         found = np.full((len(at), len(state)), np.nan)
         # A stage starts from its rates in the last two steps, continued in a line.
-        last, before = (np.zeros((len(stages), len(q) + 1)) for _ in range(2))
+        last, before = (np.zeros((len(stages), len(q) + len(self.closed))) for _ in range(2))
         for k, step in enumerate(lengths.tolist()):
             rates: list[tuple[Floats, Floats, float]] = []
             for i, row in enumerate(stages):
@@ -326,9 +347,9 @@ class ImplicitStepper:
                 given = at_q, at_p, s, reach, courses[i][k], courses[late][k][:9]
                 unknown, momentum = self._solved(2 * last[i] - before[i], *given)
                 if not np.isfinite(momentum).all():
-                    unknown, momentum = self._solved(np.zeros(len(q) + 1), *given)
+                    unknown, momentum = self._solved(np.zeros(len(q) + len(self.closed)), *given)
                 before[i], last[i] = (last[i], unknown) if k else (unknown, unknown)
-                rates.append((unknown[:-1], (momentum - at_p) / s, float(self._stage.power[0])))
+                rates.append((unknown[: len(q)], (momentum - at_p) / s, float(self._stage.power[0])))
             for weight, (rate, pull, power) in zip(weights, rates, strict=True):
                 q, p, work = q + step * weight * rate, p + step * weight * pull, work + step * weight * power
             if not (np.isfinite(q).all() and np.isfinite(p).all()):
@@ -353,7 +374,7 @@ class ImplicitStepper:
         stage.q[:], stage.p[:], stage.tip_q[:], stage.tip_p[:] = q[2:], p[2:], q[:2], p[:2]
         stage.s[:], stage.reach[:], stage.base[:], stage.late[:] = s, reach, base[:9], late
         stage.factors[:] = base[9:]
-        stage.tip_v[:], stage.v[:], stage.force[:] = unknown[:2], unknown[2:-1], unknown[-1]
+        stage.tip_v[:], stage.v[:], stage.force[:] = unknown[:2], unknown[2 : len(q)], unknown[len(q) :]
         before = np.inf
         for _ in range(_MOST_ITERATIONS):
             stage.evaluate()
@@ -393,10 +414,10 @@ class ImplicitStepper:
         count = len(q)
         parts = [self._split(np.concatenate(pair)) for pair in zip(q, p, strict=True)]
         at, moment = (np.array([each[k] for each in parts]).reshape(count, -1).T for k in (0, 1))
-        still = np.zeros((1, count))
+        still, forces = np.zeros((1, count)), np.zeros((len(self.closed), count))
         # With s = 0 the equations are linear in the rates, so one iteration solves them.
         new, _, new_tip, *_ = self._open.map(count)(
-            *(at[2:], moment[2:], 0 * at[2:], still, at[:2], moment[:2], 0 * at[:2]),
+            *(at[2:], moment[2:], 0 * at[2:], forces, at[:2], moment[:2], 0 * at[:2]),
             *(still, still, base, base, np.tile(self._idle[:, None], count)),
         )
         return np.array([self._joined(each) for each in np.vstack([np.array(new_tip), np.array(new)]).T])

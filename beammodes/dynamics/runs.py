@@ -24,7 +24,7 @@ from beammodes.dynamics.drive import Drive
 from beammodes.dynamics.forward_dynamics import ChainState, forward_dynamics
 from beammodes.dynamics.implicit import ImplicitStepper
 from beammodes.dynamics.timed_loads import TimedLoad
-from beammodes.equations.mechanics import coordinate_names
+from beammodes.equations.mechanics import Span, coordinate_names
 from beammodes.numerics.arrays import Floats
 from beammodes.problem.loading import Load
 from beammodes.progress import Progress, pause
@@ -79,6 +79,7 @@ def runge_kutta(
     base: BaseMotion | None = None,
     loads: Sequence[TimedLoad] = (),
     integrator: str = "rk4",
+    span: Span | None = None,
 ) -> Stepper:
     """Return one step of an explicit Runge-Kutta method, of states (q, q'), with `loads` (q, q', work).
 
@@ -94,7 +95,9 @@ def runge_kutta(
     array([0.9996, 0.9982])
     """
     method = INTEGRATORS[integrator]
-    acceleration = forward_dynamics(chain, load=load, damping=damping, base=base, loads=loads)
+    acceleration = forward_dynamics(
+        chain, load=load, damping=damping, base=base, loads=loads, apart=span is not None
+    )
     pause()
     size, numbers = acceleration.size1_in(0), acceleration.size1_in(2)
     # The last time is that of the new state's closure.
@@ -118,34 +121,41 @@ def runge_kutta(
     terms = [weight / least * rate for weight, rate in zip(method.weights, rates, strict=True) if weight]
     new = state + step / (1 / least) * sum(terms[1:], terms[0])
     if chain.boundary.right.holds_deflection:
-        new = casadi.vertcat(projection(chain)(new[: 2 * size], at[1.0][:9]), new[2 * size :])
+        new = casadi.vertcat(projection(chain, span)(new[: 2 * size], at[1.0][:9]), new[2 * size :])
     return Stepper(casadi.Function("runge_kutta", [state, step, course], [new]), times)
 
 
-def _closure(chain: Chain, q: Any, base: Any) -> Any:
-    """Return the right tip's deflection relative to the base, which a held end keeps at zero."""
+def _closure(chain: Chain, q: Any, base: Any, span: Span | None) -> Any:
+    """Return how far the right tip is from where it is held: across the beam, or along x and y."""
     parts = casadi.vertsplit(q)
     state = ChainState.of(chain, parts, parts, casadi.vertsplit(base))
-    return (
-        state.place[1]
-        - base[3]
-        + casadi.dot(casadi.DM(chain.length.tolist()), casadi.sin(casadi.vertcat(*state.angle)))
-    )
+    length, angle = casadi.DM(chain.length.tolist()), casadi.vertcat(*state.angle)
+    across = state.place[1] - base[3] + casadi.dot(length, casadi.sin(angle))
+    if span is None:
+        return across
+    along = state.place[0] - base[0] + casadi.dot(length, casadi.cos(angle))
+    return casadi.vertcat(along - span[0], across - span[1])
 
 
-def projection(chain: Chain) -> casadi.Function:
-    """Return the function (state, base) -> nearest state with the right tip's deflection the base's.
+def projection(chain: Chain, span: Span | None = None) -> casadi.Function:
+    """Return the function (state, base) -> nearest state with the right tip where its end holds it.
 
     Two Newton steps: a Runge-Kutta step leaves the closure by little.
     """
     size = len(coordinate_names(chain))
     q, u, base = (casadi.SX.sym(n, k) for n, k in (("q", size), ("u", size), ("base", 9)))
-    gap = _closure(chain, q, base)
+    gap = _closure(chain, q, base, span)
     slope = casadi.jacobian(gap, q)
     # Bases under a held right end only shift, so the tip's velocity is the base's where the left tip's is.
     rate = slope @ u - (0 if chain.boundary.left.holds_deflection else base[4])
-    onto = casadi.Function("onto", [q, base], [q - slope.T * gap / casadi.sumsqr(slope)])
-    along = casadi.Function("along", [q, u, base], [u - slope.T * rate / casadi.sumsqr(slope)])
+    back, turn = (
+        slope.T * each / casadi.sumsqr(slope)
+        if span is None
+        else slope.T @ casadi.solve(slope @ slope.T, each)
+        for each in (gap, rate)
+    )
+    onto = casadi.Function("onto", [q, base], [q - back])
+    along = casadi.Function("along", [q, u, base], [u - turn])
     state = casadi.SX.sym("x", 2 * size)
     placed = onto(onto(state[:size], base), base)
     moved = along(placed, state[size:], base)
@@ -171,6 +181,7 @@ class Run:
     steps: int
     tolerance: float
     integrator: str = "rk4"
+    span: Span | None = None
 
 
 def runner(integrator: str) -> Runner:
@@ -198,6 +209,7 @@ def _runge_kutta_run(run: Run, start: tuple[Floats, Floats], progress: Progress)
         base=run.drive.base,
         loads=run.drive.loads,
         integrator=run.integrator,
+        span=run.span,
     )
     time, states, why = _fixed(run, stepper, _start(run, *start), progress)
     size = len(start[0])
@@ -207,7 +219,12 @@ def _runge_kutta_run(run: Run, start: tuple[Floats, Floats], progress: Progress)
 def _implicit_run(run: Run, start: tuple[Floats, Floats], progress: Progress) -> Found:
     """Integrate by an implicit Runge-Kutta method, in coordinates and momenta."""
     stepper = ImplicitStepper(
-        run.chain, load=run.load, damping=run.damping, loads=run.drive.loads, integrator=run.integrator
+        run.chain,
+        load=run.load,
+        damping=run.damping,
+        loads=run.drive.loads,
+        integrator=run.integrator,
+        span=run.span,
     )
     (q, u), base = start, run.drive.base
     p = stepper.momenta(q, u, base_vector(base, 0.0))
@@ -216,7 +233,7 @@ def _implicit_run(run: Run, start: tuple[Floats, Floats], progress: Progress) ->
     u_found = stepper.speeds(q_found, p_found, base_vector(base, time))
     if run.chain.boundary.right.holds_deflection:
         # The method keeps the closure, not its rate, which is left an error of second order.
-        onto = projection(run.chain)
+        onto = projection(run.chain, run.span)
         both = onto.map(len(time))(np.hstack([q_found, u_found]).T, base_vector(base, time)).full().T
         u_found = np.array(both[:, len(q) :])
     lost = np.flatnonzero(~np.isfinite(u_found).all(axis=1))
@@ -270,7 +287,12 @@ class Rate:
         drive = run.drive
         self.run, self.moves = run, not drive.rests
         acceleration = forward_dynamics(
-            run.chain, load=run.load, damping=run.damping, base=drive.base, loads=drive.loads
+            run.chain,
+            load=run.load,
+            damping=run.damping,
+            base=drive.base,
+            loads=drive.loads,
+            apart=run.span is not None,
         )
         self.q, self.u, self.found, self.power, self.base = (
             np.zeros(n) for n in (size, size, size, int(bool(drive.loads)), drive.size)
@@ -333,7 +355,7 @@ def _variable_run(run: Run, start: tuple[Floats, Floats], progress: Progress) ->
     size, why = len(start[0]), ""
     kept, times = [_start(run, *start)], [0.0]
     rate = Rate(run, size)
-    onto = projection(run.chain) if run.chain.boundary.right.holds_deflection else None
+    onto = projection(run.chain, run.span) if run.chain.boundary.right.holds_deflection else None
     pause()
     pieces = _variable_pieces(run, rate, onto, kept[0])
     outputs = math.ceil(run.steps / run.every)

@@ -20,7 +20,9 @@ from beammodes.dynamics.forward_dynamics import checked_system
 from beammodes.dynamics.runs import Run, projection, runner
 from beammodes.dynamics.step_choice import OUTPUTS, Chosen, Motion, chosen
 from beammodes.dynamics.timed_loads import AnyLoad, read_loads
-from beammodes.equations.mechanics import Algebra, coordinate_names, piece_energies, tip_names
+from beammodes.equations.equilibria import Equilibrium
+from beammodes.equations.held_apart import checked_span, string_tension
+from beammodes.equations.mechanics import Algebra, Span, coordinate_names, piece_energies, tip_names
 from beammodes.files import file_target, write_atomically
 from beammodes.numerics.arrays import Floats
 from beammodes.problem.loading import Load
@@ -73,7 +75,9 @@ _HELD = {
 Start = tuple[Floats, Floats]
 
 
-def mode_start(chain: Chain, mode: int, amplitude: float, *, load: Load | None = None) -> Start:
+def mode_start(
+    chain: Chain, mode: int, amplitude: float, *, load: Load | None = None, at: Equilibrium | None = None
+) -> Start:
     """Return coordinates and speeds of a chain at rest in the shape of a mode.
 
     Parameters
@@ -85,6 +89,8 @@ def mode_start(chain: Chain, mode: int, amplitude: float, *, load: Load | None =
         Largest angle of a segment.
     load : Load, optional
         Under which the modes are taken.
+    at : Equilibrium, optional
+        The shape that it vibrates about, straight by default.
 
     Raises
     ------
@@ -97,7 +103,7 @@ def mode_start(chain: Chain, mode: int, amplitude: float, *, load: Load | None =
     >>> bm.mode_start(bm.Chain(bm.Beam.unit(), "clamped-free", segments=2), 1, 0.1)[0].round(4)
     array([0.0558, 0.1   ])
     """
-    model = linearize(chain, load=load)
+    model = linearize(chain, load=load, at=at) if at is not None else linearize(chain, load=load)
     number = whole_number("mode", mode, most=model.elastic_modes)
     real("amplitude", amplitude)
     modes = solve_modes(model, number)
@@ -105,11 +111,27 @@ def mode_start(chain: Chain, mode: int, amplitude: float, *, load: Load | None =
     scale = amplitude / np.abs(rotation).max()
     tips = {"x_0": 0.0, "y_0": deflection[0]}
     q = [*(tips[name] for name in tip_names(chain)), *rotation[~np.array(chain.held_angles)]]
-    start = scale * np.array(q), np.zeros(len(q))
-    return _onto(chain, start, BaseMotion()) if chain.boundary.right.holds_deflection else start
+    rest = np.zeros(len(q)) if at is None else at.coordinates
+    start = rest + scale * np.array(q), np.zeros(len(q))
+    if not chain.boundary.right.holds_deflection:
+        return start
+    return _onto(chain, start, BaseMotion(), None if at is None else at.span)
 
 
-def _initial_state(chain: Chain, initial: Any, base: BaseMotion) -> Start:
+def _held_apart(chain: Chain, initial: Any, span: Any) -> Span | None:
+    """Return where the right end is held, as `span` or the shape that the motion starts from says."""
+    known = initial.span if isinstance(initial, Equilibrium) else None
+    if span is None:
+        return known
+    given = checked_span(chain, span)
+    if known is not None and known != given:
+        raise ValueError(f"span must be left out or be that of initial, {known}, got {shown(span)}")
+    if initial is None:
+        raise ValueError("initial must be given with span: no straight chain has its ends there")
+    return given
+
+
+def _initial_state(chain: Chain, initial: Any, base: BaseMotion, span: Span | None) -> Start:
     """Return the first state, on the closure of a chain whose right end is held."""
     course, names = base.at(0.0), coordinate_names(chain)
     rest = [{"x_0": course[0, k], "y_0": course[1, k]} for k in (0, 1)]
@@ -127,15 +149,15 @@ def _initial_state(chain: Chain, initial: Any, base: BaseMotion) -> Start:
             raise ValueError(f"initial must be finite numbers for {', '.join(names)}, got {shown(part)}")
     if not chain.boundary.right.holds_deflection:
         return q, u
-    state = _onto(chain, (q, u), base)
+    state = _onto(chain, (q, u), base, span)
     if np.abs(state[0] - q).max() > 1e-3:
         raise ValueError("initial must leave the right end where its support holds it")
     return state
 
 
-def _onto(chain: Chain, start: Start, base: BaseMotion) -> Start:
+def _onto(chain: Chain, start: Start, base: BaseMotion, span: Span | None) -> Start:
     """Return the nearest state on the closure."""
-    onto = projection(chain)
+    onto = projection(chain, span)
     state = np.concatenate(start)
     for _ in range(4):
         state = np.array(onto(state, base_vector(base, 0.0)))[:, 0]
@@ -257,6 +279,7 @@ def simulate(
     modes: int | None = None,
     output_step: float | None = None,
     initial: Any = None,
+    span: float | Span | None = None,
     load: AnyLoad | Sequence[AnyLoad] | None = None,
     base: BaseMotion | None = None,
     damping: Damping | None = None,
@@ -294,7 +317,11 @@ def simulate(
         held in memory, and refused if it takes more than 4 GiB.
     initial : pair of arrays, or Equilibrium, optional
         Coordinates and speeds (in the order of `coordinate_names`), or a shape to start from at rest;
-        straight and at rest with the base by default. `mode_start` gives a mode.
+        straight and at rest with the base by default. `mode_start` gives a mode. An Equilibrium does not
+        bring its load: give that too.
+    span : float or pair [m], optional
+        Where the right end is held, from the left one, as `find_equilibrium` takes it; by default where an
+        Equilibrium to start from holds it. On a base that moves both ends shift with it.
     load : Load, PointLoad, LineLoad, TimedLoad, or list of them, optional
         At most one `Load` that is constant (its forces are dead, and have a potential; no spin rate); any
         number of forces and moments at points, of loads along the beam, and of loads that vary in time or
@@ -359,32 +386,33 @@ def simulate(
     checked_system(chain, given, damping, base)
     drive = Drive(base or BaseMotion(), timed)
     ground = drive.base
-    span = positive_real("duration", duration)
+    apart, lasting = _held_apart(chain, initial, span), positive_real("duration", duration)
     kind = None if integrator is None else choice("integrator", integrator, MOTION_INTEGRATORS)
     most = max(1, chain.elastic_modes + chain.boundary.rigid_body_modes)
     wanted = None if modes is None else whole_number("modes", modes, most=most)
     halving = flag("halve_step", halve_step)
     if halving and kind is not None and INTEGRATORS[kind].variable_step:
         raise ValueError(f"halve_step must be False for {kind}, which chooses its steps itself")
-    shown_step = span / OUTPUTS if output_step is None else positive_real("output_step", output_step)
+    shown_step = lasting / OUTPUTS if output_step is None else positive_real("output_step", output_step)
     told = progress_of(progress, "simulation", "steps")
     if path is not None:
         file_target(path)
     if positive_real("tolerance", tolerance) < 1e-13:
         raise ValueError(f"tolerance must be at least 1e-13, got {shown(tolerance)}")
-    if step is not None and positive_real("step", step) > span:
-        raise ValueError(f"step must not be longer than duration, {span}, got {shown(step)}")
-    start = _initial_state(chain, initial, ground)
-    motion = Motion(chain, span, given, drive, damping, start, wanted)
-    took = _taken(motion, kind, step, min(shown_step, span))
-    if span / took.step > 1e9:
+    if step is not None and positive_real("step", step) > lasting:
+        raise ValueError(f"step must not be longer than duration, {lasting}, got {shown(step)}")
+    start = _initial_state(chain, initial, ground, apart)
+    motion = Motion(chain, lasting, given, drive, damping, start, wanted, apart)
+    took = _taken(motion, kind, step, min(shown_step, lasting))
+    if lasting / took.step > 1e9:
         raise ValueError(
-            f"duration must be shorter, or step longer: {span / took.step:.2g} steps of {took.step:.3g} s"
+            f"duration must be shorter, or step longer: {lasting / took.step:.2g} steps of {took.step:.3g} s"
         )
-    every = max(1, round(min(shown_step, span) / took.step))
-    _check_memory(chain, span, took.step * every)
+    every = max(1, round(min(shown_step, lasting) / took.step))
+    _check_memory(chain, lasting, took.step * every)
     if step is not None and not INTEGRATORS[took.integrator].variable_step:
-        taut = Load(axial_force=max(0.0, float(given.axial_force)))
+        hung = 0.0 if apart is None else string_tension(chain, given, apart)
+        taut = Load(axial_force=max(hung, float(given.axial_force)))
         limit = stable_time_step(chain, took.integrator, load=taut, damping=damping)
         if step > limit * (1 + 1e-9):
             message = (
@@ -392,18 +420,19 @@ def simulate(
                 f"{step:.6g} s"
             )
             warnings.warn(f"{message}: the energy will grow", UnstableStepWarning, stacklevel=2)
-    steps = math.ceil(span / took.step - 1e-9)
+    steps = math.ceil(lasting / took.step - 1e-9)
     run = Run(
         chain,
         given,
         drive,
         damping or Damping(),
-        span,
+        lasting,
         took.step,
         every,
         steps,
         float(tolerance),
         took.integrator,
+        apart,
     )
     with held():
         *found, why = runner(run.integrator)(run, start, told)

@@ -19,7 +19,8 @@ from beammodes.chains.chain import Chain
 from beammodes.dynamics.base_motion import BaseMotion
 from beammodes.dynamics.drive import Drive
 from beammodes.dynamics.timed_loads import TimedLoad, pattern
-from beammodes.equations.mechanics import tip_names
+from beammodes.equations.held_apart import string_tension
+from beammodes.equations.mechanics import Span, tip_names
 from beammodes.numerics.arrays import Floats
 from beammodes.problem.loading import Load
 from beammodes.vibration.damping import Damping
@@ -43,7 +44,10 @@ _EXCITED, _MOST, _SHARE = 3, 20, 0.999
 
 @dataclass(frozen=True)
 class Motion:
-    """A motion whose step is to be chosen: `span` [s], `start` as (q, q'), `modes` those asked for."""
+    """A motion whose step is to be chosen: `span` [s], `start` as (q, q'), `modes` those asked for.
+
+    `apart` is where the right end is held, if apart from the left one [m].
+    """
 
     chain: Chain
     span: float
@@ -52,6 +56,7 @@ class Motion:
     damping: Damping | None
     start: tuple[Floats, Floats]
     modes: int | None = None
+    apart: Span | None = None
 
     @property
     def rests(self) -> bool:
@@ -118,7 +123,7 @@ def _largest_pull(motion: Motion) -> float:
     """Return how hard a motion may pull on a piece [N]: what pulls makes its vibration faster.
 
     What pushes a chain from the side pulls on it once it has turned, and pulls thrice as hard on a pendulum
-    that has fallen from level, as its weight does.
+    that has fallen from level, as its weight does. A taut cable is pulled more than it weighs.
     """
     chain, load = motion.chain, motion.load
     push = math.hypot(*map(float, load.tip)) + float(chain.mass.sum()) * math.hypot(*map(float, load.weight))
@@ -129,7 +134,8 @@ def _largest_pull(motion: Motion) -> float:
         (_, _, ax), (_, _, ay), (_, spin, gain) = _sampled(motion)
         carried = np.hypot(ax, ay) + chain.length.sum() * np.hypot(spin**2, gain)
         push += float(chain.mass.sum() * carried.max())
-    return max(0.0, float(load.axial_force)) + 3 * push
+    hung = 0.0 if motion.apart is None else string_tension(chain, load, motion.apart)
+    return max(0.0, float(load.axial_force)) + hung + 3 * push
 
 
 def _sampled(motion: Motion) -> Floats:
@@ -205,6 +211,10 @@ def _modes_wanted(motion: Motion, pulled: LinearModel) -> tuple[int, str]:
     """Return the number of the pulled chain's modes that a step must resolve, and why that many."""
     if motion.modes is not None:
         return min(motion.modes, pulled.elastic_modes), f"modes to {motion.modes} are asked for"
+    if motion.apart is not None:
+        # A shape between two points is no motion of the straight chain.
+        number = min(_EXCITED, pulled.elastic_modes)
+        return number, f"modes to {number} are what a chain held apart is taken to move in"
     there = linearize(motion.chain).elastic_modes
     # Squares of absurd speeds are too large.
     with np.errstate(over="ignore", invalid="ignore"):

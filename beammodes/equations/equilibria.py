@@ -17,9 +17,10 @@ from numpy.typing import ArrayLike
 
 from beammodes.chains.chain import Chain
 from beammodes.checks import choice, real, real_numbers, shown, whole_number
-from beammodes.equations.held_apart import BRANCHES, shape_between
+from beammodes.equations.held_apart import BRANCHES, checked_span, shape_between
 from beammodes.equations.mechanics import (
     Algebra,
+    Span,
     coordinate_names,
     energies,
     held_chain_load,
@@ -46,9 +47,6 @@ MAX_TOLERANCE = 1e-3
 _COARSE, _FINE = 1e-4, 1e-7
 #: Largest rotation that the push which decides a buckling chain causes without load [rad].
 _PUSHED = 0.01
-
-
-Span = tuple[float, float]
 
 
 class EquilibriumNotFound(ValueError):
@@ -236,26 +234,14 @@ def find_equilibrium(
 
 
 def _checked_span(chain: Chain, load: Load, span: object) -> Span:
-    """Return where the right end is held, or raise what is wrong with that."""
-    pair = span if isinstance(span, tuple | list) else (span, 0.0)
-    if len(pair) != 2:
-        raise ValueError(f"span must be a number or a pair (x, y), got {shown(span)}")
-    x, y = (real(f"span[{k}]" if pair is span else "span", value) for k, value in enumerate(pair))
-    longest = float(chain.length.sum())
-    if not math.hypot(x, y) < longest:
-        raise ValueError(f"span must be shorter than the chain, {longest} m, got {shown(span)}")
-    ends = chain.boundary.left, chain.boundary.right
-    if not all(end.holds_deflection for end in ends):
-        raise ValueError(
-            f"boundary must hold both ends (clamped, pinned or on a rotational spring) with span, got "
-            f"{chain.boundary.name}"
-        )
+    """Return where the right end is held, or raise what is wrong with that or with the load."""
+    found = checked_span(chain, span)
     for name in ("axial_force", "spin_rate"):
         if getattr(load, name):
             raise ValueError(f"{name} must be 0 with span, where both ends are held, got {load}")
     if any(load.tip):
         raise ValueError(f"tip_force must be 0 with span, where the right tip is held, got {load}")
-    return x, y
+    return found
 
 
 def _checked_branch(branch: object, load: Load, span: Span | None, guess: object, most: int) -> int:

@@ -20,12 +20,13 @@ from collections.abc import Iterator
 import numpy as np
 
 from beammodes.chains.chain import Chain
-from beammodes.equations.mechanics import unpack
+from beammodes.checks import real, shown
+from beammodes.equations.mechanics import Span, unpack
 from beammodes.equations.newton_statics import ChainStatics, StaticState, followed
 from beammodes.numerics.arrays import Floats
 from beammodes.problem.loading import Load
 
-__all__ = ["BRANCHES", "shape_between"]
+__all__ = ["BRANCHES", "checked_span", "shape_between", "string_tension"]
 
 #: Words for the first branch to either side of the chord.
 BRANCHES = {"arch": 1, "sag": -1}
@@ -37,6 +38,23 @@ _FINE = 1e-5
 _NOTHING = 1e-12
 #: From this weight on, over EI/L², a string is nearer than a strip.
 _HEAVY = 100.0
+
+
+def checked_span(chain: Chain, span: object) -> Span:
+    """Return where the right end is held, or raise what is wrong with that."""
+    pair = span if isinstance(span, tuple | list) else (span, 0.0)
+    if len(pair) != 2:
+        raise ValueError(f"span must be a number or a pair (x, y), got {shown(span)}")
+    x, y = (real(f"span[{k}]" if pair is span else "span", value) for k, value in enumerate(pair))
+    longest = float(chain.length.sum())
+    if not math.hypot(x, y) < longest:
+        raise ValueError(f"span must be shorter than the chain, {longest} m, got {shown(span)}")
+    if not (chain.boundary.left.holds_deflection and chain.boundary.right.holds_deflection):
+        raise ValueError(
+            "boundary must hold both ends (clamped, pinned or on a rotational spring) with span, got "
+            f"{chain.boundary.name}"
+        )
+    return x, y
 
 
 def shape_between(
@@ -156,19 +174,31 @@ def _from_string(
     side = x * across - y * along
     if not side:
         return None
-    pull, angle = _string(chain, load, statics.span, pulled=branch * side > 0)
+    unit = chain.units.length
+    pull, angle, _ = _string(chain, load, (x * unit, y * unit), pulled=branch * side > 0)
     force = chain.units.stiffness / chain.units.length
     moving = ~np.array(chain.held_angles)
     start = angle[moving], pull / force
     return statics.solve(start, share=1.0, tolerance=tolerance, steps=50, longest=0.2)
 
 
-def _string(
-    chain: Chain, load: Load, span: tuple[float, float], *, pulled: bool = True
-) -> tuple[Floats, Floats]:
-    """Return the force on the right tip of a chain without springs [N], and its pieces' angles [rad].
+def string_tension(chain: Chain, load: Load, span: Span) -> float:
+    """Return the largest pull along a piece, at its centre, of a string that hangs between two points [N].
 
-    `span` is in the chain's own units; `pulled` says whether the chain hangs or stands. By Newton's method,
+    Examples
+    --------
+    >>> from beammodes.problem.beam import Beam
+    >>> string = Chain(Beam(1.0, 1.0, 1.0), "pinned-pinned", 2)
+    >>> round(string_tension(string, Load(gravity=1.0), (0.5, 0.0)), 6)       # at 60 degrees: 0.25/sin 60°
+    0.288675
+    """
+    return _string(chain, load, span)[2] if any(load.weight) else 0.0
+
+
+def _string(chain: Chain, load: Load, span: Span, *, pulled: bool = True) -> tuple[Floats, Floats, float]:
+    """Return the force on a string's right tip [N], its pieces' angles [rad], the largest pull in them [N].
+
+    `pulled` says whether the string hangs or stands. By Newton's method,
     with steps no longer than they lower the convex function of the module's note.
     """
     length, held = chain.length, np.array(chain.held_angles)
@@ -177,7 +207,7 @@ def _string(
     own = length[:, None] * beyond + chain.centre[:, None] * weight
     sign = 1.0 if pulled else -1.0
     whole = float(length.sum())
-    target = sign * (np.array(span) * chain.units.length - [float(length[held].sum()), 0.0])
+    target = sign * (np.array(span) - [float(length[held].sum()), 0.0])
     length, own, total = length[~held], own[~held], weight.sum(axis=0)
     reach = math.hypot(*target)
     # A shallow string of weight W is pulled with  W/√(24 (1 - chord/length)).
@@ -203,4 +233,5 @@ def _string(
     angle = np.zeros(chain.pieces)
     unit = sign * unit
     angle[~held] = np.unwrap(np.arctan2(unit[:, 1], unit[:, 0]))
-    return force, angle
+    arms = np.where(length, length, np.inf)
+    return force, angle, float((size[:, 0] / arms).max(initial=0.0))

@@ -43,6 +43,7 @@ __all__ = [
     "Algebra",
     "Energies",
     "LinearizedChain",
+    "Span",
     "axial_pull",
     "coordinate_names",
     "end_closures",
@@ -59,6 +60,8 @@ __all__ = [
 ]
 
 Pair = tuple[Any, Any]
+#: From the left end of a chain to the right one, along x and y [m].
+Span = tuple[float, float]
 
 
 def straight_chain_load(chain: Chain, load: Load) -> Load:
