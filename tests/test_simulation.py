@@ -618,7 +618,7 @@ def test_damping_brings_a_shaken_base_to_rest() -> None:
 UNITS = {
     "angle": "rad", "angular_velocity": "rad/s", "x": "m", "y": "m", "tip_deflection": "m",
     "kinetic_energy": "J", "potential_energy": "J", "energy": "J", "momentum_x": "N s", "momentum_y": "N s",
-    "angular_momentum": "N m s", "q": "m, rad", "u": "m/s, rad/s", "time": "s",
+    "angular_momentum": "N m s", "q": "m, rad", "u": "m/s, rad/s", "time": "s", "load_work": "J",
 }  # fmt: skip
 
 
