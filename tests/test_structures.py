@@ -344,6 +344,42 @@ def test_no_stretch_gets_fewer_segments_than_its_rule_takes() -> None:
     assert few > 4 * enough
 
 
+def test_what_is_recommended_for_a_structure() -> None:
+    for way in bm.recommend(ell(), 1e-2, 3, rules=["mitiguy", "gregory"], integrator="leapfrog"):
+        assert way.segments == sum(way.stretches) == bm.segments_needed(ell(), 1e-2, 3, way.rule)
+        chain = bm.StructureChain(ell(), way.segments, way.rule)
+        errors = np.abs(bm.chain_errors(chain, 3))
+        assert errors[way.mode - 1] == errors.max() == pytest.approx(way.largest_error, rel=1e-9)
+        assert way.stable_time_step == pytest.approx(bm.stable_time_step(chain, "leapfrog"), rel=1e-12)
+        assert way.joint_stiffness.tolist() == [hinge.stiffness for hinge in chain.hinges]
+    with pytest.raises(ValueError, match="beam must be left out with a structure"):
+        bm.recommend(ell(), 1e-2, beam=UNIT)
+
+
+def test_laws_of_structures_are_what_chains_tend_to() -> None:
+    # A single beam's law, by its own route, wherever it is cut; and chains', less the next power of 1/N.
+    for pair in ("clamped-free", "guided-pinned"):
+        for rule in bm.RULES:
+            own = bm.error_law(pair, 2, rule)
+            law = bm.error_law(bm.Structure.of_beam(UNIT, pair), 2, rule)
+            assert law.order == own.order and law.coefficient == pytest.approx(own.coefficient, rel=1e-7)
+    body = bm.Structure.of_beam(UNIT, "clamped-free", [bm.Station(0.6, 30.0, 2.0, 0.5, 0.03, 0.1)])
+    crack = bm.Structure.of_beam(
+        bm.Beam(1.0, [3.0, 1.0], 2.0), "clamped-guided", [bm.Station(0.2, hinge=1.5)]
+    )
+    counts = np.array([10, 20, 40])
+    for given in (ell(), body, crack):
+        each = [[round(one.beam.length * n) for one in given.parts.stretches] for n in counts.tolist()]
+        for rule, mode in (("naive", 2), ("mitiguy", 1), ("hencky", 2), ("simpson", 1)):
+            law = bm.error_law(given, mode, rule)
+            found = [
+                bm.chain_errors(bm.StructureChain(given, shared, rule), mode)[-1] * sum(shared) ** law.order
+                for shared in each
+            ]
+            once = 2.0 * np.array(found[1:]) - found[:-1]
+            assert (4.0 * once[1] - once[0]) / 3.0 == pytest.approx(law.coefficient, rel=3e-3), (given, rule)
+
+
 def test_what_a_structure_refuses() -> None:
     joints = {"a": bm.Joint(0, 0), "b": bm.Joint(2, 0)}
     cases: list[tuple[Callable[[], object], str]] = [

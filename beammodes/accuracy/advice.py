@@ -21,15 +21,20 @@ from beammodes.accuracy.segments import (
 from beammodes.accuracy.statics import LOADS, beam_statics, chain_statics
 from beammodes.chains.chain import Chain
 from beammodes.chains.rules import RULES, AnyRule, Layout, fits_of, layout_of
+from beammodes.chains.structure_chain import StructureChain
 from beammodes.checks import bounded, percent, small_fraction, whole_number
 from beammodes.exact.beam_theory import euler_bernoulli
-from beammodes.numerics.arrays import Floats
+from beammodes.exact.structure_judge import MOST_MODES, structure_modes
+from beammodes.numerics.arrays import Floats, ratios_less_one
+from beammodes.numerics.blas import one_thread
 from beammodes.problem.beam import Beam
 from beammodes.problem.ends import Boundary, BoundaryLike
+from beammodes.problem.structure import Structure
 from beammodes.vibration.integrators import INTEGRATORS, find_integrator, stability_limit
 from beammodes.vibration.linear import linearize
 from beammodes.vibration.modes import solve_modes
 from beammodes.vibration.stability import highest_angular_frequency
+from beammodes.vibration.structure_vibration import structure_chain_modes
 
 __all__ = ["Recommendation", "recommend"]
 
@@ -53,9 +58,11 @@ class Recommendation:
     rule : str
     segments : int
     joint_stiffness : ndarray, shape (hinges,) [N m/rad]
-        Left to right.
+        Left to right; of a structure in the order of `StructureChain.hinges`.
     largest_error : float
         Largest |e| of the wanted modes, as a fraction.
+    mode : int
+        Which mode has it.
     static_error : dict from str to float
         Relative error of the tip's deflection (of the middle's where the tip is held) under each load of
         `statics.LOADS`; empty where the ends let the beam move rigidly.
@@ -70,22 +77,28 @@ class Recommendation:
         Euler and Bernoulli's beam, having no shear. NaN where the beam's section is not known.
     remarks : tuple of str
         On the error of the least accurate mode; see `error_remarks`.
+    stretches : tuple of int
+        Of a structure, the segments of each stretch, as of `StructureChain.segments`.
     """
 
     rule: str
     segments: int
     joint_stiffness: Floats
     largest_error: float
+    mode: int
     static_error: dict[str, float]
     highest_angular_frequency: float
     stable_time_step: float
     cost: float
     theory_error: float
     remarks: tuple[str, ...]
+    stretches: tuple[int, ...] = ()
 
     def __repr__(self) -> str:
         static = max(self.static_error.values(), key=abs, default=math.nan)
         told = [f"frequency error {100 * self.largest_error:.3g} %"]
+        if self.stretches:
+            told = [f"{' + '.join(map(str, self.stretches))}", f"{told[0]} in mode {self.mode}"]
         if not math.isnan(static):
             told.append(f"static error {percent(static)}")
         if not math.isnan(self.theory_error):
@@ -95,7 +108,7 @@ class Recommendation:
 
 
 def recommend(
-    boundary: BoundaryLike,
+    boundary: BoundaryLike | Structure,
     tolerance: float,
     modes: int = 1,
     *,
@@ -109,7 +122,8 @@ def recommend(
 
     Parameters
     ----------
-    boundary : boundary
+    boundary : boundary or Structure
+        Of a structure N is the number of segments in all, shared out and sought as in `segments_needed`.
     tolerance : float
         Largest |e| of the first `modes` frequencies, as a fraction less than 0.5, from this N on.
     modes : int
@@ -136,11 +150,25 @@ def recommend(
     gregory 8 0.0081
     simpson 8 0.0024
     half_stub_corrected 9 0.0069
+
+    An L of two bars:
+
+    >>> joints = {"foot": bm.Joint(0, 0, "clamped"), "corner": bm.Joint(0, 2), "tip": bm.Joint(1, 2)}
+    >>> mast, jib = bm.Beam(2.0, 1.0, 1.0), bm.Beam.unit()
+    >>> bars = [bm.Member(mast, "foot", "corner"), bm.Member(jib, "corner", "tip")]
+    >>> way = bm.recommend(bm.Structure(joints, bars), tolerance=0.01, modes=3, rules=["gregory"])[0]
+    >>> way.stretches, way.mode, f"{way.largest_error:.4f}"
+    ((5, 3), 3, '0.0091')
     """
-    pair, unit = Boundary.of(boundary), Beam.unit() if beam is None else beam
     modes = whole_number("modes", modes, most=MAX_MODES_SOUGHT)
     integrator = find_integrator(integrator, _LIMITED).name
-    judge = _Judge.of(unit, pair, tolerance, modes)
+    judge: _Judge | _StructureJudge
+    if isinstance(boundary, Structure):
+        if beam is not None:
+            raise ValueError("beam must be left out with a structure, which has its own beams")
+        judge = _StructureJudge.of(boundary, tolerance, modes)
+    else:
+        judge = _Judge.of(Beam.unit() if beam is None else beam, Boundary.of(boundary), tolerance, modes)
     ways: list[Recommendation] = []
     refusal = ValueError("rules must name at least one rule, got none")
     given = bounded("rules", RULES if rules is None else rules, most=_MAX_RULES)
@@ -155,7 +183,7 @@ def recommend(
                 f"tolerance must be larger: rule {record.name} needs {count} segments for it"
             )
             continue
-        ways.append(_way(judge, count, record, integrator))
+        ways.append(judge.way(count, record, integrator))
     if not ways:
         raise refusal
     return sorted(ways, key=lambda way: (way.cost, way.segments))
@@ -238,23 +266,67 @@ class _Judge(NamedTuple):
             raise ToleranceOutOfReach.of(self.tolerance, record, self.modes, "this beam", grid[-1])
         return needed
 
+    def way(self, segments: int, record: Layout, integrator: str) -> Recommendation:
+        """Return what so many segments cost."""
+        chain = Chain(self.beam, self.boundary, segments, record)
+        highest = highest_angular_frequency(chain)
+        step = stability_limit(integrator) / highest
+        errors = np.abs(self.errors(record, segments))
+        return Recommendation(
+            rule=record.name,
+            segments=segments,
+            joint_stiffness=chain.joint_stiffness,
+            largest_error=float(np.max(errors)),
+            mode=int(np.argmax(errors)) + 1,
+            static_error=_static_errors(chain),
+            highest_angular_frequency=highest,
+            stable_time_step=step,
+            cost=segments * 2 * math.pi / float(self.exact[0]) / step,
+            theory_error=self.theory_error,
+            remarks=self.remarks(record, segments),
+        )
 
-def _way(judge: _Judge, segments: int, record: Layout, integrator: str) -> Recommendation:
-    chain = Chain(judge.beam, judge.boundary, segments, record)
-    highest = highest_angular_frequency(chain)
-    step = stability_limit(integrator) / highest
-    return Recommendation(
-        rule=record.name,
-        segments=segments,
-        joint_stiffness=chain.joint_stiffness,
-        largest_error=float(np.max(np.abs(judge.errors(record, segments)))),
-        static_error=_static_errors(chain),
-        highest_angular_frequency=highest,
-        stable_time_step=step,
-        cost=segments * 2 * math.pi / float(judge.exact[0]) / step,
-        theory_error=judge.theory_error,
-        remarks=judge.remarks(record, segments),
-    )
+
+class _StructureJudge(NamedTuple):
+    """Errors of chains of a structure."""
+
+    structure: Structure
+    tolerance: float
+    exact: Floats
+
+    @classmethod
+    def of(cls, structure: Structure, tolerance: float, modes: int) -> _StructureJudge:
+        """Return the judge of the first modes of a structure."""
+        limit = small_fraction("tolerance", tolerance)
+        count = whole_number("modes", modes, most=MOST_MODES)
+        return cls(structure, limit, structure_modes(structure, count).angular_frequency)
+
+    def segments(self, record: Layout) -> int:
+        """Return the N from which errors stay in bounds; raises ToleranceOutOfReach."""
+        return segments_needed(self.structure, self.tolerance, len(self.exact), record)
+
+    def way(self, segments: int, record: Layout, integrator: str) -> Recommendation:
+        """Return what so many segments cost."""
+        chain = StructureChain(self.structure, segments, record)
+        # Of many small matrices more threads would only wait for each other.
+        with one_thread():
+            omega = structure_chain_modes(chain).angular_frequency
+        errors = np.abs(ratios_less_one(omega, self.exact, len(self.exact)))
+        step = stability_limit(integrator) / float(omega.max())
+        return Recommendation(
+            rule=record.name,
+            segments=sum(chain.segments),
+            joint_stiffness=np.array([hinge.stiffness for hinge in chain.hinges]),
+            largest_error=float(errors.max()),
+            mode=int(errors.argmax()) + 1,
+            static_error={},
+            highest_angular_frequency=float(omega.max()),
+            stable_time_step=step,
+            cost=sum(chain.segments) * 2 * math.pi / float(self.exact[0]) / step,
+            theory_error=math.nan,
+            remarks=(),
+            stretches=chain.segments,
+        )
 
 
 def _static_errors(chain: Chain) -> dict[str, float]:

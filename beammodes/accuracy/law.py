@@ -63,6 +63,7 @@ from beammodes.problem.beam import Beam
 from beammodes.problem.ends import Boundary
 from beammodes.problem.loading import Load
 from beammodes.problem.motions import Motion, motion_named
+from beammodes.problem.structure import Structure
 
 __all__ = ["ErrorLaw", "error_law", "interior_coefficient", "law_holds_from"]
 
@@ -98,7 +99,7 @@ class ErrorLaw:
 
 
 def error_law(
-    boundary: AxialBoundaryLike,
+    boundary: AxialBoundaryLike | Structure,
     mode: int,
     rule: RuleLike | RuleMaker = "mitiguy",
     *,
@@ -116,9 +117,11 @@ def error_law(
 
     Parameters
     ----------
-    boundary : boundary
+    boundary : boundary or Structure
+        Of a structure, of uniform beams, N is the number of segments in all, and such N are meant with which
+        all are equally long (h = all lengths over N).
     mode : int
-        1-based index of an elastic mode.
+        1-based index of an elastic mode; of a structure one whose frequency no other mode has.
     rule : str, Rule, or a record from `mode_tuned`
     motion : str
         "bending", "twist" or "stretch". In these two f = T², T the torque or axial force, and no rule gets
@@ -140,6 +143,8 @@ def error_law(
     >>> bm.error_law("fixed-free", mode=1, rule="gregory", motion="twist")                  # -π²/96
     ErrorLaw(e ~ -0.102808 / N**2)
     """
+    if isinstance(boundary, Structure):
+        return _law_of_structure(boundary, mode, rule, motion_named(motion))
     if motion_named(motion).along:
         if isinstance(rule, RuleMaker):
             raise ValueError(f"rule must be a Rule or a name for motion {motion}, got {shown(rule)}")
@@ -163,6 +168,22 @@ def error_law(
         inside = float(interior_coefficient()) + _zigzag_coefficient(record.inside)
         terms.append((4, inside * beam.wavenumber[-1] ** 4))
     return _leading(terms, float(beam.wavenumber[-1]))
+
+
+def _law_of_structure(
+    structure: Structure, mode: int, rule: RuleLike | RuleMaker, motion: Motion
+) -> ErrorLaw:
+    from beammodes.accuracy.structure_law import structure_law_terms
+
+    if motion.along or isinstance(rule, RuleMaker):
+        raise ValueError(
+            "motion must be bending, and rule a Rule or a name, for a structure, got "
+            f"{motion.name} and {shown(rule)}"
+        )
+    record = rule_named(rule)
+    zigzag = float(interior_coefficient()) + _zigzag_coefficient(record.inside)
+    wavenumber, terms = structure_law_terms(structure, mode, record, zigzag)
+    return _leading(terms, wavenumber)
 
 
 def law_holds_from(

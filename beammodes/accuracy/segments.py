@@ -166,7 +166,9 @@ def _segments_of_structure(structure: Structure, tolerance: float, modes: int, r
     fails = failing_segments(structure, limit, modes, rule)
     least = next(n for n in itertools.count(1) if fits(n)) * len(structure.parts.stretches)
     grid = solved_grid(modes, rule)
-    grid = grid[grid >= least]
+    # Of long chains, of which one costs as much as many short ones, every third down from the longest.
+    long = grid > max(_LONG, 10 * modes)
+    grid = np.concatenate((grid[(grid >= least) & ~long], grid[long][::-3][::-1]))
     longer = grid[grid > _LONG][0]
     # Of many small matrices more threads would only wait for each other.
     with one_thread():

@@ -24,7 +24,7 @@ from beammodes.checks import bounded, flag, is_text, shown, whole_number
 from beammodes.problem.ends import ENDS, Boundary
 from beammodes.problem.structure import Node, Parts, Structure, checked_structure
 
-__all__ = ["Hinge", "StructureChain", "shared_segments"]
+__all__ = ["Hinge", "StructureChain", "moments_at_ends", "shared_segments"]
 
 #: Body 0 is the ground.
 GROUND = 0
@@ -126,7 +126,7 @@ class StructureChain:
     ) -> None:
         parts, record = checked_structure(structure).parts, layout_of(rule)
         counts = shared_segments(parts, segments, record)
-        bends = _moments_at_ends(parts)
+        bends = moments_at_ends(parts)
         layouts = [record] * len(counts)
         if not flag("corrected", corrected):
             if not isinstance(record, Rule) or record.stub == 1:
@@ -189,7 +189,7 @@ def shared_segments(parts: Parts, segments: int | Sequence[int], rule: Layout) -
             f"got {total}"
         )
 
-    words = _moments_at_ends(parts)
+    words = moments_at_ends(parts)
     fewest = {pair: next(n for n in range(_fewest(rule, pair), 1000) if fits(n)) for pair in set(words)}
     wanted = [fewest[pair] for pair in words]
     bound = wanted if sum(wanted) <= total else [1] * len(lengths)
@@ -232,11 +232,17 @@ def _fewest(rule: Layout, words: tuple[str, str]) -> int:
     return 1
 
 
-def _moments_at_ends(parts: Parts) -> list[tuple[str, str]]:
+def moments_at_ends(parts: Parts) -> list[tuple[str, str]]:
     """Return for each stretch what its two ends feel, as the word of the rule's weights there.
 
     "clamped" where there can be a bending moment, "guided" where the rotation is held and nothing else,
     "free" where there is none.
+
+    Examples
+    --------
+    >>> from beammodes.problem.beam import Beam
+    >>> moments_at_ends(Structure.of_beam(Beam.unit(), "clamped-pinned").parts)
+    [('clamped', 'free')]
     """
     ends = [pair for stretch in parts.stretches for pair in zip(stretch.nodes, stretch.hinges, strict=True)]
     bearing = [sum(1 for at, hinge in ends if at == i and hinge) for i in range(len(parts.nodes))]
