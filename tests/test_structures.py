@@ -359,7 +359,7 @@ def test_what_is_recommended_for_a_structure() -> None:
 def test_laws_of_structures_are_what_chains_tend_to() -> None:
     # A single beam's law, by its own route, wherever it is cut; and chains', less the next power of 1/N.
     for pair in ("clamped-free", "guided-pinned"):
-        for rule in bm.RULES:
+        for rule in ("mitiguy", "gregory", "simpson", "half_stub"):
             own = bm.error_law(pair, 2, rule)
             law = bm.error_law(bm.Structure.of_beam(UNIT, pair), 2, rule)
             assert law.order == own.order and law.coefficient == pytest.approx(own.coefficient, rel=1e-7)
@@ -367,7 +367,7 @@ def test_laws_of_structures_are_what_chains_tend_to() -> None:
     crack = bm.Structure.of_beam(
         bm.Beam(1.0, [3.0, 1.0], 2.0), "clamped-guided", [bm.Station(0.2, hinge=1.5)]
     )
-    counts = np.array([10, 20, 40])
+    counts = np.array([20, 40, 80])
     for given in (ell(), body, crack):
         each = [[round(one.beam.length * n) for one in given.parts.stretches] for n in counts.tolist()]
         for rule, mode in (("naive", 2), ("mitiguy", 1), ("hencky", 2), ("simpson", 1)):
