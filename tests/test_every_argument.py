@@ -197,6 +197,24 @@ GOOD: dict[str, dict[str, Any]] = {
         "modes": 1,
         "rule": "naive",
     },
+    "frequency_response": {
+        "system": CHAIN,
+        "frequency": [1.0, 2.0],
+        "force_at": 1.0,
+        "rotation_at": [0.3],
+        "damping_ratio": [0.01, 0.02],
+        "load": bm.Load(axial_force=1.0),
+    },
+    "random_response": {
+        "system": CHAIN,
+        "density": 2.0,
+        "band": (0.5, 2.0),
+        "base": "turn",
+        "deflection_at": 1.0,
+        "loss_factor": 0.1,
+        "tolerance": 1e-3,
+    },
+    "response_error": {"boundary": "clamped-free", "segments": [2, 3], "mode": 1, "damping_ratio": 0.01},
     "rod_errors": {"chain": SPATIAL, "modes": 2},
     "rod_modes": {"rod": ROD, "boundary": "clamped-free", "modes": 2},
     "spatial_equilibrium": {"chain": SPATIAL, "load": bm.SpatialLoad(torque=1.0), "joints": "xyz"},
@@ -510,6 +528,7 @@ def test_every_public_function_is_in_the_table() -> None:
         "export_chain",
         "from_sectionproperties",
         "open_study",
+        "plot_response",
         "read_chain_csv",
     }
     functions = {name for name in bm.__all__ if inspect.isfunction(getattr(bm, name))}

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -18,7 +19,7 @@ from beammodes.numerics.arrays import Floats
 from beammodes.numerics.marched_states import Complex
 from beammodes.numerics.modal_sums import ModalSum, damped_sum
 from beammodes.problem.beam import Beam
-from beammodes.problem.driving import BASES, Drive, Reading
+from beammodes.problem.driving import BASES, Drive, Reading, ends_let_move
 from beammodes.problem.ends import Boundary, BoundaryLike
 from beammodes.problem.loading import Load, checked_load
 from beammodes.version import SOURCE
@@ -28,7 +29,9 @@ from beammodes.vibration.driven_chain import DrivenChain
 __all__ = ["HIGHEST", "UNITS", "Driven", "Place", "damping_ratios"]
 
 #: Of what is read and of what drives.
-UNITS = {"deflection": "m", "rotation": "rad", "force": "N", "moment": "N m", "shift": "m", "turn": "rad"}
+UNITS: Mapping[str, str] = MappingProxyType(
+    {"deflection": "m", "rotation": "rad", "force": "N", "moment": "N m", "shift": "m", "turn": "rad"}
+)
 
 #: A position along the beam, or several [m].
 Place = float | Sequence[float] | Floats
@@ -115,7 +118,11 @@ class Driven:
 
     @cached_property
     def _products(self) -> Callable[[int], tuple[Floats, Floats]]:
-        return lru_cache(maxsize=16)(self.system.products)
+        def products(modes: int) -> tuple[Floats, Floats]:
+            natural, shares = self.system.products(modes)
+            return natural, np.where(self._moves, shares, 0.0)
+
+        return lru_cache(maxsize=16)(products)
 
     def at(self, frequency: Floats, tolerance: float = 1e-10) -> ModalSum:
         """Return responses at frequencies [Hz], shape (frequencies, readings, drives); sums to a tolerance.
@@ -147,8 +154,18 @@ class Driven:
 
     def _receptance(self, square: Complex, stiffness: Complex, omega: Floats) -> Complex:
         if isinstance(self.system, DrivenBeam):
-            return self.system.receptance(square, stiffness)
-        return self.system.receptance(square, stiffness, omega)
+            found = self.system.receptance(square, stiffness)
+        else:
+            found = self.system.receptance(square, stiffness, omega)
+        # What an end holds would be rounding.
+        return np.where(self._moves, found, 0.0)
+
+    @cached_property
+    def _moves(self) -> NDArray[np.bool_]:
+        of = self.system
+        if isinstance(of, DrivenBeam):
+            return ends_let_move(of.boundary, of.beam.length, of.reading, of.drive)
+        return ends_let_move(of.chain.boundary, of.chain.node_position[-1], of.reading, of.drive)
 
     @property
     def is_damped(self) -> bool:
@@ -215,7 +232,7 @@ def damping_ratios(given: ArrayLike) -> Floats:
 def _boundary(system: Beam | Chain, boundary: BoundaryLike | None) -> Boundary:
     if isinstance(system, Beam):
         if boundary is None:
-            raise TypeError('boundary must be the ends of the beam, such as "clamped-free", got None')
+            raise ValueError('boundary must be the ends of the beam, such as "clamped-free", got None')
         return Boundary.of(boundary)
     if boundary is not None:
         raise ValueError(f"boundary must be left out with a chain, which has its own, got {shown(boundary)}")

@@ -78,7 +78,7 @@ loss_factor, load
     TypeError, ValueError
         If an argument is not of its kind, or nothing damps.
     ArithmeticError
-        If the integral does not settle.
+        If the integral does not settle, as of a motion that is nothing but rounding, by symmetry, say.
 
     Source
     ------
@@ -172,7 +172,13 @@ def _density(given: Density) -> Callable[[Floats], Floats]:
     function = given
 
     def values(frequency: Floats) -> Floats:
-        found = real_numbers("density", function(frequency))
+        try:
+            found = real_numbers("density", function(frequency))
+        except (TypeError, ValueError, ArithmeticError, LookupError, AttributeError) as error:
+            raise TypeError(
+                f"density must be a number or a function of an array of frequencies, got {shown(function)}, "
+                f"which fails: {type(error).__name__}: {error}"
+            ) from error
         if found.shape != frequency.shape or (found < 0.0).any():
             raise ValueError(
                 "density must be a number, or a function of an array of frequencies that gives as many "

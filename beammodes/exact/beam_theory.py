@@ -102,7 +102,8 @@ def check_range(beam: Beam, pair: Boundary, load: Load) -> None:
     for name, value, unit in given:
         if math.isfinite(value) and abs(value) > LARGEST_RATIO * unit:
             raise ValueError(
-                f"{name} must be at most {LARGEST_RATIO:g} of the beam's own, {unit:.6g}, got {value:.6g}"
+                f"{name} must be at most {LARGEST_RATIO:g} of the beam's own, {unit:.6g}, in boundary and "
+                f"load, got {value:.6g}"
             )
 
 

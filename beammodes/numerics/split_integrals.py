@@ -12,7 +12,8 @@ from beammodes.numerics.arrays import Floats
 __all__ = ["split_integral"]
 
 _NODES = 10
-_MOST_CELLS = 20_000
+# In all, for each of the first ones and beside them.
+_CELLS_EACH, _CELLS_MORE = 100, 2000
 
 
 def split_integral(
@@ -35,7 +36,7 @@ def split_integral(
     Raises
     ------
     ArithmeticError
-        If 20,000 cells do not suffice.
+        If 2,000 cells and 100 more for each of the first do not suffice.
 
     Examples
     --------
@@ -54,7 +55,7 @@ def split_integral(
         return np.asarray(half[:, None] * np.einsum("cnv,n->cv", shaped, weight))
 
     low, high = edges[:-1].astype(float), edges[1:].astype(float)
-    whole = gauss(low, high)
+    whole, most = gauss(low, high), _CELLS_MORE + _CELLS_EACH * len(low)
     done, error, cells = np.zeros(whole.shape[1]), np.zeros(whole.shape[1]), len(low)
     while len(low):
         middle = 0.5 * (low + high)
@@ -66,8 +67,8 @@ def split_integral(
         # A cell that has no width left is done.
         good = (apart <= tolerance * total / cells).all(axis=1) | (middle <= low) | (middle >= high)
         done, error = done + both[good].sum(axis=0), error + apart[good].sum(axis=0)
-        if cells > _MOST_CELLS:
-            raise ArithmeticError(f"an integral does not settle to {tolerance:g} in {_MOST_CELLS} cells")
+        if cells > most:
+            raise ArithmeticError(f"an integral does not settle to {tolerance:g} in {most} cells")
         rest = ~good
         low, high = (
             np.concatenate([low[rest], middle[rest]]),

@@ -4,9 +4,13 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from beammodes.numerics.arrays import Floats
+import numpy as np
+from numpy.typing import NDArray
 
-__all__ = ["BASES", "Drive", "Reading"]
+from beammodes.numerics.arrays import Floats
+from beammodes.problem.ends import Boundary
+
+__all__ = ["BASES", "Drive", "Reading", "ends_let_move"]
 
 #: How a base may move: across the beam, or about the beam's left end.
 BASES = ("shift", "turn")
@@ -55,3 +59,17 @@ class Reading(NamedTuple):
         if self.kind == "rotation":
             return self.x * 0.0 + float(base == "turn")
         return self.x if base == "turn" else self.x * 0.0 + 1.0
+
+
+def ends_let_move(boundary: Boundary, length: float, reading: Reading, drive: Drive) -> NDArray[np.bool_]:
+    """Return where the ends leave any motion to be read or driven, shape (readings, drives)."""
+
+    def moves(kind: str, x: Floats) -> NDArray[np.bool_]:
+        ends = (boundary.left, boundary.right)
+        turns = kind in ("rotation", "moment")
+        left, right = (end.holds_rotation if turns else end.holds_deflection for end in ends)
+        held: NDArray[np.bool_] = (left & (x == 0.0)) | (right & (x == length))
+        return ~held
+
+    driven = np.array([True]) if drive.is_base else moves(drive.kind, drive.x)
+    return np.asarray(moves(reading.kind, reading.x)[:, None] & driven)

@@ -68,7 +68,10 @@ def plot_response(
         raise TypeError(
             f"response must be a Dataset over frequency from frequency_response(), got {shown(response)}"
         )
-    name = choice("quantity", quantity or next(iter(response.data_vars)), map(str, response.data_vars))
+    names = list(map(str, response.data_vars))
+    name = names[0] if quantity is None else choice("quantity", quantity, names)
+    if label is not None and not isinstance(label, str):
+        raise TypeError(f"label must be text or None, got {shown(label)}")
     axes = _axes(ax)
     values = response[name].transpose("frequency", ...)
     others = [str(dim) for dim in values.dims[1:]]
@@ -99,7 +102,10 @@ def _axes(ax: Any) -> tuple[Axes, ...]:
         from matplotlib.figure import Figure
 
         return tuple(Figure(layout="constrained").subplots(2, sharex=True, height_ratios=(2, 1)))
-    given = (ax,) if isinstance(ax, Axes) else tuple(ax) if isinstance(ax, Sequence | np.ndarray) else ()
+    if isinstance(ax, Axes):
+        return (ax,)
+    row = ax.ndim == 1 if isinstance(ax, np.ndarray) else isinstance(ax, tuple | list)
+    given = tuple(ax) if row else ()
     if not 1 <= len(given) <= len(_PARTS) or not all(isinstance(each, Axes) for each in given):
         raise TypeError(f"ax must be Axes, a pair of them for magnitude and phase, or None, got {shown(ax)}")
     return given
