@@ -285,11 +285,16 @@ def test_time_steps_say_the_case_that_they_hold_for(capsys: pytest.CaptureFixtur
         rope, engine, load=Load(tip_force=(7.0, 0.0)), damping=joint_dampers(rope, 0.01)
     )
     assert pulled == pytest.approx(expected, rel=1e-12)
+    two = Ran([*call, "--damping-ratio", "1%,3%", "--json"], capsys).json["time_step"]
+    assert two == pytest.approx(
+        stable_time_step(rope, engine, damping=joint_dampers(rope, {1: 0.01, 2: 0.03})), rel=1e-12
+    )
     for options, words in (
         (["--gravity", "1,2,3"], ["--gravity must have two components"]),
         (["--gravity", "x"], ["--gravity must be a real number", "'x'"]),
         (["--tip-force", "1,"], ["--tip-force[1] must be a real number"]),
         (["--integrator", "dop853"], ["chooses its steps itself"]),
+        (["--damping-ratio", "1%,x"], ["--damping-ratio must be a real number", "'x'"]),
     ):
         Ran([*call, *options], capsys).refused(*words)
 

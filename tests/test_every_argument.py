@@ -174,7 +174,7 @@ GOOD: dict[str, dict[str, Any]] = {
         "time": [0.0, 0.1],
         "base": bm.BaseMotion(y=bm.harmonic(0.1, 2.0)),
         "initial": [0.0, 0.1],
-        "damping": 0.02,
+        "damping_ratio": 0.02,
         "stiffening": True,
         "tolerance": 1e-8,
     },

@@ -546,7 +546,8 @@ CALLS: dict[str, Arguments] = {
     "modal_assurance": lambda: {"a": np.eye(3), "b": np.eye(3), "mass": np.ones(3)},
     # Slow to swing, so that hundreds of seconds, which an array of small integers asks for, are few periods.
     "modal_response": lambda: {
-        "damping": 0.02,
+        "damping_ratio": 0.02,
+        "damping": None,
         "beam": bm.Beam(1.0, 1e-4, 1.0),
         "boundary": "clamped-free",
         "modes": 2,

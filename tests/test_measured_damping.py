@@ -11,7 +11,7 @@ from scipy.optimize import nnls
 
 import beammodes as bm
 from beammodes.numerics.nonnegative import nearest_nonnegative
-from beammodes.vibration.damping import damping_of_modes, modal_ratios
+from beammodes.vibration.damping import damping_of_modes
 
 BEAM = bm.Beam(1.2, 85.0, 0.62)
 CHAIN = bm.Chain(BEAM, "clamped-free", 10, rule="gregory")
@@ -176,9 +176,6 @@ def test_the_accuracy_that_is_said_is_the_scatter() -> None:
             lambda: bm.ratio_from_decay([2.0, 1.0], periods=[1, 1]),
             "periods must ascend, one for each of 2 peaks",
         ),
-        (lambda: modal_ratios(bm.Damping(joint=1.0), np.ones(2)), "joint=0 without a chain"),
-        (lambda: modal_ratios([0.1], np.ones(2)), "a ratio for each of 2 modes, got 1"),
-        (lambda: modal_ratios({3: 0.1}, np.ones(2)), "modes up to 2, got one of mode 3"),
     ],
 )
 def test_bad_input(call: Any, message: str) -> None:

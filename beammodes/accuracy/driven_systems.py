@@ -23,10 +23,10 @@ from beammodes.problem.driving import BASES, Drive, Reading, ends_let_move
 from beammodes.problem.ends import Boundary, BoundaryLike
 from beammodes.problem.loading import Load, checked_load
 from beammodes.version import SOURCE
-from beammodes.vibration.damping import Damping
+from beammodes.vibration.damping import Damping, damping_ratios
 from beammodes.vibration.driven_chain import DrivenChain
 
-__all__ = ["HIGHEST", "UNITS", "Driven", "Place", "damping_ratios"]
+__all__ = ["HIGHEST", "UNITS", "Driven", "Place"]
 
 #: Of what is read and of what drives.
 UNITS: Mapping[str, str] = MappingProxyType(
@@ -209,24 +209,6 @@ class Driven:
         what = "the beam, exact" if isinstance(of, DrivenBeam) else repr(of.chain)
         ends = of.boundary if isinstance(of, DrivenBeam) else of.chain.boundary
         return {"source": SOURCE, "of": what, "boundary": ends.name, "load": str(of.load), **damped}
-
-
-def damping_ratios(given: ArrayLike) -> Floats:
-    """Return the damping ratios of modes in a row, one at least.
-
-    Examples
-    --------
-    >>> damping_ratios(0.01)
-    array([0.01])
-    """
-    ratios = np.atleast_1d(real_numbers("damping_ratio", given))
-    wrong = ratios[(ratios < 0.0) | (ratios >= 1.0)]
-    if ratios.ndim != 1 or not len(ratios) or len(wrong):
-        raise ValueError(
-            "damping_ratio must be one number or a row of them, one a mode, from 0 and less than 1 (0.01 is "
-            f"1 % of critical), got {shown(given if not len(wrong) else float(wrong[0]))}"
-        )
-    return ratios
 
 
 def _boundary(system: Beam | Chain, boundary: BoundaryLike | None) -> Boundary:

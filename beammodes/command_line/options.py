@@ -202,6 +202,12 @@ def as_vector(text: str) -> float | str | tuple[float | str, ...]:
     return as_number(text) if len(parts) == 1 else tuple(map(as_number, parts))
 
 
+def as_fractions(text: str) -> float | str | tuple[float | str, ...]:
+    """Return a fraction that was typed, or several with commas between."""
+    parts = text.split(",")
+    return as_fraction(text) if len(parts) == 1 else tuple(map(as_fraction, parts))
+
+
 def option(flag: str, text: str | Callable[[], str], **settings: Any) -> Option:
     """Return an option with its help, or a function that returns it, and its other settings of argparse."""
     return flag, {"help": text, **settings}
@@ -345,8 +351,9 @@ LOAD = (
 DAMPING = (
     option(
         "--damping-ratio",
-        "dampers that give the first mode, without load, this ratio: 0.01 is one percent of critical",
-        type=as_number,
+        "dampers that give the first mode, without load, this ratio: 0.01 or 1%% of critical; several for as "
+        "many modes: 0.8%%,1.1%%",
+        type=as_fractions,
         metavar="z",
     ),
     option("--stiffness-damping", "dampers b k [s]", type=as_number, default=0.0, metavar="b"),
@@ -360,7 +367,10 @@ def damping_of(options: argparse.Namespace, chain: Any) -> Any:
     if options.damping_ratio is not None:
         if options.stiffness_damping:
             raise ValueError("--damping-ratio must be given without --stiffness-damping, which it sets")
-        return joint_dampers(chain, _within("--damping-ratio", options.damping_ratio))
+        ratios = options.damping_ratio
+        if not isinstance(ratios, tuple):
+            return joint_dampers(chain, _within("--damping-ratio", ratios))
+        return joint_dampers(chain, {n: _within("--damping-ratio", z) for n, z in enumerate(ratios, 1)})
     if not options.stiffness_damping:
         return None
     return Damping(stiffness=_within("--stiffness-damping", options.stiffness_damping))

@@ -23,7 +23,7 @@ Control, and Dynamics 10 (1987), 139-151, for what is left out and what it does.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -38,7 +38,7 @@ from beammodes.problem.beam import Beam
 from beammodes.problem.ends import Boundary, BoundaryLike
 from beammodes.problem.profiles import mean_over
 from beammodes.version import SOURCE
-from beammodes.vibration.damping import Damping, modal_ratios
+from beammodes.vibration.damping import Damping, damping_ratios
 
 if TYPE_CHECKING:
     import xarray
@@ -63,7 +63,8 @@ def modal_response(
     time: ArrayLike,
     base: BaseMotion | None = None,
     initial: ArrayLike | None = None,
-    damping: Damping | float | Mapping[int, float] | Sequence[float] | Floats | None = None,
+    damping_ratio: ArrayLike | None = None,
+    damping: Damping | None = None,
     stiffening: bool = False,
     tolerance: float = 1e-10,
 ) -> xarray.Dataset:
@@ -86,9 +87,10 @@ def modal_response(
         At rest by default.
     initial : array of shape (modes,), optional
         Modal coordinates to start from at rest.
-    damping : float, mapping or row of ratios, or Damping, optional
-        The damping ratio of all modes, or one for each; of `Damping` its mass and stiffness, such as
-        `rayleigh_damping` fits. Of motion relative to the base.
+    damping_ratio : float or row of float, optional
+        ζ of modes from the first, the last one of all above: 0.01 is 1 % of critical. Given alone.
+    damping : Damping, optional
+        Rayleigh's, such as `rayleigh_damping` finds; of motion relative to the base.
     stiffening : bool
         True to let the axial force that carries the beam along stiffen it (or soften it, if it pushes).
     tolerance : float
@@ -115,7 +117,7 @@ def modal_response(
     >>> motion.tip_deflection.values.round(6) + 0.0
     array([0.      , 0.002054, 0.008309])
     >>> ends = ("clamped", bm.End(mass=0.5, offset=0.1))
-    >>> swing = bm.modal_response(bm.Beam.unit(), ends, 1, time=[0.0, 2.0], initial=[1.0], damping=0.02)
+    >>> swing = bm.modal_response(bm.Beam.unit(), ends, 1, time=[0.0, 2.0], initial=[1.0], damping_ratio=0.02)
     >>> swing.q.values[:, 0].round(6)
     array([ 1.     , -0.81874])
     """
@@ -131,12 +133,27 @@ def modal_response(
         raise ValueError(f"boundary must tie down the left end, got {pair.name}: name that end first")
     times, shapes = _ascending(time), euler_bernoulli(beam, pair, count)
     start, omega = _start(initial, count), shapes.angular_frequency
-    ratio = np.zeros(count) if damping is None else modal_ratios(damping, omega)
+    ratio = _ratios(damping_ratio, damping, omega)
     if base is None:
         q = _decaying(omega, ratio, start, times)
     else:
         q = _integrated(shapes, ratio, base, start, times, stiffening, _tolerance(tolerance))
     return _dataset(shapes, times, q)
+
+
+def _ratios(damping_ratio: ArrayLike | None, damping: Damping | None, omega: Floats) -> Floats:
+    """Return ζ of each mode."""
+    if damping is not None and not isinstance(damping, Damping):
+        raise TypeError(f"damping must be a Damping or None, got {shown(damping)}")
+    given = damping or Damping()
+    if np.any(np.asarray(given.joint)):
+        raise ValueError(f"damping of a beam must be without joint dampers, as it has no hinges, got {given}")
+    if damping_ratio is None:
+        return given.mass / (2 * omega) + given.stiffness * omega / 2
+    if given != Damping():
+        raise ValueError(f"damping_ratio must be given alone, without damping, got {given}")
+    row = damping_ratios(damping_ratio)
+    return row[np.minimum(np.arange(len(omega)), len(row) - 1)]
 
 
 def _tolerance(tolerance: float) -> float:

@@ -16,13 +16,13 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from beammodes.chains.axial_chain import AxialChain
 from beammodes.chains.chain import Chain
 from beammodes.chains.pieces import MAX_PIECES
 from beammodes.chains.spatial_chain import SpatialChain
-from beammodes.checks import bounded, is_text, not_negative, positive_real, shown, whole_number
+from beammodes.checks import bounded, is_text, not_negative, positive_real, real_numbers, shown, whole_number
 from beammodes.numerics.arrays import Floats
 from beammodes.numerics.nonnegative import nearest_nonnegative
 from beammodes.problem.loading import Load
@@ -45,9 +45,9 @@ __all__ = [
     "damped_pairs",
     "damping_along",
     "damping_of_modes",
+    "damping_ratios",
     "given_for_asked",
     "joint_dampers",
-    "modal_ratios",
     "modes_with_ratios",
     "ratios_of_modes",
 ]
@@ -342,43 +342,22 @@ def ratios_of_modes(name: str, given: object) -> dict[int, float]:
     }
 
 
-def modal_ratios(
-    damping: Damping | float | Mapping[int, float] | Sequence[float] | Floats, omega: Floats
-) -> Floats:
-    """Return the damping ratio of each mode: of Rayleigh's damping, one for all, or those given.
-
-    Parameters
-    ----------
-    damping : Damping, float, or mapping or row of ratios
-        A `Damping` without dampers of joints, which couple modes. A row gives those of modes 1, 2, ...; in a
-        mapping modes that are left out are undamped.
-    omega : ndarray, shape (modes,) [rad/s]
+def damping_ratios(given: ArrayLike) -> Floats:
+    """Return the damping ratios of modes in a row, one at least.
 
     Examples
     --------
-    >>> modal_ratios(Damping(mass=0.2, stiffness=0.01), np.array([1.0, 10.0])).round(4)
-    array([0.105, 0.06 ])
-    >>> modal_ratios({2: 0.03}, np.array([1.0, 10.0]))
-    array([0.  , 0.03])
+    >>> damping_ratios(0.01)
+    array([0.01])
     """
-    if isinstance(damping, Damping):
-        if np.any(np.asarray(damping.joint)):
-            raise ValueError(f"damping must have joint=0 without a chain to have joints, got {damping}")
-        return damping.mass / (2 * omega) + damping.stiffness * omega / 2
-    of_text = is_text(damping)
-    if (isinstance(damping, Sequence) and not of_text) or (isinstance(damping, np.ndarray) and damping.ndim):
-        row = np.array([not_negative("damping", each) for each in bounded("damping", damping)])
-        if len(row) != len(omega):
-            raise ValueError(f"damping must have a ratio for each of {len(omega)} modes, got {len(row)}")
-        return row
-    if not isinstance(damping, Mapping):
-        return np.full(len(omega), not_negative("damping", damping))
-    ratios = ratios_of_modes("damping", damping)
-    if max(ratios) > len(omega):
-        raise ValueError(f"damping must be of modes up to {len(omega)}, got one of mode {max(ratios)}")
-    found = np.zeros(len(omega))
-    found[np.array([*ratios]) - 1] = [*ratios.values()]
-    return found
+    ratios = np.atleast_1d(real_numbers("damping_ratio", given))
+    wrong = ratios[(ratios < 0.0) | (ratios >= 1.0)]
+    if ratios.ndim != 1 or not len(ratios) or len(wrong):
+        raise ValueError(
+            "damping_ratio must be one number or a row of them, one a mode, from 0 and less than 1 (0.01 is "
+            f"1 % of critical), got {shown(given if not len(wrong) else float(wrong[0]))}"
+        )
+    return ratios
 
 
 def given_for_asked(wanted: Mapping[int, float], found: Floats) -> str:
