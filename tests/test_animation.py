@@ -77,7 +77,7 @@ needs_ffmpeg = pytest.mark.skipif(not FFMpegWriter.isAvailable(), reason="needs 
 
 
 @needs_ffmpeg
-@pytest.mark.parametrize("fps", [5, 2.5])
+@pytest.mark.parametrize("fps", [pytest.param(5, marks=pytest.mark.slow), 2.5])
 def test_mp4(motion: xarray.Dataset, tmp_path: Path, fps: float) -> None:
     # 237 dots wide, where H.264 in its common form takes even numbers only.
     path = animate(motion, tmp_path / "film.mp4", fps=fps, width=2.37)

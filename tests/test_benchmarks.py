@@ -156,6 +156,7 @@ def test_right_hand_sides_are_timed_and_put_beside_each_other(monkeypatch: pytes
         motion_rivals.moving([3])
 
 
+@pytest.mark.slow
 def test_spin_ups_are_timed_and_held_against_the_beam_itself(monkeypatch: pytest.MonkeyPatch) -> None:
     few = {
         name: replace(method, tried=((4, method.tried[0][1] and 0.01),))

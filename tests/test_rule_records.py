@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 import pytest
@@ -39,9 +40,15 @@ def test_the_law_of_a_tuned_rule() -> None:
 
 
 @pytest.mark.parametrize(
-    ("boundary", "counts"), [("clamped-free", range(3, 13)), ("clamped-clamped", range(4, 13))]
+    ("boundary", "counts"),
+    [
+        ("clamped-free", [3, 4, 8, 12]),
+        ("clamped-clamped", [4, 5, 9]),
+        pytest.param("clamped-free", range(3, 13), marks=pytest.mark.slow),
+        pytest.param("clamped-clamped", range(4, 13), marks=pytest.mark.slow),
+    ],
 )
-def test_matched_springs_by_the_lookup(boundary: str, counts: range) -> None:
+def test_matched_springs_by_the_lookup(boundary: str, counts: Sequence[int]) -> None:
     rule = bm.matched(3)
     errors = bm.frequency_error(boundary, segments=np.array(counts)[:, None], mode=[1, 2, 3], rule=rule)
     assert np.abs(errors).max() < 1e-12
