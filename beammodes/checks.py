@@ -58,6 +58,18 @@ def shown(value: object) -> str:
     return text if len(text) <= _SHOWN_CHARACTERS else text[: _SHOWN_CHARACTERS - 3] + "..."
 
 
+def instead(value: object, **takers: str) -> str:
+    """Return the end of a message that says what takes a value of this class, "" for all other classes.
+
+    Examples
+    --------
+    >>> instead(3, int="range takes an int"), instead("3", int="range takes an int")
+    ('; range takes an int', '')
+    """
+    said = takers.get(type(value).__name__)
+    return f"; {said}" if said else ""
+
+
 def row_shown(values: Iterable[float], form: str, unit: str) -> str:
     """Return the first six of some numbers in a row with their unit, as results are printed.
 

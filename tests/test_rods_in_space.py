@@ -361,3 +361,29 @@ def test_ends_and_rest_shapes_are_checked_where_they_are_given() -> None:
         TypeError, match=r"^each end of boundary must be one end here, got Ends\(shape=\(2,\)\)"
     ):
         bm.segments_needed(("clamped", tips), 0.01)
+
+
+def test_messages_say_what_takes_the_other_kind() -> None:
+    wire = {"bending_stiffness": 1.0, "torsional_stiffness": 1.0, "mass_per_length": 1.0}
+    rod: Any = bm.Rod(1.0, **wire)
+    chain: Any = bm.SpatialChain(rod, "clamped-free", 3)
+    load: Any = bm.Load(gravity=9.81)
+    planar: Any = bm.Chain(bm.Beam.unit(), "clamped-free", 3)
+    asked: dict[str, Any] = {
+        "spatial_modes takes": lambda: bm.solve_modes(chain),
+        "linearize.chain. makes": lambda: bm.solve_modes(planar),
+        "rod_modes takes": lambda: bm.euler_bernoulli(rod, "clamped-free", 1),
+        "SpatialChain takes": lambda: bm.Chain(rod, "clamped-free", 3),
+        "Rod.from_beam makes": lambda: bm.SpatialChain(planar.beam, "clamped-free", 3),
+        "rod_errors takes": lambda: bm.frequency_error("clamped-free", segments=3, mode=1, beam=rod),
+        "chain_errors takes": lambda: bm.rod_errors(planar),
+        "spatial_equilibrium takes": lambda: bm.find_equilibrium(chain, bm.Load()),
+        "find_equilibrium takes": lambda: bm.spatial_equilibrium(planar),
+        "SpatialLoad has": lambda: bm.spatial_equilibrium(chain, load),
+        "critical_factor takes": lambda: bm.buckling_load(chain),
+        "export_chain writes": lambda: bm.simulate(chain, duration=1.0),
+        "the ratio b ω/2": lambda: bm.damped_modes(chain, bm.Damping(stiffness=0.1)),
+    }
+    for words, call in asked.items():
+        with pytest.raises(TypeError, match=words):
+            call()

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from beammodes.chains.units import ExactUnits
-from beammodes.checks import distinct, shown
+from beammodes.checks import distinct, instead, shown
 from beammodes.problem.beam import Beam
 from beammodes.problem.ends import NUMBERS_OF_END, Boundary, has_many, with_pairs_read
 from beammodes.problem.loading import Load, load_of
@@ -160,7 +160,8 @@ def looked_up(boundary: Any, load: Load | None, beam: Beam | None) -> tuple[Any,
 
 def _plain_beam(beam: Beam) -> Beam:
     if not isinstance(beam, Beam):
-        raise TypeError(f"beam must be a Beam, got {shown(beam)}")
+        hint = instead(beam, Rod="rod_errors takes SpatialChain(rod, ...), rod_error_dataset many of them")
+        raise TypeError(f"beam must be a Beam, got {shown(beam)}{hint}")
     if beam.is_uniform and not beam.has_rotary_inertia:
         return beam
     kind = "without rotary inertia of its sections" if beam.is_uniform else "uniform"

@@ -13,7 +13,7 @@ from beammodes.chains.chain import Chain
 from beammodes.chains.pieces import MAX_PIECES
 from beammodes.chains.rules import AnyRule
 from beammodes.chains.structure_chain import StructureChain
-from beammodes.checks import shown
+from beammodes.checks import instead, shown
 from beammodes.numerics.arrays import Floats
 from beammodes.problem.beam import Beam
 from beammodes.problem.ends import Boundary, BoundaryLike
@@ -107,8 +107,10 @@ def buckling_load(
             )
         return _chain_load(structure)
     if not isinstance(structure, Beam):
+        space = "critical_factor takes a SpatialChain and a SpatialLoad"
         raise TypeError(
             f"structure must be a Beam, Chain, Structure or StructureChain, got {shown(structure)}"
+            f"{instead(structure, SpatialChain=space, Rod=space)}"
         )
     if boundary is None:
         raise TypeError("boundary must be given for a beam, got None")

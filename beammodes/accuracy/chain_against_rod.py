@@ -10,7 +10,7 @@ import numpy as np
 from beammodes.accuracy.error_table import labelled, listed, numbered
 from beammodes.chains.rules import AnyRule, Layout, layout_of
 from beammodes.chains.spatial_chain import SpatialChain
-from beammodes.checks import shown, whole_number
+from beammodes.checks import instead, shown, whole_number
 from beammodes.exact.exact_rod import MOST_ROD_MODES, rod_modes
 from beammodes.numerics.arrays import Floats, ratios_less_one
 from beammodes.problem.rod import Rod
@@ -60,7 +60,9 @@ def rod_errors(chain: SpatialChain, modes: int = 3) -> Floats:
     array([-2.04e-05, -5.45e-05])
     """
     if not isinstance(chain, SpatialChain):
-        raise TypeError(f"chain must be a SpatialChain, got {shown(chain)}")
+        planar = "chain_errors takes a chain in a plane, in twist or in stretch"
+        hint = instead(chain, Chain=planar, AxialChain=planar, StructureChain=planar)
+        raise TypeError(f"chain must be a SpatialChain, got {shown(chain)}{hint}")
     count = whole_number("modes", modes, most=MOST_ROD_MODES)
     found = spatial_modes(chain, count).angular_frequency
     return ratios_less_one(found, _exact(chain.rod, chain.ends, count), count)

@@ -51,7 +51,7 @@ from beammodes.chains.rods import (
 )
 from beammodes.chains.rules import AnyRule, Layout, Rule, layout_of
 from beammodes.chains.units import ExactUnits, Units
-from beammodes.checks import shown, whole_number
+from beammodes.checks import instead, shown, whole_number
 from beammodes.numerics.arrays import Floats
 from beammodes.problem.beam import Beam
 from beammodes.problem.ends import Boundary, BoundaryLike
@@ -179,7 +179,9 @@ class Chain(ChainNumbers):
 
     def __init__(self, beam: Beam, boundary: BoundaryLike, segments: int, rule: AnyRule = "mitiguy") -> None:
         if not isinstance(beam, Beam):
-            raise TypeError(f"beam must be a Beam, got {shown(beam)}")
+            raise TypeError(
+                f"beam must be a Beam, got {shown(beam)}{instead(beam, Rod='SpatialChain takes a Rod')}"
+            )
         boundary, record = Boundary.of(boundary), layout_of(rule)
         count = whole_number("segments", segments, most=MAX_PIECES)
         units, exact = Units.of(beam, count), ExactUnits.of(beam, count)

@@ -17,7 +17,7 @@ from beammodes.chains.curved_pieces import curved_pieces
 from beammodes.chains.pieces import MAX_PIECES
 from beammodes.chains.rigid_tree import RigidTree, Support
 from beammodes.chains.rules import AnyRule, Layout, layout_of
-from beammodes.checks import shown, whole_number
+from beammodes.checks import instead, shown, whole_number
 from beammodes.numerics.arrays import Floats
 from beammodes.problem.beam import Beam
 from beammodes.problem.ends import End
@@ -86,7 +86,8 @@ class SpatialChain:
 
     def __init__(self, rod: Rod, boundary: RodBoundaryLike, segments: int, rule: AnyRule = "mitiguy") -> None:
         if not isinstance(rod, Rod):
-            raise TypeError(f"rod must be a Rod, got {shown(rod)}")
+            hint = instead(rod, Beam="Rod.from_beam makes one of a Beam")
+            raise TypeError(f"rod must be a Rod, got {shown(rod)}{hint}")
         ends, record = RodEnds.of(boundary), layout_of(rule)
         count = whole_number("segments", segments, most=MAX_PIECES)
         places, flexibility = _hinges(rod, ends, count, record)

@@ -30,7 +30,7 @@ import casadi
 import numpy as np
 
 from beammodes.chains.chain import Chain
-from beammodes.checks import shown
+from beammodes.checks import instead, shown
 from beammodes.dynamics.base_motion import BaseMotion
 from beammodes.dynamics.timed_loads import COLUMNS, TimedLoad, pattern
 from beammodes.equations.mechanics import coordinate_names, tip_names
@@ -48,7 +48,8 @@ Symmetric = tuple[Any, Any, Any]
 def checked_system(chain: Chain, load: Load | None, damping: Damping | None, base: BaseMotion | None) -> None:
     """Raise TypeError or ValueError for what forward dynamics cannot move."""
     if not isinstance(chain, Chain):
-        raise TypeError(f"chain must be a Chain, got {shown(chain)}")
+        hint = instead(chain, SpatialChain="export_chain writes a SpatialChain for engines that move it")
+        raise TypeError(f"chain must be a Chain, got {shown(chain)}{hint}")
     for name, value, kind in (("damping", damping, Damping), ("base", base, BaseMotion)):
         if value is not None and not isinstance(value, kind):
             raise TypeError(f"{name} must be a {kind.__name__} or None, got {shown(value)}")

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from beammodes.chains.chain import Chain
-from beammodes.checks import choice, real, real_numbers, shown, whole_number
+from beammodes.checks import choice, instead, real, real_numbers, shown, whole_number
 from beammodes.equations.held_apart import BRANCHES, checked_span, shape_between
 from beammodes.equations.mechanics import (
     Algebra,
@@ -211,7 +211,8 @@ def find_equilibrium(
     (array([ 671500., 1100100.]), True)
     """
     if not isinstance(chain, Chain):
-        raise TypeError(f"chain must be a Chain, got {shown(chain)}")
+        hint = instead(chain, SpatialChain="spatial_equilibrium takes a SpatialChain")
+        raise TypeError(f"chain must be a Chain, got {shown(chain)}{hint}")
     given = held_chain_load(chain, checked_load(load))
     if chain.pieces > MAX_BENT_PIECES:
         raise ValueError(f"chain must have at most {MAX_BENT_PIECES} pieces, got {chain.pieces}")

@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 
 from beammodes.chains.spatial_chain import SpatialChain
-from beammodes.checks import positive_real, real_numbers, shown
+from beammodes.checks import instead, positive_real, real_numbers, shown
 from beammodes.equations.joint_laws import JointLaw, joint_law
 from beammodes.numerics.arrays import Floats
 from beammodes.numerics.rotations import accumulated, rotation_vector
@@ -139,9 +139,11 @@ def spatial_equilibrium(
     array([47.13, 15.68, 53.52])
     """
     if not isinstance(chain, SpatialChain):
-        raise TypeError(f"chain must be a SpatialChain, got {shown(chain)}")
+        hint = instead(chain, Chain="find_equilibrium takes a Chain")
+        raise TypeError(f"chain must be a SpatialChain, got {shown(chain)}{hint}")
     if load is not None and not isinstance(load, SpatialLoad):
-        raise TypeError(f"load must be a SpatialLoad or None, got {shown(load)}")
+        hint = instead(load, Load="SpatialLoad has forces and gravity along x, y and z")
+        raise TypeError(f"load must be a SpatialLoad or None, got {shown(load)}{hint}")
     statics = _Statics(chain, joint_law(joints), end_place, end_frame)
     whole = load or SpatialLoad()
     if guess is None:

@@ -7,7 +7,7 @@ from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING
 
-from beammodes.checks import shown, whole_number
+from beammodes.checks import instead, shown, whole_number
 from beammodes.exact.exact_beam import BeamModes, plain_modes
 from beammodes.numerics.arrays import Floats
 from beammodes.problem.beam import Beam
@@ -68,7 +68,7 @@ def euler_bernoulli(
     array([ 9.705, 34.976, 86.607])
     """
     if not isinstance(beam, Beam):
-        raise TypeError(f"beam must be a Beam, got {shown(beam)}")
+        raise TypeError(f"beam must be a Beam, got {shown(beam)}{instead(beam, Rod='rod_modes takes a Rod')}")
     pair, pull = Boundary.of(boundary), checked_load(load)
     count = whole_number("modes", modes, most=10**6)
     check_range(beam, pair, pull)

@@ -12,7 +12,7 @@ from typing import BinaryIO
 from beammodes.chains.chain import Chain
 from beammodes.chains.spatial_chain import SpatialChain
 from beammodes.chains.structure_chain import StructureChain
-from beammodes.checks import choice, flag, shown
+from beammodes.checks import choice, flag, instead, shown
 from beammodes.equations.equilibria import Equilibrium
 from beammodes.equations.joint_laws import JointLaw, joint_law
 from beammodes.exporters.engine_step import engine_step
@@ -148,7 +148,10 @@ def export_chain(
     ['beam.urdf', 'beam.springs.yaml']
     """
     if not isinstance(chain, Chain | StructureChain | SpatialChain):
-        raise TypeError(f"chain must be a Chain, a StructureChain or a SpatialChain, got {shown(chain)}")
+        hint = instead(chain, AxialChain="a file twists as SpatialChain(Rod.from_beam(beam), ...)")
+        raise TypeError(
+            f"chain must be a Chain, a StructureChain or a SpatialChain, got {shown(chain)}{hint}"
+        )
     law = joint_law(joints)
     place, kind = _place_and_format(path, format)
     flag("fragment", fragment), flag("force", force)

@@ -22,7 +22,16 @@ from beammodes.chains.axial_chain import AxialChain
 from beammodes.chains.chain import Chain
 from beammodes.chains.pieces import MAX_PIECES
 from beammodes.chains.spatial_chain import SpatialChain
-from beammodes.checks import bounded, is_text, not_negative, positive_real, real_numbers, shown, whole_number
+from beammodes.checks import (
+    bounded,
+    instead,
+    is_text,
+    not_negative,
+    positive_real,
+    real_numbers,
+    shown,
+    whole_number,
+)
 from beammodes.numerics.arrays import Floats
 from beammodes.numerics.nonnegative import nearest_nonnegative
 from beammodes.problem.loading import Load
@@ -156,7 +165,9 @@ class ModalDamping:
 def damping_of_modes(chain: Chain, damping: Damping, load: Load | None = None) -> ModalDamping:
     """Return the undamped modes' frequencies and G, under a load that leaves the chain straight."""
     if not isinstance(chain, Chain):
-        raise TypeError(f"chain must be a Chain, got {shown(chain)}")
+        ratio = "Damping(stiffness=b) alone gives each of its modes the ratio b ω/2"
+        hint = instead(chain, SpatialChain=ratio, AxialChain=ratio)
+        raise TypeError(f"chain must be a Chain, got {shown(chain)}{hint}")
     if not isinstance(damping, Damping):
         raise TypeError(f"damping must be a Damping, got {shown(damping)}")
     if len(chain.scaled.joint_stiffness) > MAX_DENSE:

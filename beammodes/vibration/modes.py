@@ -9,7 +9,7 @@ from typing import overload
 import numpy as np
 
 from beammodes.chains.axial_chain import AxialChain
-from beammodes.checks import row_shown, shown, whole_number
+from beammodes.checks import instead, row_shown, shown, whole_number
 from beammodes.numerics.arrays import Floats
 from beammodes.problem.loading import Load
 from beammodes.vibration.axial_spectrum import AxialChainModes, solve_axial_modes
@@ -118,7 +118,15 @@ def solve_modes(
     if isinstance(model, AxialChain):
         return solve_axial_modes(model, modes)
     if not isinstance(model, LinearModel | BentModel):
-        raise TypeError(f"model must be a LinearModel or a BentModel from linearize(), got {shown(model)}")
+        takers = {
+            "Chain": "linearize(chain) makes one",
+            "SpatialChain": "spatial_modes takes a SpatialChain",
+            "StructureChain": "structure_chain_modes takes a StructureChain",
+        }
+        raise TypeError(
+            f"model must be a LinearModel or a BentModel from linearize(), got {shown(model)}"
+            f"{instead(model, **takers)}"
+        )
     chain = model.chain
     count = model.elastic_modes if modes is None else whole_number("modes", modes)
     count = min(count, model.elastic_modes)

@@ -9,7 +9,7 @@ import numpy as np
 
 from beammodes.chains.rigid_tree import RigidTree, Support
 from beammodes.chains.spatial_chain import SpatialChain
-from beammodes.checks import row_shown, shown, whole_number
+from beammodes.checks import instead, row_shown, shown, whole_number
 from beammodes.numerics.arrays import Floats, signs_of_largest
 from beammodes.vibration.tree_form import TreeForm, tree_form
 
@@ -83,7 +83,8 @@ def spatial_modes(chain: SpatialChain, modes: int = 6) -> SpatialModes:
     array([1.4518, 1.4982])
     """
     if not isinstance(chain, SpatialChain):
-        raise TypeError(f"chain must be a SpatialChain, got {shown(chain)}")
+        hint = instead(chain, Chain="solve_modes(linearize(chain)) is of a Chain")
+        raise TypeError(f"chain must be a SpatialChain, got {shown(chain)}{hint}")
     count = whole_number("modes", modes, most=_MOST_MODES)
     length, stiffness, mass = chain.rod.units
     form = tree_form(scaled_tree(chain.tree, length, stiffness, mass))
