@@ -88,6 +88,7 @@ def in_beam_units(boundary: Boundary, beam: Beam) -> Boundary:
             "mass": mass,
             "rotary_inertia": inertia,
             "offset": offset,
+            "hub_radius": units.body(0, 0, end.hub_radius)[2],
         }
         scaled: dict[str, Any] = {name: _float(name, value) for name, value in numbers.items()}
         ends.append(replace(end, **scaled))

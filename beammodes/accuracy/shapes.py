@@ -154,7 +154,11 @@ def _deviations(chain: Chain, modes: int) -> Floats:
     assert chain.beam is not None  # A rule made it.
     if not len(ours):
         return np.zeros((2, 0))
-    theirs = euler_bernoulli(chain.beam, chain.boundary, len(ours)).shape(found.position[node])
+    # On the beam: the axis of a hub lies beyond it.
+    at = np.clip(found.position[node], 0.0, chain.beam.length)
+    on_beam = at == found.position[node]
+    at, ours, weight = at[on_beam], ours[:, on_beam], weight[on_beam]
+    theirs = euler_bernoulli(chain.beam, chain.boundary, len(ours)).shape(at)
     product, norm = (ours * theirs) @ weight, ours**2 @ weight
     apart = ours - theirs * (product / (theirs**2 @ weight))[:, None]
     fitted = ours * (product / norm)[:, None]

@@ -34,7 +34,7 @@ from beammodes.checks import choice, shown
 from beammodes.numerics.arrays import Floats
 from beammodes.problem.applied_loads import LineLoad, PointLoad
 from beammodes.problem.beam import Beam
-from beammodes.problem.ends import BOUNDARIES, Boundary, BoundaryLike
+from beammodes.problem.ends import BOUNDARIES, Boundary, BoundaryLike, check_no_hub
 from beammodes.problem.loading import Load
 from beammodes.problem.profiles import profile_parts, value_at
 
@@ -340,6 +340,7 @@ def _check_load(load: object) -> None:
 
 def _without_rigid_motion(boundary: Boundary) -> Boundary:
     """Return `boundary`, or raise ValueError if it has elastic supports or lets the beam move."""
+    check_no_hub(boundary.left, boundary.right)
     if boundary.left.is_elastic or boundary.right.is_elastic:
         raise ValueError(f"boundary must hold its ends or leave them free, not on springs, got {boundary}")
     if boundary.rigid_body_modes:

@@ -269,7 +269,8 @@ class Chain(ChainNumbers):
         bodies = (units.body(*end.moving_body) for end in (boundary.left, boundary.right))
         length, mass, centre, inertia, springs = columns
         pieces = Pieces(length, mass, centre, inertia, springs, (left, right))
-        pieces = pieces.with_bodies(*bodies).condensed()
+        hubs = (units.body(0, 0, end.hub_radius)[2] for end in (boundary.left, boundary.right))
+        pieces = pieces.with_bodies(*bodies).with_hubs(*hubs).condensed()
         check_turning(pieces)
         fields |= {"boundary": boundary, "scaled": pieces}
         for name, value in fields.items():
@@ -294,13 +295,22 @@ class Chain(ChainNumbers):
         return max(0, tips + self.held_angles.count(False) - self.boundary.rigid_body_modes)
 
     @cached_property
+    def hinge_position(self) -> Floats:
+        """Distance of every hinge from the beam's left end, shape (hinges,) [m]."""
+        return self.node_position[1:-1]
+
+    @cached_property
     def node_position(self) -> Floats:
-        """Distance of the left tip, every hinge and the right tip from the left end, shape (nodes,) [m]."""
-        position = np.concatenate([[0.0], np.cumsum(self.length)])
+        """Distance of the left tip, every hinge and the right tip from the left end, shape (nodes,) [m].
+
+        A tip on a hub's axis lies beyond the beam's end.
+        """
+        position = np.concatenate([[0.0], np.cumsum(self.length)]) - float(self.boundary.left.hub_radius)
         if self.beam is not None:
             # Summed lengths miss the beam's end by their rounding, and the exact beam has no shape beyond it.
             position[-1] = self.beam.length
             position = np.minimum(position, self.beam.length)
+            position[-1] += float(self.boundary.right.hub_radius)
         position.flags.writeable = False
         return position
 

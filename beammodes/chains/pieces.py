@@ -170,6 +170,18 @@ class Pieces:
         pieces = self._with_left_body(*left)
         return pieces.turned()._with_left_body(*right).turned() if right[0] or right[1] else pieces
 
+    def with_hubs(self, left: Number, right: Number) -> Pieces:
+        """Return these pieces, the outer two of which reach on outward by so much, to a hub's axis."""
+        pieces = self._with_left_hub(left) if left else self
+        return pieces.turned()._with_left_hub(right).turned() if right else pieces
+
+    def _with_left_hub(self, radius: Number) -> Pieces:
+        return replace(
+            self,
+            length=(self.length[0] + radius, *self.length[1:]),
+            centre=(self.centre[0] + radius, *self.centre[1:]),
+        )
+
     def condensed(self) -> Pieces:
         """Return these pieces without outer ones that have nothing to move.
 
@@ -259,7 +271,7 @@ def check_pieces(columns: dict[str, tuple[Number, ...]]) -> None:
     if not any(length):
         raise ValueError("length must hold at least one piece that has a length, got only zeros")
     for i in {0, count - 1}:
-        if length[i] and not mass[i]:
+        if length[i] and not mass[i] and not columns["rotary_inertia"][i]:
             raise ValueError(f"mass[{i}] must be greater than 0 for a piece that has a length")
 
 

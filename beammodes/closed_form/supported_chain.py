@@ -65,7 +65,7 @@ from beammodes.numerics.arrays import Floats
 from beammodes.numerics.counted_roots import Sample, inertia_and_determinant, ordered_roots
 from beammodes.numerics.long_decimals import as_decimal
 from beammodes.problem.beam import Beam
-from beammodes.problem.ends import Boundary, BoundaryLike, End
+from beammodes.problem.ends import Boundary, BoundaryLike, End, check_no_hub
 from beammodes.problem.loading import Load, checked_load
 from beammodes.vibration.linear import LinearModel, linearize
 
@@ -325,6 +325,7 @@ def shortened(
 
 
 def _in_units(end: End, units: ExactUnits) -> End:
+    check_no_hub(end)
     return End(
         units.support(end.translational_stiffness, 2),
         units.support(end.rotational_stiffness, 0),

@@ -22,7 +22,7 @@ from beammodes.closed_form.end_planes import EndNumbers, Plane, over_hinge, over
 from beammodes.closed_form.rod_row import joined, row
 from beammodes.numerics.arrays import OF_ARRAYS, Elementary, Floats
 from beammodes.problem.end_columns import BoundaryColumns, EndColumns
-from beammodes.problem.ends import Boundary, End
+from beammodes.problem.ends import Boundary, End, check_no_hub
 
 __all__ = ["ChainColumns", "EndWeights", "OneChain", "end_weights", "one_chain", "sample", "sizes"]
 
@@ -303,6 +303,7 @@ def one_chain(
 
 
 def _in_segments(end: End, size: float) -> list[float]:
+    check_no_hub(end)
     rows = []
     for stiffness, unit in ((end.translational_stiffness, size**3), (end.rotational_stiffness, size)):
         rows += [1.0, 0.0] if stiffness == math.inf else [float(stiffness) / unit, 1.0]

@@ -62,7 +62,7 @@ _HELD = {
     "y": ("node", "position of each node across it", "m"),
     "q": ("coordinate", "generalized coordinates", "m, rad"),
     "u": ("coordinate", "generalized speeds", "m/s, rad/s"),
-    "tip_deflection": (None, "right tip's distance from the line of the base", "m"),
+    "tip_deflection": (None, "right tip's distance from the line of the base or hub", "m"),
     "kinetic_energy": (None, "kinetic energy", "J"),
     "potential_energy": (None, "energy of springs, supports and a constant Load", "J"),
     "energy": (None, "kinetic and potential energy", "J"),
@@ -180,7 +180,9 @@ def _motion_dataset(
     tip, tip_speed = (_of_tip(chain, values, course[:2, k]) for k, values in enumerate((q, u)))
     cosine, sine = np.cos(angle), np.sin(angle)
     x, y = (_summed(start, length * part) for start, part in zip(tip, (cosine, sine), strict=True))
-    phi, dx, dy = course[2, 0], x[:, -1] - course[0, 0], y[:, -1] - course[1, 0]
+    # A hub that turns carries the line with it.
+    phi = angle[:, 0] if chain.boundary.left.hub_radius else course[2, 0]
+    dx, dy = x[:, -1] - course[0, 0], y[:, -1] - course[1, 0]
     # A diverging run may end in numbers whose squares are too large.
     with np.errstate(over="ignore", invalid="ignore"):
         kinetic, potential, _ = piece_energies(

@@ -264,7 +264,7 @@ def _shares(motion: Motion, count: int) -> Floats:
     everything = float(stored @ stored + moving @ moving)
     if modes.rigid_body_modes:
         shifts = [(np.ones(chain.pieces + 1), np.zeros(chain.pieces))] if "y_0" in tips else []
-        turns = [(chain.node_position, np.ones(chain.pieces))] if free.all() else []
+        turns = [(chain.node_position - chain.node_position[0], np.ones(chain.pieces))] if free.all() else []
         strains, speeds = (np.array([each(*shape) for shape in shifts + turns]) for each in (strain, speed))
         # Those mixtures of a shift and a turn that store nothing.
         _, mixed = np.linalg.eigh(strains @ strains.T)

@@ -37,6 +37,7 @@ from typing import Any
 
 from beammodes.chains.chain import Chain
 from beammodes.chains.pieces import Number, each_once
+from beammodes.problem.ends import check_no_hub
 from beammodes.problem.loading import Load, checked_load
 
 __all__ = [
@@ -84,6 +85,8 @@ def held_chain_load(chain: Chain, load: Load) -> Load:
     beam = chain.beam
     if load.spin_rate and beam is not None and beam.has_rotary_inertia:
         raise ValueError("beam must have no rotary_inertia_per_length on a turning hub")
+    if load.spin_rate:
+        check_no_hub(chain.boundary.left, chain.boundary.right)
     return load
 
 

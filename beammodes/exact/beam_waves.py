@@ -170,7 +170,7 @@ def high_waves(beam: UnitBeam, omega: Floats) -> BeamWaves:
     near, far = np.array(left.waves), np.where(alike < 0.0, -1.0, 1.0) * np.array(right.waves)
     mass = _mass(p, q, float(beam.gyration), near, far)
     for end, turned in ((beam.left, left), (beam.right, right)):
-        _, _, body, inertia, offset = map(float, end[1:])
+        body, inertia, offset = float(end.mass), float(end.inertia), float(end.offset)
         mass += body * (turned.deflection - offset * turned.rotation) ** 2 + inertia * turned.rotation**2
     unset = np.zeros((len(q), 4))  # Long waves only.
     unit = np.copysign(np.sqrt(mass), _first_motion(beam.left, left))
@@ -199,7 +199,8 @@ def _reflection(end: UnitEnd, p: Floats, q: Floats) -> Reflection:
 
 def _released(end: UnitEnd, p: Floats, q: Floats, scale: Floats) -> tuple[Floats, Floats, Floats]:
     """Return det Z, y and θ, over what is not held."""
-    _, kt, kr, mass, inertia, offset = end
+    # A hub's axis lies off no end here: all its modes are found as low ones are.
+    _, kt, kr, mass, inertia, offset, _ = end
     square, none = (p * q) ** 2, np.zeros_like(q)
     spring, turn = float(kt) - square * float(mass), float(kr) - square * float(inertia)
     coupled = square * float(mass) * float(offset)

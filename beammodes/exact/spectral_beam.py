@@ -235,7 +235,7 @@ def spectral_buckling(beam: Beam, boundary: BoundaryLike) -> float:
         free = supported_motions(beam, pair, strains)
         if free.turns_freely:
             raise ValueError(f"boundary must resist a rigid rotation to have a buckling load, got {pair}")
-        load = float(np.linalg.norm(slope_rows(strains) @ free.elastic, 2)) ** -2
+        load = float(np.linalg.norm(slope_rows(beam, pair, strains) @ free.elastic, 2)) ** -2
         reached = min(reached, abs(load / previous - 1.0))
         if reached <= AGREEMENT:
             return load * beam.mean_bending_stiffness / beam.length**2

@@ -14,7 +14,7 @@ import numpy as np
 from beammodes.exact.spectral_grid import Grid
 from beammodes.numerics.arrays import Floats
 from beammodes.problem.beam import Beam
-from beammodes.problem.ends import Boundary
+from beammodes.problem.ends import Boundary, check_no_hub
 from beammodes.problem.loading import Load
 
 __all__ = [
@@ -165,6 +165,8 @@ def straight_load(beam: Beam, boundary: Boundary, load: Load) -> Load:
         )
     if load.spin_rate and beam.has_rotary_inertia:
         raise ValueError("beam must have no rotary_inertia_per_length on a turning hub")
+    if load.spin_rate:
+        check_no_hub(boundary.left, boundary.right)
     return load
 
 
@@ -174,7 +176,8 @@ def tension_of(beam: Beam, boundary: Boundary, strains: Strains, load: Load) -> 
         T(x) = axial force + tip force + m p of the right end's body + ∫ ρA p ds from x to L,   p = g_x + Ω² X
 
     with X the distance from the axis of rotation. An end's body whose centre of mass lies at a beyond it
-    resists turning with  Ω² J + a m p  at the right end and  Ω² J - a m p  at the left.
+    resists turning with  Ω² J + a m p  at the right end and  Ω² J - a m p  at the left; a hub of radius R
+    with R times what pulls on it, besides.
 
     On the beam it does its work on y', on the bodies at its ends on θ.
 
@@ -188,6 +191,7 @@ def tension_of(beam: Beam, boundary: Boundary, strains: Strains, load: Load) -> 
     gravity = float(load.weight[0]) / length / beam.frequency_unit / beam.frequency_unit
     tip = (float(load.axial_force) + float(load.tip[0])) / bending * length * length
     whole, hub, turning = beam.mean_mass_per_length * length, float(load.hub_radius) / length, []
+    applied, forces = tip, []
     with np.errstate(over="ignore", invalid="ignore"):
         for end, outward, at in ((boundary.left, -1.0, 0.0), (boundary.right, 1.0, 1.0)):
             mass, inertia, offset = (float(number) for number in end.moving_body)
@@ -195,8 +199,12 @@ def tension_of(beam: Beam, boundary: Boundary, strains: Strains, load: Load) -> 
             force = mass / whole * (gravity + square * (hub + at + arm))
             turning.append(arm * force + square * (inertia / whole / length / length))
             tip += at * force
+            forces.append(force)
         spread = grid.mass * (gravity + square * (hub + grid.x))
         beyond = grid.weight @ spread - grid.integral(spread)
+        left, right = _radii(beam, boundary)
+        turning[0] += left * (tip + float(grid.weight @ spread) + forces[0])
+        turning[1] += right * applied
         pull = np.array([*(grid.weight * (tip + beyond)), *turning])
     if not np.isfinite(pull).all():
         raise ValueError(f"load must not leave the range of floating-point numbers for this beam, got {load}")
@@ -276,14 +284,18 @@ def supported_motions(
     that fix a straight line are coordinates, of compliance 1/√K, and the others change the identity by rank
     one each, the stiffest first: no stiffness is ever added to a smaller one.
     """
-    strain, rows = strains.of_unit_energy, strains.ends
+    strain, rows, lines = strains.of_unit_energy, strains.ends.copy(), _LINES.copy()
+    for first, outward, radius in zip((0, 2), (-1.0, 1.0), _radii(beam, boundary), strict=True):
+        # What is held is the axis of a hub.
+        rows[first] += outward * radius * rows[first + 1]
+        lines[first, 1] += outward * radius
     stiffness = _end_stiffness(beam, boundary)
     if tension is not None:
         stiffness[4], rows[4] = tension.stiffness, tension.mean_row
     order = sorted(range(5), key=lambda i: -stiffness[i])
     # Any second quantity will do except that two slopes leave the line free to shift.
-    pair = [order[0], next(i for i in order[1:] if np.linalg.det(_LINES[[order[0], i]]) != 0.0)]
-    line = np.linalg.inv(_LINES[pair])
+    pair = [order[0], next(i for i in order[1:] if np.linalg.det(lines[[order[0], i]]) != 0.0)]
+    line = np.linalg.inv(lines[pair])
     elastic = [np.vstack((strain, -line @ rows[pair, :-2] @ strain))]
     rigid = [np.zeros((len(strain) + 2, 0))]
     for quantity, alone in zip(pair, line.T, strict=True):
@@ -325,9 +337,11 @@ def with_tension(motions: Motions, tension: Tension, load: Load) -> Motions:
     return Motions(stored, motions.rigid, margin)
 
 
-def slope_rows(strains: Strains) -> Floats:
-    """Return rows G with |G · motion|² = ∫ y'² dx."""
-    return _compressed(np.sqrt(strains.grid.weight)[:, None] * strains.slope)
+def slope_rows(beam: Beam, boundary: Boundary, strains: Strains) -> Floats:
+    """Return rows G with |G · motion|² = ∫ y'² dx + Σ R θ² over hubs, of radius R."""
+    radii = np.sqrt(_radii(beam, boundary))[:, None]
+    rows = np.vstack((np.sqrt(strains.grid.weight)[:, None] * strains.slope, radii * strains.ends[[1, 3]]))
+    return _compressed(rows)
 
 
 def kinetic_rows(beam: Beam, boundary: Boundary, strains: Strains) -> Floats:
@@ -344,6 +358,11 @@ def kinetic_rows(beam: Beam, boundary: Boundary, strains: Strains) -> Floats:
         rows.append(math.sqrt(mass / whole) * centre[None])
         rows.append(math.sqrt(inertia / whole) / length * ends[first + 1][None])
     return np.vstack(rows)
+
+
+def _radii(beam: Beam, boundary: Boundary) -> list[float]:
+    """Return the radius of the hub at either end over the beam's length."""
+    return [float(end.hub_radius) / beam.length for end in (boundary.left, boundary.right)]
 
 
 def _end_stiffness(beam: Beam, boundary: Boundary) -> list[float]:

@@ -190,7 +190,7 @@ def _high_frequencies(unit: UnitBeam, first: int, end: int) -> Floats:
 
 def _repeated(side: UnitEnd, shape: tuple[int, ...]) -> EndColumns:
     """Return an end's columns of so many times itself."""
-    holds, *numbers = side
+    holds, *numbers, _ = side
     springs = (math.inf if held else float(spring) for held, spring in zip(holds, numbers[:2], strict=True))
     columns = (np.broadcast_to(number, shape) for number in (*springs, *map(float, numbers[2:]), False))
     return EndColumns(*columns)
@@ -198,7 +198,7 @@ def _repeated(side: UnitEnd, shape: tuple[int, ...]) -> EndColumns:
 
 def _low_modes(unit: UnitBeam, rigid: int, count: int) -> int:
     """Return how many of the first elastic modes have ends that feel each other's fading waves."""
-    if rigid + count <= _SURELY_LOW:
+    if rigid + count <= _SURELY_LOW or unit.has_hub:
         return count
     wave = first_separate_wave(unit)
     if wave.is_infinite():

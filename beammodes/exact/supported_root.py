@@ -137,6 +137,10 @@ def supported_root(beam: UnitBeam, number: int, rest: float = LAST) -> Decimal |
     """
     if beam.tension < -ABOVE_CRITICAL:
         return None
+    if beam.has_hub:
+        with localcontext(LONG):
+            square = beam.root(number, as_decimal(max(_pinned(beam, (number - 0.5) * math.pi), FLOOR)) ** 2)
+            return None if square is None else square.sqrt()
     try:
         omega, sure = _corrected(beam, number, rest)
     except (ArithmeticError, ValueError):

@@ -45,7 +45,8 @@ ABOVE_CRITICAL = Decimal("39.5")
 class UnitEnd(NamedTuple):
     """Supports and moving body of one end over EI/L³, EI/L, ρA L, ρA L³ and L; springs that hold are 0.
 
-    Rotations are θ with x running inward from this end: the body's centre of mass deflects by y - a θ.
+    Rotations are θ with x running inward from this end: the body's centre of mass deflects by y - a θ, and
+    what the supports hold is the deflection y - R θ of a hub's axis, where R is the `reach`.
     """
 
     holds: tuple[bool, bool]
@@ -54,6 +55,7 @@ class UnitEnd(NamedTuple):
     mass: Decimal
     inertia: Decimal
     offset: Decimal
+    reach: Decimal = _NONE
 
     @classmethod
     def of(cls, end: End, units: tuple[Decimal, ...]) -> UnitEnd:
@@ -61,13 +63,14 @@ class UnitEnd(NamedTuple):
         holds = (end.holds_deflection, end.holds_rotation)
         springs = (end.translational_stiffness, end.rotational_stiffness)
         moved = (0.0 if held else spring for held, spring in zip(holds, springs, strict=True))
-        numbers = (*moved, *end.moving_body)
-        return cls(holds, *(as_decimal(n) / unit for n, unit in zip(numbers, units, strict=True)))
+        numbers, of = (*moved, *end.moving_body, end.hub_radius), (*units, units[-1])
+        return cls(holds, *(as_decimal(n) / unit for n, unit in zip(numbers, of, strict=True)))
 
-    def impedance(self, square: Decimal) -> tuple[Decimal, Decimal, Decimal]:
-        """Return the yy, yθ and θθ entries of K - ω² M."""
-        coupled = square * self.mass * self.offset
-        turning = self.rotational - square * self.inertia - coupled * self.offset
+    def impedance(self, square: Decimal, tension: Decimal) -> tuple[Decimal, Decimal, Decimal]:
+        """Return the yy, yθ and θθ entries of K - ω² M, in the deflection of the axis and the rotation."""
+        arm = self.offset - self.reach
+        coupled = square * self.mass * arm
+        turning = self.rotational - square * self.inertia - coupled * arm + tension * self.reach
         return self.translational - square * self.mass, coupled, turning
 
 
@@ -149,6 +152,11 @@ class UnitBeam:
         return sum(abs(number.adjusted()) for number in numbers if number)
 
     @property
+    def has_hub(self) -> bool:
+        """True where the axis of an end lies off it."""
+        return bool(self.left.reach or self.right.reach)
+
+    @property
     def translation_is_free(self) -> bool:
         """True where nothing resists a deflection that is the same everywhere."""
         return not any(end.holds[0] or end.translational for end in (self.left, self.right))
@@ -184,7 +192,7 @@ class UnitBeam:
         with localcontext() as context:
             context.prec = self.digits(square)
             held = (*self.left.holds, *self.right.holds)
-            return Sample(square, *self._counted(square, self.exponents(square), held))
+            return Sample(square, *self._counted(square, self.tension, self.exponents(square), held))
 
     def static_sample(self, compression: Decimal) -> Sample:
         """Count the buckling loads below `compression` > 0 and evaluate their determinant there.
@@ -201,9 +209,12 @@ class UnitBeam:
             context.prec = self.digits(compression)
             first, *others = (*self.left.holds, *self.right.holds)
             held = (first or self.translation_is_free, *others)
-            return Sample(compression, *self._counted(_NONE, self.exponents(_NONE, -compression), held))
+            waves = self.exponents(_NONE, -compression)
+            return Sample(compression, *self._counted(_NONE, -compression, waves, held))
 
-    def _counted(self, square: Decimal, waves: _Waves, held: tuple[bool, ...]) -> tuple[int, Decimal]:
+    def _counted(
+        self, square: Decimal, tension: Decimal, waves: _Waves, held: tuple[bool, ...]
+    ) -> tuple[int, Decimal]:
         """Count from the pinned beam to the clamped one and on to this one.
 
         The pinned beam's roots are known: wavenumbers n π on the first branch from n = 1, on the second from
@@ -220,7 +231,14 @@ class UnitBeam:
         )
         matrix = [[a, -b, d, e], [-b, c, -e, -f], [d, -e, a, b], [e, -f, b, c]]
         for i, end, side in ((0, self.left, 1), (2, self.right, -1)):
-            deflection, coupled, turning = end.impedance(square)
+            if end.reach:
+                # Of the axis, y - R θ, in the place of the end's deflection.
+                for row in matrix:
+                    row[i + 1] += side * end.reach * row[i]
+                matrix[i + 1] = [
+                    b + side * end.reach * a for a, b in zip(matrix[i], matrix[i + 1], strict=True)
+                ]
+            deflection, coupled, turning = end.impedance(square, tension)
             matrix[i][i] += deflection
             matrix[i + 1][i + 1] += turning
             matrix[i][i + 1] += side * coupled
@@ -343,8 +361,10 @@ class UnitBeam:
         """Return the two conditions of both ends on the four waves, whose states there are given."""
         rows = []
         for end, waves, side in ((self.left, ends[0], 1), (self.right, ends[1], -1)):
-            deflection, coupled, turning = end.impedance(square)
-            inward = [(y, side * theta, moment, side * force) for y, theta, moment, force in waves]
+            deflection, coupled, turning = end.impedance(square, self.tension)
+            about = [(y, side * theta, moment, side * force) for y, theta, moment, force in waves]
+            r = end.reach
+            inward = [(y - r * theta, theta, moment + r * force, force) for y, theta, moment, force in about]
             released = (
                 [deflection * y + coupled * theta - force for y, theta, _, force in inward],
                 [coupled * y + turning * theta - moment for y, theta, moment, _ in inward],

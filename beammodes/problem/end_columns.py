@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from beammodes.checks import plain_array, real_numbers, shown
 from beammodes.numerics.arrays import Floats
-from beammodes.problem.ends import NUMBERS_OF_END, Boundary, End, ManyEnds
+from beammodes.problem.ends import NUMBERS_OF_END, Boundary, End, ManyEnds, check_no_hub
 
 __all__ = ["BoundaryColumns", "EndColumns", "Ends", "pairs_of_columns"]
 
@@ -52,7 +52,9 @@ class EndColumns:
     @classmethod
     def given(cls, ends: Iterable[End]) -> EndColumns:
         """Return the columns of ends as they are, with bodies that cannot move."""
-        rows = np.array([_NUMBERS(end) for end in ends], dtype=np.float64).reshape(-1, len(_FIELDS))
+        listed = list(ends)
+        check_no_hub(*listed)
+        rows = np.array([_NUMBERS(end) for end in listed], dtype=np.float64).reshape(-1, len(_FIELDS))
         k_t, k_r, mass, inertia, offset, on_segment = rows.T.copy()
         return cls(k_t, k_r, mass, inertia, offset, on_segment > 0)
 

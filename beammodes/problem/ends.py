@@ -29,6 +29,7 @@ __all__ = [
     "NotPlain",
     "boundary_code",
     "boundary_codes",
+    "check_no_hub",
     "end_from_text",
     "end_of",
     "ends_in",
@@ -56,6 +57,7 @@ class End:
 
         ½ K_t y² + ½ K_r θ²,        ½ m (y' ± a θ')² + ½ J θ'²    (+ at the right end).
 
+    A hub that turns freely is a pinned end whose axis lies `hub_radius` beyond it; `End.hub` makes one.
     `ENDS` holds the four special ones: clamped, pinned, guided and free. Numbers given as `Fraction`
     stay exact in the chain.
 
@@ -77,12 +79,17 @@ class End:
         Where a chain puts the body and the rotational spring of an end that may turn; the beam is the same.
         False: behind a hinge of the end's own, with the springs of a clamped end. True: on the outermost
         segment itself, without a hinge, as a gripper is welded to a robot's last link. See `statics`.
+    hub_radius : float [m]
+        R, how far beyond the end, along the beam and outward, lies the axis about which the end turns: what
+        is held is  y ± R θ. Only where the end holds the deflection and not the rotation, with a rotary
+        inertia.
 
     Raises
     ------
     TypeError, ValueError
         If a number is not real, is negative (`offset` may be), or is not finite (stiffnesses may be), if
-        `on_segment` is not a bool, or is True where the end holds the rotation.
+        `on_segment` is not a bool, or is True where the end holds the rotation; if there is a hub's radius
+        without an axis, or without inertia.
 
     Examples
     --------
@@ -100,9 +107,40 @@ class End:
     rotary_inertia: float | Fraction = 0.0
     offset: float | Fraction = 0.0
     on_segment: bool = field(default=False, kw_only=True)
+    hub_radius: float | Fraction = field(default=0.0, kw_only=True)
+
+    @classmethod
+    def hub(
+        cls,
+        radius: float | Fraction,
+        rotary_inertia: float | Fraction,
+        rotational_stiffness: float | Fraction = 0.0,
+    ) -> End:
+        """Return a hub that turns about its axis, with the beam standing out from its rim, clamped to it.
+
+        Parameters
+        ----------
+        radius : float [m]
+            From the axis to the beam's end.
+        rotary_inertia : float [kg m²]
+            Of the hub, about its axis.
+        rotational_stiffness : float [N m/rad]
+            Of a spring that holds the hub to the ground, such as a servo's; the hub turns freely without.
+
+        Raises
+        ------
+        TypeError, ValueError
+            As `End`.
+
+        Examples
+        --------
+        >>> print(End.hub(radius=1.0, rotary_inertia=5.0))
+        pinned(rotary_inertia=5.0, hub_radius=1.0)
+        """
+        return cls(math.inf, rotational_stiffness, rotary_inertia=rotary_inertia, hub_radius=radius)
 
     def __post_init__(self) -> None:
-        for name in NUMBERS_OF_END:
+        for name in (*NUMBERS_OF_END, "hub_radius"):
             value = getattr(self, name)
             held = name.endswith("stiffness") and isinstance(value, float) and value == math.inf
             number = math.inf if held else real(name, value)
@@ -120,10 +158,17 @@ class End:
                 "on_segment must be False where the end holds the rotation, got True: the rule rigid_stub "
                 "holds the outermost segment itself"
             )
+        if self.hub_radius and not (self.holds_deflection and not self.holds_rotation):
+            raise ValueError(
+                "hub_radius must be 0 unless the end holds the deflection and not the rotation (pinned), got "
+                f"{shown(self.hub_radius)}"
+            )
+        if self.hub_radius and not self.rotary_inertia:
+            raise ValueError("rotary_inertia must be greater than 0 of a hub with a radius, got 0")
 
     @property
     def holds_deflection(self) -> bool:
-        """True if the end's deflection is zero."""
+        """True if the end's deflection is zero, or that of the axis of its hub."""
         return self.translational_stiffness == math.inf
 
     @property
@@ -147,7 +192,7 @@ class End:
         mass, inertia, offset = self.mass, self.rotary_inertia, self.offset
         if self.holds_rotation:
             return (0.0, 0.0, 0.0) if self.holds_deflection else (mass, 0.0, 0.0)
-        if self.holds_deflection and not offset:
+        if self.holds_deflection and offset == self.hub_radius:
             return 0.0, inertia, 0.0
         return mass, inertia, offset if mass else 0.0
 
@@ -200,7 +245,8 @@ class End:
         return _WORDS[self.holds_deflection, self.holds_rotation]
 
     def __str__(self) -> str:
-        numbers = [f"{name}={float(getattr(self, name))!r}" for name in NUMBERS_OF_END if self._tells(name)]
+        named = (*NUMBERS_OF_END, "hub_radius")
+        numbers = [f"{name}={float(getattr(self, name))!r}" for name in named if self._tells(name)]
         numbers += ["on_segment=true"] if self.on_segment else []
         return f"{self._held}({', '.join(numbers)})" if numbers else self._held
 
@@ -246,7 +292,7 @@ def end_from_text(text: str) -> End | None:
     seen: set[str] = set()
     for part in (match[2] or "").split(",") if match[2] else []:
         name, _, value = (piece.strip() for piece in part.partition("="))
-        choice("number of an end", name, (*NUMBERS_OF_END, "on_segment"))
+        choice("number of an end", name, (*NUMBERS_OF_END, "hub_radius", "on_segment"))
         if name in seen:
             raise ValueError(f"{name} of an end must be given once, got {shown(text)}")
         seen.add(name)
@@ -264,6 +310,21 @@ def end_from_text(text: str) -> End | None:
 
 class ManyEnds:
     """What stands for many ends of a beam at once; `end_columns.Ends` is one."""
+
+
+def check_no_hub(*ends: End) -> None:
+    """Raise ValueError if one of the ends is a hub whose axis lies off it, for what knows none.
+
+    Examples
+    --------
+    >>> check_no_hub(ENDS["pinned"])
+    """
+    for end in ends:
+        if end.hub_radius:
+            raise ValueError(
+                f"boundary must have no hub_radius here, got {shown(str(end))}: chains, linearize, simulate, "
+                "euler_bernoulli and chain_errors take hubs"
+            )
 
 
 #: A pair of ends of which either may stand for many.
@@ -487,7 +548,7 @@ def boundary_code(value: str | Boundary) -> int:
 def _firmness(end: End) -> tuple[float | Fraction, ...]:
     """Return a key that sorts the firmer end first: clamped, pinned, guided, free among the plain ones."""
     supports = (-end.translational_stiffness, -end.rotational_stiffness)
-    return (*supports, end.mass, end.rotary_inertia, end.offset, end.on_segment)
+    return (*supports, end.mass, end.rotary_inertia, end.offset, end.hub_radius, end.on_segment)
 
 
 def _split(value: str) -> tuple[str, ...]:

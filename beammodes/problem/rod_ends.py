@@ -12,7 +12,7 @@ import numpy as np
 from beammodes.checks import flag, not_negative, real, shown
 from beammodes.numerics.arrays import Floats
 from beammodes.numerics.rotations import cross_matrix
-from beammodes.problem.ends import ENDS, Boundary, End, end_of, pair_of
+from beammodes.problem.ends import ENDS, Boundary, End, check_no_hub, end_of, pair_of
 
 __all__ = ["RodBoundaryLike", "RodEnd", "RodEnds"]
 
@@ -111,6 +111,7 @@ class RodEnd:
         if isinstance(end, RodEnd):
             return end
         plain = end_of(end, whole)
+        check_no_hub(plain)
         across, turning = float(plain.translational_stiffness), float(plain.rotational_stiffness)
         along = math.inf if plain.is_grounded and (plain.holds_deflection or plain.holds_rotation) else across
         inertia = float(plain.rotary_inertia)

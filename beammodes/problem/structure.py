@@ -22,7 +22,7 @@ import numpy as np
 
 from beammodes.checks import bounded, choice, not_negative, real, shown
 from beammodes.problem.beam import Beam
-from beammodes.problem.ends import NUMBERS_OF_END, Boundary, BoundaryLike, End
+from beammodes.problem.ends import NUMBERS_OF_END, Boundary, BoundaryLike, End, check_no_hub
 from beammodes.problem.profiles import SAME_PLACE, Profile, Table, table_limit, value_at
 
 __all__ = [
@@ -381,6 +381,7 @@ class Structure:
         [6.2, 1.2999999999999998]
         """
         pair = Boundary.of(boundary)
+        check_no_hub(pair.left, pair.right)
         for end in (pair.left, pair.right):
             if end.on_segment:
                 raise ValueError(f"boundary must have on_segment False in a structure, got {pair}")
