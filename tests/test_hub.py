@@ -178,6 +178,19 @@ def test_momentum_and_energy_of_a_driven_hub_balance(method: str, which: int) ->
     assert gaps[0] / gaps[1] > 0.8 * 2.0 ** {"rk4": 4, "midpoint": 2, "sdirk2": 2}[method]
 
 
+def test_the_response_to_a_torque_is_a_sum_of_the_chains_modes() -> None:
+    # A torque on the hub, read as the hub's angle; 1/(I ω²) of the whole as a rigid body.
+    chain = bm.Chain(BAR, (HUB, "free"), 6)
+    modes, square = bm.solve_modes(bm.linearize(chain)), (2 * math.pi * 3.0) ** 2
+    centre = chain.node_position[:-1] + 1.0 + chain.centre
+    whole = float((chain.mass * centre**2 + chain.rotary_inertia).sum())
+    expected = np.sum(modes.rotation[:, 0] ** 2 / (modes.angular_frequency**2 - square)) - 1 / (
+        whole * square
+    )
+    found = bm.frequency_response(chain, frequency=3.0, moment_at=0.0, rotation_at=0.0)
+    assert complex(found.receptance) == pytest.approx(expected, rel=1e-10)
+
+
 def test_mujoco_has_the_coupled_frequencies(tmp_path: Any) -> None:
     mujoco = pytest.importorskip("mujoco")
     linalg = pytest.importorskip("scipy.linalg")
@@ -210,6 +223,7 @@ def test_what_a_hub_must_be_and_where_none_is_known() -> None:
         lambda: bm.segments_needed((HUB, "free"), tolerance=0.01, modes=1),
         lambda: bm.static_dataset(boundary=[(HUB, "pinned")], segments=[3]),
         lambda: bm.Structure.of_beam(BAR, (HUB, "free")),
+        lambda: bm.frequency_response(BAR, (HUB, "free"), frequency=1.0, force_at=5.0, deflection_at=5.0),
         lambda: bm.linearize(bm.Chain(BAR, (HUB, "free"), 3), load=bm.Load(spin_rate=1.0)),
         lambda: bm.euler_bernoulli(BAR, (HUB, "free"), 1, load=bm.Load(spin_rate=1.0)),
     ):

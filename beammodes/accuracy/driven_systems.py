@@ -20,7 +20,7 @@ from beammodes.numerics.marched_states import Complex
 from beammodes.numerics.modal_sums import ModalSum, damped_sum
 from beammodes.problem.beam import Beam
 from beammodes.problem.driving import BASES, Drive, Reading, ends_let_move
-from beammodes.problem.ends import Boundary, BoundaryLike
+from beammodes.problem.ends import Boundary, BoundaryLike, check_no_hub
 from beammodes.problem.loading import Load, checked_load
 from beammodes.version import SOURCE
 from beammodes.vibration.damping import Damping, damping_ratios
@@ -215,7 +215,9 @@ def _boundary(system: Beam | Chain, boundary: BoundaryLike | None) -> Boundary:
     if isinstance(system, Beam):
         if boundary is None:
             raise ValueError('boundary must be the ends of the beam, such as "clamped-free", got None')
-        return Boundary.of(boundary)
+        pair = Boundary.of(boundary)
+        check_no_hub(pair.left, pair.right)
+        return pair
     if boundary is not None:
         raise ValueError(f"boundary must be left out with a chain, which has its own, got {shown(boundary)}")
     return system.boundary

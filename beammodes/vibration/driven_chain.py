@@ -139,8 +139,10 @@ class DrivenChain:
         if not turns:
             return [_Share(piece, 1.0, (x - node[piece]) / chain.units.length)]
         both = [int(here[0]), int(here[-1]) + 1] if len(here) else [piece]
-        # A piece of no length is the end itself.
+        # A piece of no length is the end itself, and so is a hub at x = 0.
         pieces = [p for p in both if not chain.length[p]] or both
+        if chain.boundary.left.hub_radius and x <= _SAME_PLACE * node[-1]:
+            pieces = [0]
         return [_Share(p, 0.0, 1.0 / len(pieces)) for p in pieces]
 
     @cached_property
