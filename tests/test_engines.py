@@ -59,6 +59,7 @@ OPEN: dict[str, BoundaryLike] = {
     "rotation sprung only": (End(0.0, 40.0), "free"),
     "deflection sprung only": (End(900.0, 0.0), "free"),
     "slider on a spring": (End(900.0, math.inf), "free"),
+    "hub": (End.hub(0.3, 0.05), "free"),
 }
 # Supported at both: tendons.
 CLOSED: dict[str, BoundaryLike] = {

@@ -191,21 +191,6 @@ def test_the_response_to_a_torque_is_a_sum_of_the_chains_modes() -> None:
     assert complex(found.receptance) == pytest.approx(expected, rel=1e-10)
 
 
-def test_mujoco_has_the_coupled_frequencies(tmp_path: Any) -> None:
-    mujoco = pytest.importorskip("mujoco")
-    linalg = pytest.importorskip("scipy.linalg")
-    chain = bm.Chain(BAR, (HUB, "free"), 8, "gregory")
-    bm.export_chain(chain, tmp_path / "hub.xml")
-    model = mujoco.MjModel.from_xml_path(str(tmp_path / "hub.xml"))
-    data, mass = mujoco.MjData(model), np.zeros((model.nv, model.nv))
-    mujoco.mj_forward(model, data)
-    mujoco.mj_fullM(model, data, mass)
-    springs = np.array(model.jnt_stiffness).reshape(model.njnt, -1)[:, 0]
-    square = linalg.eigh(np.diag(springs), mass, eigvals_only=True)
-    found = bm.solve_modes(bm.linearize(chain)).angular_frequency
-    np.testing.assert_allclose(np.sqrt(square[1:]), found, rtol=1e-8)
-
-
 def test_what_a_hub_must_be_and_where_none_is_known() -> None:
     text = "pinned(rotary_inertia=5.0, hub_radius=1.0)-free"
     assert bm.Boundary.of(text) == bm.Boundary(HUB, bm.ENDS["free"]) and bm.Boundary.of(text).name == text
