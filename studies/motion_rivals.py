@@ -18,8 +18,8 @@ from numpy.typing import NDArray
 
 import beammodes as bm
 from beammodes.dynamics.base_motion import BaseMotion
-from beammodes.dynamics.drive import Drive
 from beammodes.dynamics.runs import Rate, Run, runge_kutta
+from beammodes.dynamics.time_inputs import TimeInputs
 from beammodes.problem.loading import Load
 from beammodes.vibration.damping import Damping
 from studies.rivals import duration, kane_equations, timed
@@ -39,7 +39,7 @@ def _chain(segments: int) -> bm.Chain:
 
 
 def _linear_cost(segments: int) -> Acceleration:
-    run = Run(_chain(segments), Load(), Drive(BaseMotion()), Damping(), 1.0, 1.0, 1, 1, 1e-9)
+    run = Run(_chain(segments), Load(), TimeInputs(BaseMotion()), Damping(), 1.0, 1.0, 1, 1, 1e-9)
     rate = Rate(run, segments)
     return lambda q, u: rate(0.0, np.concatenate([q, u]))[segments:]
 

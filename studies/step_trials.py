@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 from beammodes.chains.chain import Chain
 from beammodes.checks import choice, whole_number
 from beammodes.dynamics.base_motion import BaseMotion, base_vector
-from beammodes.dynamics.drive import Drive
 from beammodes.dynamics.implicit import ImplicitStepper
 from beammodes.dynamics.runs import (
     Rate,
@@ -20,6 +19,7 @@ from beammodes.dynamics.runs import (
     runge_kutta,
 )
 from beammodes.dynamics.simulation import mode_start
+from beammodes.dynamics.time_inputs import TimeInputs
 from beammodes.numerics.arrays import Floats
 from beammodes.problem.loading import Load
 from beammodes.vibration.damping import Damping
@@ -169,7 +169,9 @@ def variable_step_cost(
     import scipy.integrate
 
     span = output_step * outputs
-    run = Run(chain, Load(), Drive(_STILL), Damping(), span, output_step, 1, outputs, tolerance, integrator)
+    run = Run(
+        chain, Load(), TimeInputs(_STILL), Damping(), span, output_step, 1, outputs, tolerance, integrator
+    )
     q, u = mode_start(chain, 1, amplitude)
     size, state, still = len(q), np.concatenate([q, u]), base_vector(_STILL, 0.0)
     rate, onto = Rate(run, size), projection(chain) if chain.boundary.right.holds_deflection else None

@@ -15,11 +15,11 @@ from turns import in_turns
 import beammodes as bm
 from beammodes.dynamics import step_choice
 from beammodes.dynamics.base_motion import BaseMotion, base_vector, harmonic, spin_up
-from beammodes.dynamics.drive import Drive
 from beammodes.dynamics.forward_dynamics import ChainState
 from beammodes.dynamics.implicit import ImplicitStepper
 from beammodes.dynamics.runs import projection
 from beammodes.dynamics.step_choice import Motion
+from beammodes.dynamics.time_inputs import TimeInputs
 from beammodes.equations.mechanics import Algebra, coordinate_names, piece_energies
 from beammodes.vibration.integrators import INTEGRATORS, accuracy_limit, amplification
 
@@ -214,7 +214,7 @@ def test_a_start_is_split_into_modes() -> None:
         square, shape = scipy.linalg.eigh(model.stiffness_matrix, model.mass_matrix)
         parts = (np.array(moved) @ model.mass_matrix @ shape)[:, model.rigid_body_modes :]
         each = square[model.rigid_body_modes :] * parts[0] ** 2 + parts[1] ** 2
-        motion = Motion(chain, 1.0, bm.Load(), Drive(BaseMotion()), None, (start[0], start[1]))
+        motion = Motion(chain, 1.0, bm.Load(), TimeInputs(BaseMotion()), None, (start[0], start[1]))
         found = step_choice._shares(motion, model.elastic_modes)
         np.testing.assert_allclose(found, np.cumsum(each) / each.sum(), rtol=1e-9, err_msg=boundary)
 
@@ -228,7 +228,7 @@ def test_method_and_step_are_chosen_for_what_is_wanted() -> None:
         start = bm.mode_start(which, mode, 0.1)
         if mode == 4:  # at rest in its shape, with a twentieth of mode 1: shares go by squares of ω a
             start = start[0] + bm.mode_start(which, 1, 0.005)[0], start[1]
-        arguments = {"load": bm.Load(), "drive": Drive(BaseMotion()), "damping": None} | given
+        arguments = {"load": bm.Load(), "drive": TimeInputs(BaseMotion()), "damping": None} | given
         name = arguments.pop("integrator", None)
         return step_choice.chosen(Motion(which, 100.0, start=start, **arguments), name, 1.0)
 
@@ -241,7 +241,7 @@ def test_method_and_step_are_chosen_for_what_is_wanted() -> None:
         ({}, omega[0]),
         ({"mode": 4}, omega[3]),
         ({"mode": 4, "modes": 2}, omega[1]),
-        ({"drive": Drive(base)}, 400.0),
+        ({"drive": TimeInputs(base)}, 400.0),
         ({"integrator": "midpoint"}, omega[0]),
     ):
         found = took(**given)

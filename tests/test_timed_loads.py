@@ -12,9 +12,9 @@ from test_base_motion import assert_derivatives
 from test_forward_dynamics import STILL, dense_accelerations, random_state
 
 import beammodes as bm
-from beammodes.dynamics.drive import Drive
 from beammodes.dynamics.forward_dynamics import forward_dynamics
 from beammodes.dynamics.step_choice import Chosen, Motion, chosen
+from beammodes.dynamics.time_inputs import TimeInputs
 from beammodes.dynamics.timed_loads import read_loads
 from beammodes.equations.mechanics import tip_names
 from beammodes.problem.applied_loads import LineLoad, PointLoad
@@ -232,7 +232,7 @@ def test_courses_from_rest_to_rest() -> None:
 def test_steps_know_how_fast_loads_vary() -> None:
     def took(segments: int, course: Any, kind: str | None, span: float) -> Chosen:
         chain = bm.Chain(BEAM, "clamped-free", segments)
-        drive = Drive(bm.BaseMotion(), (bm.TimedLoad(bm.Load(tip_force=0.1), course),))
+        drive = TimeInputs(bm.BaseMotion(), (bm.TimedLoad(bm.Load(tip_force=0.1), course),))
         start = np.zeros(segments), np.zeros(segments)
         return chosen(Motion(chain, span, bm.Load(), drive, None, start), kind, span / 1000)
 
@@ -251,7 +251,7 @@ def test_steps_know_how_fast_loads_vary() -> None:
 
 
 def test_meshes_end_steps_at_jumps() -> None:
-    drive = Drive(
+    drive = TimeInputs(
         bm.BaseMotion(),
         (
             bm.TimedLoad(bm.Load(tip_force=1.0), bm.Pulse(0.5, 0.25)),

@@ -35,8 +35,8 @@ import numpy as np
 
 from beammodes.chains.chain import Chain
 from beammodes.dynamics.base_motion import BaseMotion
-from beammodes.dynamics.drive import Drive
 from beammodes.dynamics.forward_dynamics import applied_force, checked_system
+from beammodes.dynamics.time_inputs import TimeInputs
 from beammodes.dynamics.timed_loads import COLUMNS, TimedLoad, pattern
 from beammodes.equations.mechanics import Span, tip_names
 from beammodes.numerics.arrays import Floats
@@ -320,9 +320,9 @@ class ImplicitStepper:
         Where Newton's method finds nothing, that state and all after it are not finite.
         """
         at = start + step * np.arange(count, dtype=np.float64)
-        return self.along(state, at, np.full(count, step), Drive(base))
+        return self.along(state, at, np.full(count, step), TimeInputs(base))
 
-    def along(self, state: Floats, at: Floats, lengths: Floats, drive: Drive) -> Floats:
+    def along(self, state: Floats, at: Floats, lengths: Floats, drive: TimeInputs) -> Floats:
         """Return the states after each of some steps, that start at times `at`, shape (steps, size)."""
         stages, weights = self.method.stages, self.method.weights
         ends_with_stage = stages[-1] == weights

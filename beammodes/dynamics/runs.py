@@ -20,9 +20,9 @@ import numpy as np
 
 from beammodes.chains.chain import Chain
 from beammodes.dynamics.base_motion import BaseMotion, base_vector
-from beammodes.dynamics.drive import Drive
 from beammodes.dynamics.forward_dynamics import ChainState, forward_dynamics
 from beammodes.dynamics.implicit import ImplicitStepper
+from beammodes.dynamics.time_inputs import TimeInputs
 from beammodes.dynamics.timed_loads import TimedLoad
 from beammodes.equations.mechanics import Span, coordinate_names
 from beammodes.numerics.arrays import Floats
@@ -55,9 +55,9 @@ class Stepper:
     def steps(self, state: Floats, step: float, start: float, count: int, base: BaseMotion) -> Floats:
         """Return the states after each of `count` steps from time `start`, shape (count, size)."""
         at = start + step * np.arange(count, dtype=np.float64)
-        return self.along(state, at, np.full(count, step), Drive(base))
+        return self.along(state, at, np.full(count, step), TimeInputs(base))
 
-    def along(self, state: Floats, at: Floats, lengths: Floats, drive: Drive) -> Floats:
+    def along(self, state: Floats, at: Floats, lengths: Floats, drive: TimeInputs) -> Floats:
         """Return the states after each of some steps, that start at times `at`, shape (steps, size)."""
         count = len(at)
         columns = drive.stages(at, lengths, self.times).reshape(-1, count)
@@ -173,7 +173,7 @@ class Run:
 
     chain: Chain
     load: Load
-    drive: Drive
+    drive: TimeInputs
     damping: Damping
     duration: float
     step: float

@@ -15,10 +15,10 @@ import numpy as np
 from beammodes.chains.chain import Chain
 from beammodes.checks import bounded, choice, flag, positive_real, real, real_numbers, shown, whole_number
 from beammodes.dynamics.base_motion import BaseMotion, base_vector
-from beammodes.dynamics.drive import Drive
 from beammodes.dynamics.forward_dynamics import checked_system
 from beammodes.dynamics.runs import Run, projection, runner
 from beammodes.dynamics.step_choice import OUTPUTS, Chosen, Motion, chosen
+from beammodes.dynamics.time_inputs import TimeInputs
 from beammodes.dynamics.timed_loads import AnyLoad, read_loads
 from beammodes.equations.equilibria import Equilibrium
 from beammodes.equations.held_apart import checked_span, string_tension
@@ -386,7 +386,7 @@ def simulate(
     """
     given, timed = read_loads(load)
     checked_system(chain, given, damping, base)
-    drive = Drive(base or BaseMotion(), timed)
+    drive = TimeInputs(base or BaseMotion(), timed)
     ground = drive.base
     apart, lasting = _held_apart(chain, initial, span), positive_real("duration", duration)
     kind = None if integrator is None else choice("integrator", integrator, MOTION_INTEGRATORS)

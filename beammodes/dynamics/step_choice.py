@@ -17,7 +17,7 @@ import numpy as np
 
 from beammodes.chains.chain import Chain
 from beammodes.dynamics.base_motion import BaseMotion
-from beammodes.dynamics.drive import Drive
+from beammodes.dynamics.time_inputs import TimeInputs
 from beammodes.dynamics.timed_loads import TimedLoad, pattern
 from beammodes.equations.held_apart import string_tension
 from beammodes.equations.mechanics import Span, tip_names
@@ -52,7 +52,7 @@ class Motion:
     chain: Chain
     span: float
     load: Load
-    drive: Drive
+    drive: TimeInputs
     damping: Damping | None
     start: tuple[Floats, Floats]
     modes: int | None = None

@@ -16,20 +16,20 @@ from beammodes.dynamics.base_motion import BaseMotion, base_vector
 from beammodes.dynamics.timed_loads import TimedLoad
 from beammodes.numerics.arrays import Floats
 
-__all__ = ["Drive"]
+__all__ = ["TimeInputs"]
 
 # Parts of a step: a jump this near to an end of it is there, and its stages stay so far inside of jumps.
 _SAME, _INSIDE = 1e-9, 3e-9
 
 
 @dataclass(frozen=True)
-class Drive:
+class TimeInputs:
     """A base and loads that vary in time.
 
     Examples
     --------
     >>> import beammodes as bm
-    >>> drive = Drive(bm.BaseMotion(), (bm.TimedLoad(bm.Load(tip_force=1.0), bm.Step(start=0.25)),))
+    >>> drive = TimeInputs(bm.BaseMotion(), (bm.TimedLoad(bm.Load(tip_force=1.0), bm.Step(start=0.25)),))
     >>> drive.at(0.3)[9:], drive.size
     (array([1.]), 10)
     >>> at, lengths, kept = drive.mesh(0.1, 0, 4)
