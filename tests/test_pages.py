@@ -22,6 +22,7 @@ from beammodes.__main__ import main
 
 pytest.importorskip("skfem")
 
+from beammodes.vibration.integrators import find_integrator
 from studies.common import element_errors
 from studies.tool_layouts import adams_link_errors, flex_errors
 
@@ -61,7 +62,7 @@ SHELL = [
 def test_there_are_four_pages_for_simulators_with_code_to_run() -> None:
     assert len(PAGES) == 4
     assert {stem for stem, _ in SHELL} == {page.stem for page in PAGES}
-    assert {stem for stem, _ in PYTHON} == {page.stem for page in PAGES} | {"theory", "extending"}
+    assert {stem for stem, _ in PYTHON} == {page.stem for page in PAGES} | {"theory", "extending", "damping"}
 
 
 @pytest.mark.filterwarnings("ignore:.*SWIG|.*pydrake|.*numpy:DeprecationWarning")
@@ -257,6 +258,28 @@ def test_what_is_left_at_a_wall_on_the_theory_page_is_what_the_law_has() -> None
     table = named("theory").partition("what is left")[2]
     for words in ("½ h f", "-h² f'/12 |", "-h² (f'/12 + f/6)", "h³ f''/24", "-19 h⁴ f'''/720"):
         assert words in table
+
+
+def test_steps_of_engines_on_the_page_about_damping() -> None:
+    """Every name of an engine stands in the table once, beside its own numbers."""
+    rows = re.findall(
+        r"^\| ([A-Z].*?) \| (\w+, \w+) \| (.*?) \| (\S+) \| (\S+) \| (\S+) \|$", named("damping"), re.M
+    )
+    chain = bm.Chain(BEAM, "clamped-free", 10, "gregory")
+    named_there = []
+    for names, kinds, _, *steps in rows:
+        for name in names.split(", "):
+            named_there.append(name)
+            record = find_integrator(name)
+            # Stages make the classical method's dampers explicit.
+            assert kinds == f"{record.springs}, {record.damping}", name
+            for said, ratio in zip(steps, (0.0, 0.01, 0.1), strict=True):
+                damping = bm.joint_dampers(chain, ratio) if ratio else None
+                step = bm.stable_time_step(chain, name, damping=damping)
+                assert said == (f"{1e3 * step:.3g}" if math.isfinite(step) else "any"), name
+    assert sorted(named_there) == sorted(
+        name for record in bm.INTEGRATORS.values() for name in record.engines
+    )
 
 
 @EVERY_PAGE

@@ -31,7 +31,7 @@ class DecayRatio:
         ζ by the logarithmic decrement of the first and the last peak; `float()` gives it too.
     fitted_ratio : float
         ζ by the least squares of all peaks' logarithms. Where each peak is off by as much of itself, it
-        scatters less than `ratio`: by 5 % with four peaks, by 18 % with many.
+        scatters less than `ratio`: by 5 % with four peaks, by 30 % with ten.
     standard_error : float
         Of `fitted_ratio`, from the scatter of the peaks about the fitted decay: 0 of an exact one, NaN of two
         peaks, which have no scatter.
