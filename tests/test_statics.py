@@ -390,7 +390,11 @@ def test_ends_that_let_the_beam_go_are_refused(boundary: str) -> None:
             TypeError,
             "load must be one of tip_force, tip_moment",
         ),
-        (lambda: chain_statics(UNIT, "tip_force"), TypeError, "chain must be a Chain, got"),
+        (
+            lambda: chain_statics(UNIT, "tip_force"),
+            TypeError,
+            "chain must be a Chain or a StructureChain, got",
+        ),
         (lambda: chain_statics(Chain(UNIT, "clamped-free", 2), "uniform"), ValueError, '"uniform_load"'),
         (lambda: static_dataset(boundary=[], segments=4), ValueError, "boundary must name at least one"),
         (lambda: static_dataset(boundary="clamped-free", segments=[]), ValueError, "segments must name"),

@@ -328,6 +328,29 @@ def test_segments_that_are_enough() -> None:
         assert worst[0] > tolerance > max(worst[1:])
 
 
+def test_questions_of_chains_are_asked_of_structures_by_the_same_names() -> None:
+    given = bm.Structure.of_beam(UNIT, "clamped-free", [bm.Station(0.6, mass=0.4)])
+    chain = bm.StructureChain(given, 10, "mitiguy")
+    direct = bm.structure_chain_modes(chain, 2)
+    solved = bm.solve_modes(chain, 2)
+    np.testing.assert_array_equal(solved.angular_frequency, direct.angular_frequency)
+    np.testing.assert_array_equal(chain.joint_stiffness, [hinge.stiffness for hinge in chain.hinges])
+    errors_of = bm.frequency_error(given, segments=[[5], [10]], mode=[1, 2, 3])
+    np.testing.assert_array_equal(errors_of[1], bm.chain_errors(chain, 3))
+    assert bm.frequency_error(given, segments=10, mode=2) == pytest.approx(errors_of[1, 1], abs=1e-13)
+    assert np.isnan(bm.frequency_error(given, segments=3, mode=9))
+    push = bm.PointLoad(0.5, force=1.0)
+    ours, theirs = bm.chain_statics(chain, push), bm.structure_chain_statics(chain, push)
+    assert ours.deflection(0.7) == theirs.deflection(0.7)
+    for call, message in (
+        (lambda: bm.chain_statics(chain, "tip_force"), "loads with their sizes"),
+        (lambda: bm.frequency_error(given, segments=9, mode=1, beam=UNIT), "beam must be left out with a"),
+        (lambda: bm.frequency_error(given, segments=9, mode=1, rule=["naive"]), "must be one rule with a"),
+    ):
+        with pytest.raises((TypeError, ValueError), match=message):
+            call()
+
+
 def test_no_stretch_gets_fewer_segments_than_its_rule_takes() -> None:
     # gregory's weights of one segment are 13/24 twice, of two those of Simpson's rule: their sums tell.
     close = bm.Structure.of_beam(UNIT, "clamped-free", [bm.Station(x, mass=0.3) for x in (0.45, 0.55)])

@@ -41,6 +41,7 @@ from beammodes.problem.loading import NO_LOAD, Load
 if TYPE_CHECKING:
     from beammodes.accuracy.rooted_errors import Pairs
     from beammodes.problem.axial_ends import AxialBoundary
+    from beammodes.problem.structure import Structure
 
 __all__ = ["MAX_MODES", "errors_in_multiples", "exact_frequencies", "frequency_error"]
 
@@ -56,7 +57,7 @@ _MODES_KEPT = 8
 
 @overload
 def frequency_error(
-    boundary: str | Boundary | AxialBoundary,
+    boundary: str | Boundary | AxialBoundary | Structure,
     *,
     segments: int,
     mode: int,
@@ -69,7 +70,7 @@ def frequency_error(
 
 @overload
 def frequency_error(
-    boundary: BoundaryLike | AxialBoundary | ManyPairs | Iterable[BoundaryLike] | NDArray[Any],
+    boundary: BoundaryLike | AxialBoundary | ManyPairs | Iterable[BoundaryLike] | NDArray[Any] | Structure,
     *,
     segments: ArrayLike,
     mode: ArrayLike,
@@ -81,7 +82,7 @@ def frequency_error(
 
 
 def frequency_error(
-    boundary: BoundaryLike | AxialBoundary | ManyPairs | Iterable[BoundaryLike] | NDArray[Any],
+    boundary: BoundaryLike | AxialBoundary | ManyPairs | Iterable[BoundaryLike] | NDArray[Any] | Structure,
     *,
     segments: ArrayLike,
     mode: ArrayLike,
@@ -104,11 +105,12 @@ def frequency_error(
 
     Parameters
     ----------
-    boundary : str, pair of ends, Boundary, or array of them
+    boundary : str, pair of ends, Boundary, array of them, or Structure
         Such as "clamped-free"; either order of the ends. Numbers of an `End` are in the units of `beam`.
         Without one they are multiples of ρA L, ρA L³, L, EI/L³ and EI/L: "clamped-free(mass=0.5)" carries
         half the beam's mass at its tip. In a pair either end may be `Ends`, which hold arrays of numbers: as
-        quick as arrays of names, at some times the cost of plain ends.
+        quick as arrays of names, at some times the cost of plain ends. Of a structure chains with N segments
+        in all are solved, by one rule.
     segments : int or array of int
         N, from 1 to 10⁹.
     mode : int or array of int
@@ -152,6 +154,14 @@ def frequency_error(
     >>> round(bm.frequency_error("fixed-free", segments=10, mode=1, rule="half_stub", motion="twist"), 7)
     -0.0010278
     """
+    if not isinstance(boundary, str | tuple | Boundary):
+        # Lookups between ends need nothing of the files of structures.
+        from beammodes.problem.structure import Structure
+
+        if isinstance(boundary, Structure):
+            from beammodes.accuracy.structure_errors import lookups_of_structure
+
+            return lookups_of_structure(boundary, segments, mode, rule, load=load, beam=beam, motion=motion)
     if not isinstance(motion, str) or motion != "bending":
         # Bending needs nothing of the files of twist.
         from beammodes.accuracy.axial_errors import axial_error_with_units

@@ -29,6 +29,7 @@ from beammodes.accuracy.error_table import ChainGrid, labelled
 from beammodes.chains.chain import Chain
 from beammodes.chains.pieces import MAX_PIECES, Number
 from beammodes.chains.rules import AnyRule
+from beammodes.chains.structure_chain import StructureChain
 from beammodes.chains.units import Units
 from beammodes.checks import choice, shown
 from beammodes.numerics.arrays import Floats
@@ -208,19 +209,20 @@ def chain_statics(chain: Chain, load: str) -> Statics: ...
 
 
 @overload
-def chain_statics(chain: Chain, load: Loads) -> StructureStatics: ...
+def chain_statics(chain: Chain | StructureChain, load: Loads) -> StructureStatics: ...
 
 
-def chain_statics(chain: Chain, load: str | Loads) -> Statics | StructureStatics:
+def chain_statics(chain: Chain | StructureChain, load: str | Loads) -> Statics | StructureStatics:
     """Return the response of a chain to small loads, or to one of unit size.
 
     y(x) = θ₀ x + Σ M_j (x - x_j) / k_j  over the hinges left of x
 
     Parameters
     ----------
-    chain : Chain
+    chain : Chain or StructureChain
         Of ends without rigid-body motion. `own` is exact if its lengths and springs are fractions, as a
-        rule makes them. The cost is proportional to the number of hinges.
+        rule makes them. The cost is proportional to the number of hinges. Of a structure this is
+        `structure_chain_statics`.
     load : PointLoad, LineLoad, a sequence of these, Load or str
         As of `beam_statics`. Words are for any chain, and "uniform_load" is spread over the pieces by their
         length; other loads are for a chain that a rule made.
@@ -246,13 +248,18 @@ def chain_statics(chain: Chain, load: str | Loads) -> Statics | StructureStatics
     >>> bm.chain_statics(chain, "tip_force").own.deflection                # the beam's 4³/3 ell³/EI
     Fraction(64, 3)
     """
-    if not isinstance(chain, Chain):
-        raise TypeError(f"chain must be a Chain, got {shown(chain)}")
+    if not isinstance(chain, Chain | StructureChain):
+        raise TypeError(f"chain must be a Chain or a StructureChain, got {shown(chain)}")
     _check_load(load)
     if not isinstance(load, str):
-        from beammodes.accuracy.loaded_structures import chain_under
+        from beammodes.accuracy.loaded_structures import chain_under, structure_chain_statics
 
-        return chain_under(chain, load)
+        return chain_under(chain, load) if isinstance(chain, Chain) else structure_chain_statics(chain, load)
+    if isinstance(chain, StructureChain):
+        raise TypeError(
+            f"load must be loads with their sizes (PointLoad, LineLoad, Load) on a structure, "
+            f"got {shown(load)}"
+        )
     _without_rigid_motion(chain.boundary)
     name = choice("load", load, LOADS)
     return Statics(name, chain.units, _chain_response(chain, name))

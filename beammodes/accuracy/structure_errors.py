@@ -5,10 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
+from numpy.typing import ArrayLike
 
+from beammodes.chains.pieces import MAX_PIECES
 from beammodes.chains.rules import Layout
 from beammodes.chains.structure_chain import StructureChain, shared_segments
-from beammodes.checks import whole_number
+from beammodes.checks import shown, whole_number, whole_numbers
 from beammodes.exact.structure_judge import MOST_MODES, structure_modes
 from beammodes.numerics.arrays import Floats, ratios_less_one
 from beammodes.problem.structure import Structure
@@ -30,6 +32,35 @@ def errors_of_structure(chain: StructureChain, modes: int) -> Floats:
     count = whole_number("modes", modes, most=MOST_MODES)
     exact = structure_modes(chain.structure, count).angular_frequency
     return ratios_less_one(structure_chain_modes(chain).angular_frequency, exact, count)
+
+
+def lookups_of_structure(
+    structure: Structure, segments: ArrayLike, mode: ArrayLike, rule: object, **none: object
+) -> float | Floats:
+    """Return errors of modes of chains of a structure; arguments are those of `frequency_error`.
+
+    Examples
+    --------
+    >>> import beammodes as bm
+    >>> two_spans = bm.Structure.of_beam(bm.Beam.unit(), "pinned-pinned", [bm.Station(0.4, float("inf"))])
+    >>> bm.frequency_error(two_spans, segments=[[10], [20]], mode=[1, 2], rule="gregory").round(6)
+    array([[-0.001014, -0.006286],
+           [-6.4e-05, -0.000396]])
+    """
+    for name, value in none.items():
+        if value is not None and value != "bending":
+            raise ValueError(f"{name} must be left out with a structure, got {shown(value)}")
+    if not isinstance(rule, str | Layout):
+        raise TypeError(f"rule must be one rule with a structure, got {shown(rule)}")
+    count, number = (
+        whole_numbers("segments", segments, most=MAX_PIECES),
+        whole_numbers("mode", mode, most=MOST_MODES),
+    )
+    most = int(number.max(initial=1))
+    chains = {n: StructureChain(structure, n, rule) for n in set(count.ravel().tolist())}
+    errors = {n: errors_of_structure(chain, most) for n, chain in chains.items()}
+    found = np.vectorize(lambda n, k: errors[n][k - 1], otypes=[np.float64])(count, number)
+    return found if found.ndim else float(found)
 
 
 def failing_segments(structure: Structure, limit: float, modes: int, rule: Layout) -> Callable[[int], bool]:

@@ -21,6 +21,7 @@ from beammodes.chains.chain import Chain
 from beammodes.chains.pieces import MAX_PIECES
 from beammodes.chains.rules import AnyRule, Layout, Rule, fits_of, layout_of
 from beammodes.checks import bounded, flag, is_text, shown, whole_number
+from beammodes.numerics.arrays import Floats
 from beammodes.problem.ends import ENDS, Boundary
 from beammodes.problem.structure import Node, Parts, Structure, checked_structure
 
@@ -148,6 +149,11 @@ class StructureChain:
     def parts(self) -> Parts:
         """Nodes and stretches of the structure."""
         return self.structure.parts
+
+    @property
+    def joint_stiffness(self) -> Floats:
+        """Of the springs at `hinges`, in their order [N m/rad]."""
+        return np.array([hinge.stiffness for hinge in self.hinges])
 
     @property
     def body_count(self) -> int:

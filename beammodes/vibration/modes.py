@@ -9,6 +9,7 @@ from typing import overload
 import numpy as np
 
 from beammodes.chains.axial_chain import AxialChain
+from beammodes.chains.structure_chain import StructureChain
 from beammodes.checks import instead, row_shown, shown, whole_number
 from beammodes.numerics.arrays import Floats
 from beammodes.problem.loading import Load
@@ -23,6 +24,7 @@ from beammodes.vibration.spectrum import (
     is_turned,
     unit_energy,
 )
+from beammodes.vibration.structure_vibration import StructureChainModes, structure_chain_modes
 
 __all__ = ["MAX_DENSE", "Modes", "solve_modes"]
 
@@ -83,9 +85,13 @@ def solve_modes(model: LinearModel | BentModel, modes: int | None = ...) -> Mode
 def solve_modes(model: AxialChain, modes: int | None = ...) -> AxialChainModes: ...
 
 
+@overload
+def solve_modes(model: StructureChain, modes: int | None = ...) -> StructureChainModes: ...
+
+
 def solve_modes(
-    model: LinearModel | BentModel | AxialChain, modes: int | None = None
-) -> Modes | AxialChainModes:
+    model: LinearModel | BentModel | AxialChain | StructureChain, modes: int | None = None
+) -> Modes | AxialChainModes | StructureChainModes:
     """Return the lowest elastic modes of a linear chain.
 
         K u = ω² M u,   uᵀ M u = 1
@@ -95,8 +101,9 @@ def solve_modes(
 
     Parameters
     ----------
-    model : LinearModel or BentModel, or AxialChain
-        From `linearize`; a chain in twist or stretch is linear as it is (`solve_axial_modes`). About a bent
+    model : LinearModel or BentModel, AxialChain, or StructureChain
+        From `linearize`; a chain in twist or stretch is linear as it is (`solve_axial_modes`), and so is one
+        of a structure (`structure_chain_modes`, whose number of modes it must have). About a bent
         shape `position` is that along the chain, `deflection` the nodes' motion along y (along x they move by
         -Σ l_i sin θ_i  times the rotations), and the accuracy of ω is about 1e-16 N².
     modes : int, optional
@@ -117,11 +124,12 @@ def solve_modes(
     """
     if isinstance(model, AxialChain):
         return solve_axial_modes(model, modes)
+    if isinstance(model, StructureChain):
+        return structure_chain_modes(model, modes)
     if not isinstance(model, LinearModel | BentModel):
         takers = {
             "Chain": "linearize(chain) makes one",
             "SpatialChain": "spatial_modes takes a SpatialChain",
-            "StructureChain": "structure_chain_modes takes a StructureChain",
         }
         raise TypeError(
             f"model must be a LinearModel or a BentModel from linearize(), got {shown(model)}"
