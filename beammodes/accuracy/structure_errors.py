@@ -43,9 +43,9 @@ def lookups_of_structure(
     --------
     >>> import beammodes as bm
     >>> two_spans = bm.Structure.of_beam(bm.Beam.unit(), "pinned-pinned", [bm.Station(0.4, float("inf"))])
-    >>> bm.frequency_error(two_spans, segments=[[10], [20]], mode=[1, 2], rule="gregory").round(6)
-    array([[-0.001014, -0.006286],
-           [-6.4e-05, -0.000396]])
+    >>> (100 * bm.frequency_error(two_spans, segments=[[10], [20]], mode=[1, 2], rule="gregory")).round(3)
+    array([[-0.198, -1.137],
+           [-0.006, -0.04 ]])
     """
     for name, value in none.items():
         if value is not None and value != "bending":
