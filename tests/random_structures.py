@@ -59,3 +59,36 @@ def structure(seed: int) -> bm.Structure:
         beam = bm.Beam(length, stiffness, mass)
         members.append(bm.Member(beam, f"j{a}", f"j{b}", *hinges, tuple(stations(rng, length))))
     return bm.Structure(joints, members)
+
+
+#: Joints and members of a two-span beam, a portal, a T and a branched tree; joints on the ground are held.
+FRAMES: tuple[tuple[dict[str, tuple[float, float]], tuple[str, ...]], ...] = (
+    ({"a": (0, 0), "b": (1, 0)}, ("ab",)),
+    ({"a": (0, 0), "b": (0, 1), "c": (1, 1), "d": (1, 0)}, ("ab", "bc", "cd")),
+    ({"a": (0, 0), "b": (0, 1), "c": (-1, 1), "d": (1, 1)}, ("ab", "bc", "bd")),
+    (
+        {"a": (0, 0), "b": (0, 1), "c": (-0.6, 1.8), "d": (0.7, 1.5), "e": (1.6, 1.4), "f": (0.8, 2.5)},
+        ("ab", "bc", "bd", "de", "df"),
+    ),
+)
+
+
+def frame(seed: int) -> bm.Structure:
+    """One of `FRAMES` in turn, of random proportions, beams, supports and bodies."""
+    rng = np.random.default_rng([17, seed])
+    at, pairs = FRAMES[seed % len(FRAMES)]
+    wide, high = rng.uniform(0.5, 2.0, 2)
+    places = {name: (wide * x, high * y) for name, (x, y) in at.items()}
+    joints = {}
+    for name, place in places.items():
+        held = place[1] == 0.0
+        support = ["clamped", "pinned"][int(rng.integers(0, 2))] if held and len(pairs) != 3 else "clamped"
+        body = {"mass": 10.0 ** rng.uniform(-1.0, 1.0), "rotary_inertia": 0.01} if rng.integers(0, 2) else {}
+        joints[name] = bm.Joint(*place, support if held else "free", **body)
+    members = []
+    for a, b in pairs:
+        length = math.dist(places[a], places[b])
+        stiffness, mass = (float(10.0 ** rng.uniform(-1.0, 1.0)) for _ in range(2))
+        inside = [bm.Station(length * rng.uniform(0.3, 0.7), INF)] if len(pairs) == 1 else []
+        members.append(bm.Member(bm.Beam(length, stiffness, mass), a, b, stations=tuple(inside)))
+    return bm.Structure(joints, members)

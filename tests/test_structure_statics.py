@@ -283,6 +283,17 @@ def test_between_places_the_curve_bends_as_the_moment_says() -> None:
     )
 
 
+def test_a_roller_on_a_slope() -> None:
+    # Its force stands on the slope: half the load up, and that times tan α towards the pin, along the bar.
+    slope = math.pi / 6
+    joints = {"a": bm.Joint(0, 0, "pinned"), "b": bm.Joint(1, 0, (0.0, INF, 0.0), angle=slope)}
+    bar = bm.Structure(joints, [bm.Member(UNIT, "a", "b")])
+    found = bm.structure_statics(bar, FORCE)
+    assert found.reactions["b"] == pytest.approx((-0.5 * math.tan(slope), 0.5, 0.0), rel=1e-12)
+    assert found.axial_force(0.3) == pytest.approx(-0.5 * math.tan(slope), rel=1e-12)
+    assert found.deflection(0.5) == pytest.approx(-1 / 48, rel=1e-12)
+
+
 def test_what_statics_refuse() -> None:
     bar = of("clamped-pinned")
     cases: list[tuple[Callable[[], object], str]] = [

@@ -369,10 +369,11 @@ def statics_of(
 
 
 def _is_exact(parts: Parts, *, weighed: bool) -> bool:
-    """Return whether all beams bend uniformly and lie along the axes, and no weight is of a function."""
-    return all(
+    """Return whether beams bend uniformly, all lies along the axes, and no weight is of a function."""
+    axes = [unit for node in parts.nodes for unit, _ in node.supports]
+    axes += [one.axis for one in parts.stretches]
+    return all({abs(part) for part in axis} == {0.0, 1.0} for axis in axes) and all(
         isinstance(one.beam.bending_stiffness, float)
-        and {abs(part) for part in one.axis} == {0.0, 1.0}
         and (isinstance(one.beam.mass_per_length, float | Table) or not weighed)
         for one in parts.stretches
     )

@@ -130,6 +130,9 @@ class Joint:
         Of that body, about its centre of mass.
     offset : (float, float) [m]
         From the joint to its centre of mass.
+    angle : float [rad]
+        By which the support's x and y are turned, counter-clockwise: `(0, math.inf, 0)` at 0.5 rolls on a
+        slope of 0.5 rad.
 
     Raises
     ------
@@ -149,9 +152,10 @@ class Joint:
     mass: float = 0.0
     rotary_inertia: float = 0.0
     offset: tuple[float, float] = (0.0, 0.0)
+    angle: float = 0.0
 
     def __post_init__(self) -> None:
-        for name in ("x", "y"):
+        for name in ("x", "y", "angle"):
             object.__setattr__(self, name, real(name, getattr(self, name)) + 0.0)
         body = End(mass=self.mass, rotary_inertia=self.rotary_inertia)
         object.__setattr__(self, "mass", float(body.mass))
@@ -508,7 +512,8 @@ def _cut_member(
 def _joint_node(name: str, joint: Joint) -> Node:
     assert not isinstance(joint.support, str)
     k_x, k_y, k_rotation = joint.support
-    supports = tuple((unit, k) for unit, k in (((1.0, 0.0), k_x), ((0.0, 1.0), k_y)) if k)
+    c, s = math.cos(joint.angle), math.sin(joint.angle)
+    supports = tuple((unit, k) for unit, k in (((c, s), k_x), ((0.0 - s, c), k_y)) if k)
     return Node(
         name, (joint.x, joint.y), supports, k_rotation, joint.mass, joint.rotary_inertia, joint.offset
     )
