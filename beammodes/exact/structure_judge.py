@@ -185,7 +185,8 @@ def modes_below(structure: Structure, angular_frequency: float) -> int:
     """
     omega = positive_real("angular_frequency", angular_frequency)
     parts = checked_structure(structure).parts
-    return StructureModel.of(parts, _divided(parts, omega**2), POINTS).count(omega**2)
+    whole = (1,) * len(parts.stretches)
+    return StructureModel.of(parts, _divided(_own_squares(parts), omega**2, whole), POINTS).count(omega**2)
 
 
 class _Element(NamedTuple):
@@ -436,17 +437,17 @@ def _converged(parts: Parts, count: int) -> tuple[StructureModel, Floats, Floats
 
 def _solved(parts: Parts, count: int, points: int) -> tuple[StructureModel, Floats, Floats]:
     """Return the model of a structure, its first squared frequencies, and their shapes z."""
-    divided = tuple([1] * len(parts.stretches))
+    own, divided = _own_squares(parts), (1,) * len(parts.stretches)
     model = StructureModel.of(parts, divided, points)
     # A node inside a stretch has two coordinates.
     missing, square = model.rigid + 2 * count + 2 - len(model.mass), 1e-3 * float(model.square.min())
     while 2 * (sum(divided) - len(divided)) < missing:
         square *= 1.5
-        divided = _divided(parts, square)
+        divided = _divided(own, square, divided)
     if missing > 0:
         model = StructureModel.of(parts, divided, points)
     bounds = model.bounds(count)
-    while (finer := _divided(parts, 1.02 * float(bounds.max()), divided)) != divided:
+    while (finer := _divided(own, 1.02 * float(bounds.max()), divided)) != divided:
         divided = finer
         model = StructureModel.of(parts, divided, points)
         bounds = model.bounds(count)
@@ -476,19 +477,27 @@ def _too_unlike(found: str) -> str:
     )
 
 
-def _divided(parts: Parts, square: float, least: tuple[int, ...] | None = None) -> tuple[int, ...]:
+def _own_squares(parts: Parts) -> list[float]:
+    """Return the first squared frequency that each stretch has between two clamps."""
+    return [
+        float(_element_of(stretch.beam, POINTS).square[0]) * _unit_square(stretch.beam)
+        for stretch in parts.stretches
+    ]
+
+
+def _divided(own: list[float], square: float, least: tuple[int, ...]) -> tuple[int, ...]:
     """Return into how many parts stretches must be divided so that none has an own mode below λ."""
-    many = []
-    for stretch, fewest in zip(parts.stretches, least or (1,) * len(parts.stretches), strict=True):
-        first = _element_of(stretch.beam, POINTS).square[0] * _unit_square(stretch.beam)
-        # 4.73 is the wavenumber of the first mode between clamps.
-        many.append(max(fewest, math.ceil((square / first) ** 0.25 * 4.730 / _LONGEST)))
+    # 4.73 is the wavenumber of the first mode between clamps.
+    many = tuple(
+        max(fewest, math.ceil((square / first) ** 0.25 * 4.730 / _LONGEST))
+        for first, fewest in zip(own, least, strict=True)
+    )
     if sum(many) > _MOST_PARTS:
         raise ValueError(
             f"modes must be so few that {_MOST_PARTS} parts of stretches suffice, got {sum(many)} for a mode "
             f"at {math.sqrt(square):g} rad/s"
         )
-    return tuple(many)
+    return many
 
 
 def _unit_square(beam: Beam) -> float:
