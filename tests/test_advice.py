@@ -98,3 +98,143 @@ def test_advice_says_what_no_number_of_segments_mends() -> None:
     assert way.theory_error == pytest.approx(bm.theory_errors(stout, "clamped-free")[2], rel=1e-12)
     assert "theory error -29.2 %" in repr(way)
     assert math.isnan(bm.recommend("clamped-free", 0.01, rules=["gregory"])[0].theory_error)
+
+
+def test_twist_and_stretch_are_advised_by_their_own_errors_and_steps() -> None:
+    rod = bm.Beam(0.5, 1.0, 0.6, torsional_stiffness=80.0, polar_inertia_per_length=8e-6, axial_stiffness=2e6)
+    for motion, ends in (("twist", "fixed-free(inertia=2e-6)"), ("stretch", "free(stiffness=1e7)-free")):
+        ways = bm.recommend(ends, 0.01, 2, beam=rod, motion=motion, rules=["mitiguy", "half_stub", "naive"])
+        period = bm.axial_modes(rod, ends, 1, motion=motion).frequency[0] ** -1
+        for way in ways:
+            chain = bm.AxialChain(rod, ends, way.segments, way.rule, motion=motion)
+            assert way.segments == bm.segments_needed(ends, 0.01, 2, way.rule, beam=rod, motion=motion)
+            assert way.stable_time_step == pytest.approx(bm.stable_time_step(chain), rel=1e-12)
+            assert way.cost == pytest.approx(way.segments * period / way.stable_time_step, rel=1e-12)
+            np.testing.assert_array_equal(way.joint_stiffness, chain.joint_stiffness)
+            assert (way.segments_set_by, way.step_set_by, way.static_error) == (motion, motion, {})
+    stepped = bm.Beam(1.0, 1.0, 1.0, torsional_stiffness=[2.0, 1.0], polar_inertia_per_length=1.0)
+    way = bm.recommend("fixed-free", 0.01, beam=stepped, motion="twist", rules=["half_stub"])[0]
+    assert way.largest_error <= 0.01 and way.segments_set_by == "twist"
+
+
+STEEL = {"density": 7800.0, "elastic_modulus": 200e9, "poisson_ratio": 0.3}
+BLADE = bm.Rod(0.4, **bm.Rod.of_section(bm.Rectangle(width=0.01, height=0.02), **STEEL))
+
+
+def test_a_straight_rod_is_advised_by_its_three_motions() -> None:
+    ends = (
+        bm.RodEnd.of("clamped"),
+        bm.RodEnd(mass=0.2, rotary_inertia=(3e-5, 2e-5, 2e-5), offset=(0.01, 0, 0)),
+    )
+    wanted = {"bending": 2, "second_bending": 1, "twist": 1}
+    beam, weak = (
+        bm.Beam(0.4, stiffness, BLADE.mass_per_length)
+        for stiffness in (BLADE.bending_stiffness, BLADE.second_bending_stiffness)
+    )
+    shaft = bm.Beam(
+        0.4,
+        1.0,
+        1.0,
+        torsional_stiffness=BLADE.torsional_stiffness,
+        polar_inertia_per_length=BLADE.polar_inertia_per_length,
+    )
+    tip = bm.End(mass=0.2, rotary_inertia=2e-5, offset=0.01)
+    for way in bm.recommend(ends, 1e-3, wanted, beam=BLADE, rules=["gregory", "mitiguy", "half_stub"]):
+        alone = {
+            "bending": bm.segments_needed(("clamped", tip), 1e-3, 2, way.rule, beam=beam),
+            "second_bending": bm.segments_needed(("clamped", tip), 1e-3, 1, way.rule, beam=weak),
+            "twist": bm.segments_needed(
+                "fixed-free(inertia=3e-5)", 1e-3, 1, way.rule, beam=shaft, motion="twist"
+            ),
+        }
+        chain = bm.SpatialChain(BLADE, ends, way.segments, way.rule)
+        assert (
+            way.segments
+            == max(alone.values())
+            == bm.segments_needed(ends, 1e-3, wanted, way.rule, beam=BLADE)
+        )
+        assert alone[way.segments_set_by] == way.segments
+        assert way.stable_time_step == pytest.approx(bm.stable_time_step(chain), rel=1e-9)
+        steps = {
+            "bending": bm.stable_time_step(bm.Chain(beam, ("clamped", tip), way.segments, way.rule)),
+            "second_bending": bm.stable_time_step(bm.Chain(weak, ("clamped", tip), way.segments, way.rule)),
+            "twist": bm.stable_time_step(
+                bm.AxialChain(shaft, "fixed-free(inertia=3e-5)", way.segments, way.rule)
+            ),
+        }
+        assert way.step_set_by == min(steps, key=lambda name: steps[name])
+        np.testing.assert_array_equal(way.joint_stiffness, chain.joint_stiffness)
+    # Of the first modes together, by frequency, those of each motion: here none twists. The same rod, bent by
+    # next to nothing, is judged as a whole.
+    bent = bm.Rod(
+        0.4,
+        BLADE.bending_stiffness,
+        BLADE.torsional_stiffness,
+        BLADE.mass_per_length,
+        BLADE.polar_inertia_per_length,
+        second_bending_stiffness=BLADE.second_bending_stiffness,
+        curvature=(0.0, 0.0, 1e-9),
+    )
+    for modes, rule in ((3, "gregory"), (3, "mitiguy"), (1, "naive")):
+        assert bm.segments_needed("clamped-free", 0.01, modes, rule, beam=BLADE) == bm.segments_needed(
+            "clamped-free", 0.01, modes, rule, beam=bent
+        )
+
+
+HOOK = bm.Rod.hook(
+    straight=1.0, radius=0.3, angle=2.0, bending_stiffness=1.0, torsional_stiffness=0.8, mass_per_length=1.0
+)
+HELIX = bm.Rod.helix(
+    radius=0.1,
+    pitch=0.05,
+    turns=1,
+    bending_stiffness=1.3,
+    torsional_stiffness=1.0,
+    mass_per_length=1.0,
+    polar_inertia_per_length=1e-4,
+)
+
+
+@pytest.mark.parametrize(
+    ("rod", "rule", "tolerance"),
+    [
+        (HELIX, "gregory", 1e-3),
+        (HELIX, "simpson", 1e-3),
+        pytest.param(HOOK, "half_stub_corrected", 2e-3, marks=pytest.mark.slow),
+        (HOOK, "mitiguy", 0.01),
+    ],
+    ids=["helix", "helix by pairs", "hook", "hook, order 2"],
+)
+def test_segments_of_a_bent_rod_are_those_of_looking_at_every_chain(
+    rod: bm.Rod, rule: str, tolerance: float
+) -> None:
+    needed = bm.segments_needed("clamped-free", tolerance, 3, rule, beam=rod)
+    table = bm.rod_error_dataset(rod, "clamped-free", segments=range(1, 2 * needed + 1), modes=3, rule=rule)
+    error = np.abs(table.relative_error.squeeze("rule")).max("mode", skipna=False)
+    there = error.segments.values[np.isfinite(error.values) | (error.segments.values < 4)]
+    failing = [n for n in there if not error.sel(segments=n) <= tolerance]
+    assert needed == min(n for n in there if n > max(failing))
+    way = bm.recommend("clamped-free", tolerance, 3, beam=rod, rules=[rule])[0]
+    assert way.segments == needed and way.largest_error == pytest.approx(float(error.sel(segments=needed)))
+    assert way.stable_time_step == bm.stable_time_step(bm.SpatialChain(rod, "clamped-free", needed, rule))
+    assert {way.segments_set_by, way.step_set_by} <= {"bending", "second_bending", "twist"}
+
+
+def test_what_a_rod_is_not_advised_for_is_named() -> None:
+    for call in (bm.recommend, bm.segments_needed):
+        with pytest.raises(
+            ValueError, match="modes must be one number for a rod whose bending and twist are not apart"
+        ):
+            call("clamped-free", 0.01, {"bending": 1}, beam=HELIX)
+        with pytest.raises(ValueError, match=r'motion in modes must be one of .*did you mean "twist"'):
+            call("clamped-free", 0.01, {"twst": 1}, beam=BLADE)
+        with pytest.raises(ValueError, match="motion must be left out with a rod"):
+            call("clamped-free", 0.01, beam=BLADE, motion="twist")
+        with pytest.raises(TypeError, match="modes must be a"):
+            call("clamped-free", 0.01, {"bending": 1})
+    with pytest.raises(
+        ValueError, match="tolerance must be larger: with rule naive and 3 modes no chain of up to 1000"
+    ):
+        bm.segments_needed("clamped-free", 1e-4, 3, "naive", beam=HELIX)
+    with pytest.raises(ValueError, match="rule must be one for any motion"):
+        bm.recommend("clamped-free", 0.01, beam=BLADE, rules=[bm.mode_tuned(1)])

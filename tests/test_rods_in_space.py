@@ -190,7 +190,9 @@ def drawn_end(draw: np.random.Generator) -> Any:
         return str(draw.choice(["clamped", "free", "pinned", "guided"]))
     six = [float(draw.choice([0.0, math.inf, draw.uniform(0.1, 100.0)])) for _ in range(6)]
     root = draw.normal(size=(3, 3))
-    body = (draw.uniform(0.01, 1.0), 0.005 * (root @ root.T + (root @ root.T).T), 0.1 * draw.normal(size=3))
+    # Of masses spread as `spread`: that is what makes an inertia one of a body.
+    spread = 0.005 * (root @ root.T + (root @ root.T).T)
+    body = (draw.uniform(0.01, 1.0), np.trace(spread) * np.eye(3) - spread, 0.1 * draw.normal(size=3))
     return bm.RodEnd(six[:3], six[3:], *(body if draw.random() < 0.7 else ()))
 
 
@@ -343,6 +345,42 @@ def test_bad_input_is_named() -> None:
         bm.Rod.through([(0, 0, 0), (0, 0, 0), (1, 0, 0), (2, 0, 0)], **ROUND)
     with pytest.raises(ValueError, match='did you mean "clamped-free"'):
         bm.SpatialChain(HELIX, "clamped-fre", 3)
+
+
+def test_bodies_that_no_masses_make_are_refused() -> None:
+    # I1 <= I2 + I3: each sums the squares of two distances; a thin disc has equality.
+    tilt = rotation(np.array([0.3, -0.5, 0.8]))
+    for inertia, allowed in (((2.0, 1.0, 1.0), True), ((0.0, 1.0, 1.0), True), ((2.1, 1.0, 1.0), False)):
+        tensor = tilt @ np.diag(inertia) @ tilt.T
+        for given in (inertia, ((tensor + tensor.T) / 2).tolist()):
+            if allowed:
+                bm.RodEnd(rotary_inertia=given)
+            else:
+                with pytest.raises(
+                    ValueError, match=r"rotary_inertia must be that of a body, .* 1, 1, 2\.1$"
+                ):
+                    bm.RodEnd(rotary_inertia=given)
+    with pytest.raises(ValueError, match="rotary_inertia must be symmetric and positive"):
+        bm.RodEnd(rotary_inertia=((1, 2, 0), (2, 1, 0), (0, 0, 1)))
+
+
+@pytest.mark.slow
+def test_lines_through_few_points_are_judged() -> None:
+    # Five points make cubics with a kink of the curvature at the middle one, where the judge steps over none.
+    wild = np.array([(0, 0, 0), (1.6, 0.4, 0.6), (3.7, -0.1, 1.3), (3.9, 1.1, 0.4), (5.6, 0.7, 0.5)])
+    rod = bm.Rod.through(wild, **ROUND)
+    exact = omega(rod, "clamped-free", 2)
+    chain = bm.SpatialChain(rod, "clamped-free", 40, "gregory")
+    found = bm.spatial_modes(chain, 2).angular_frequency
+    np.testing.assert_allclose(found, exact, rtol=1e-3)
+    np.testing.assert_allclose(bm.rod_errors(chain, 2), found / exact - 1, atol=1e-12)
+
+
+def test_a_line_with_all_but_a_corner_is_refused() -> None:
+    with pytest.raises(
+        ValueError, match=r"^points must be closer together .* from point 0 to point 1, counted"
+    ):
+        bm.Rod.through([(0, 0, 0), (1, 0, 0), (0.02, 0.001, 0), (1, 0.2, 0)], **ROUND)
 
 
 def test_ends_and_rest_shapes_are_checked_where_they_are_given() -> None:

@@ -3,37 +3,38 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from beammodes.accuracy.errors import frequency_error
+from beammodes.accuracy.judged_motions import JudgedMotion, judged_beam, judged_rod
 from beammodes.accuracy.remarks import error_remarks
 from beammodes.accuracy.segments import (
     MAX_MODES_SOUGHT,
     ToleranceOutOfReach,
-    first_lasting_upwards,
     segments_needed,
-    solved_grid,
+    segments_of_motion,
 )
 from beammodes.accuracy.statics import LOADS, beam_statics, chain_statics
+from beammodes.chains.axial_chain import AnyAxialRule, AxialChain, axial_layout_of
 from beammodes.chains.chain import Chain
-from beammodes.chains.rules import RULES, AnyRule, Layout, fits_of, layout_of
+from beammodes.chains.rules import RULES, Layout, layout_of
+from beammodes.chains.spatial_chain import SpatialChain
 from beammodes.chains.structure_chain import StructureChain
-from beammodes.checks import bounded, percent, small_fraction, whole_number
-from beammodes.exact.beam_theory import euler_bernoulli
+from beammodes.checks import bounded, percent, shown, small_fraction, whole_number
 from beammodes.exact.structure_judge import MOST_MODES, structure_modes
 from beammodes.numerics.arrays import Floats, ratios_less_one
 from beammodes.numerics.blas import one_thread
+from beammodes.problem.axial_ends import AxialBoundary, AxialBoundaryLike
 from beammodes.problem.beam import Beam
-from beammodes.problem.ends import Boundary, BoundaryLike
+from beammodes.problem.ends import Boundary
+from beammodes.problem.motions import Motion, motion_named, unit_beam
+from beammodes.problem.rod import Rod
+from beammodes.problem.rod_ends import RodBoundaryLike, RodEnds
 from beammodes.problem.structure import Structure
 from beammodes.vibration.integrators import INTEGRATORS, find_integrator, stability_limit
-from beammodes.vibration.linear import linearize
-from beammodes.vibration.modes import solve_modes
-from beammodes.vibration.stability import highest_angular_frequency
 from beammodes.vibration.structure_vibration import structure_chain_modes
 
 __all__ = ["Recommendation", "recommend"]
@@ -58,14 +59,16 @@ class Recommendation:
     rule : str
     segments : int
     joint_stiffness : ndarray, shape (hinges,) [N m/rad]
-        Left to right; of a structure in the order of `StructureChain.hinges`.
+        Left to right; in stretch [N/m], of a rod shape (hinges, 3), as of `SpatialChain`, of a structure in
+        the order of `StructureChain.hinges`.
     largest_error : float
         Largest |e| of the wanted modes, as a fraction.
     mode : int
-        Which mode has it.
+        Which mode has it; of a rod whose motions are apart, counted in its own.
     static_error : dict from str to float
         Relative error of the tip's deflection (of the middle's where the tip is held) under each load of
-        `statics.LOADS`; empty where the ends let the beam move rigidly.
+        `statics.LOADS`; empty where the ends let the beam move rigidly, in twist and stretch, and of rods
+        and structures.
     highest_angular_frequency : float [rad/s]
     stable_time_step : float [s]
         For the integrator asked for.
@@ -76,9 +79,13 @@ class Recommendation:
         Largest of `theory_errors` of the wanted modes, which no number of segments lowers: a chain tends to
         Euler and Bernoulli's beam, having no shear. NaN where the beam's section is not known.
     remarks : tuple of str
-        On the error of the least accurate mode; see `error_remarks`.
+        On the error of the least accurate mode; see `error_remarks`. Of bending only.
     stretches : tuple of int
         Of a structure, the segments of each stretch, as of `StructureChain.segments`.
+    segments_set_by, step_set_by : str
+        Which motion N is for, that which a shorter chain has too wrong, and which one's highest frequency
+        sets the stable step: "bending", "twist" or "stretch"; of a rod "bending" (in the plane of x and y),
+        "second_bending" (of x and z) or "twist", where they are mixed the one that stores most.
     """
 
     rule: str
@@ -93,6 +100,8 @@ class Recommendation:
     theory_error: float
     remarks: tuple[str, ...]
     stretches: tuple[int, ...] = ()
+    segments_set_by: str = "bending"
+    step_set_by: str = "bending"
 
     def __repr__(self) -> str:
         static = max(self.static_error.values(), key=abs, default=math.nan)
@@ -104,17 +113,20 @@ class Recommendation:
         if not math.isnan(self.theory_error):
             told.append(f"theory error {percent(self.theory_error)}")
         told += [f"stable step {self.stable_time_step:.4g} s", f"cost {self.cost:.3g}"]
+        if self.joint_stiffness.ndim > 1:
+            told.append(f"N set by {self.segments_set_by}, step by {self.step_set_by}")
         return f"Recommendation({self.rule}, {self.segments} segments: {', '.join(told)})"
 
 
 def recommend(
-    boundary: BoundaryLike | Structure,
+    boundary: AxialBoundaryLike | RodBoundaryLike | Structure,
     tolerance: float,
-    modes: int = 1,
+    modes: int | Mapping[str, int] = 1,
     *,
-    beam: Beam | None = None,
-    rules: Iterable[AnyRule] | None = None,
+    beam: Beam | Rod | None = None,
+    rules: Iterable[AnyAxialRule] | None = None,
     integrator: str = "rk4",
+    motion: str | Motion = "bending",
 ) -> list[Recommendation]:
     """Return, for each rule, the shortest chain within a frequency tolerance, the cheapest first.
 
@@ -122,20 +134,24 @@ def recommend(
 
     Parameters
     ----------
-    boundary : boundary or Structure
+    boundary : str, pair, Boundary, AxialBoundary, RodEnds or Structure
         Of a structure N is the number of segments in all, shared out and sought as in `segments_needed`.
     tolerance : float
         Largest |e| of the first `modes` frequencies, as a fraction less than 0.5, from this N on.
-    modes : int
-    beam : Beam, optional
+    modes : int, or mapping from motions to int
+        How many, from the first; of a rod as `segments_needed` has it.
+    beam : Beam or Rod, optional
         For springs, steps and numbers of ends in its units; without one all are multiples of EI/L,
         √(ρA L⁴/EI), ρA L and so on. Of one that varies, or has a rotary inertia, each chain is solved beside
         the exact beam, and N is sought up to 1000, all up to 30, then in steps of a tenth; "from this N on"
-        is then looked at up to 3 N.
+        is then looked at up to 3 N. A `Rod` in space bends in two planes and twists, and N is for all of its
+        wanted modes together.
     rules : iterable of rules, optional
         All of `RULES` by default; one that cannot meet the tolerance with 10,000 segments is left out.
     integrator : str
         One of `INTEGRATORS` of fixed step that takes springs explicitly; the chain is undamped.
+    motion : str
+        "bending"; or "twist" or "stretch" of a `Beam`, with the ends of `frequency_error`.
 
     Raises
     ------
@@ -159,155 +175,140 @@ def recommend(
     >>> way = bm.recommend(bm.Structure(joints, bars), tolerance=0.01, modes=3, rules=["gregory"])[0]
     >>> way.stretches, way.mode, f"{way.largest_error:.4f}"
     ((5, 3), 3, '0.0091')
+
+    A shaft with a disc, in multiples of rho Ip L:
+
+    >>> bm.recommend("fixed-free(inertia=0.5)", 0.01, 3, rules=["mitiguy"], motion="twist")
+    [Recommendation(mitiguy, 12 segments: frequency error 0.945 %, stable step 0.1171 s, cost 598)]
     """
-    modes = whole_number("modes", modes, most=MAX_MODES_SOUGHT)
-    integrator = find_integrator(integrator, _LIMITED).name
-    judge: _Judge | _StructureJudge
+    kind, integrator = motion_named(motion), find_integrator(integrator, _LIMITED).name
+    limit = small_fraction("tolerance", tolerance)
+    case: _Case | _StructureCase
     if isinstance(boundary, Structure):
-        if beam is not None:
-            raise ValueError("beam must be left out with a structure, which has its own beams")
-        judge = _StructureJudge.of(boundary, tolerance, modes)
+        if beam is not None or kind.along:
+            raise ValueError("beam and motion must be left out with a structure, which bends its own beams")
+        case = _StructureCase.of(boundary, modes)
     else:
-        judge = _Judge.of(Beam.unit() if beam is None else beam, Boundary.of(boundary), tolerance, modes)
+        case = _Case.of(boundary, modes, beam, kind)
     ways: list[Recommendation] = []
     refusal = ValueError("rules must name at least one rule, got none")
     given = bounded("rules", RULES if rules is None else rules, most=_MAX_RULES)
-    for record in _layouts(given):
+    for record in _layouts(given, case.read):
         try:
-            count = judge.segments(record)
+            counts = case.segments(record, limit)
         except ToleranceOutOfReach as error:
             refusal = error
             continue
-        if count > MOST_SEGMENTS:
+        if max(counts) > MOST_SEGMENTS:
             refusal = ValueError(
-                f"tolerance must be larger: rule {record.name} needs {count} segments for it"
+                f"tolerance must be larger: rule {record.name} needs {max(counts)} segments for it"
             )
             continue
-        ways.append(judge.way(count, record, integrator))
+        ways.append(case.way(counts, record, integrator))
     if not ways:
         raise refusal
     return sorted(ways, key=lambda way: (way.cost, way.segments))
 
 
-def _layouts(rules: Iterable[AnyRule]) -> list[Layout]:
+def _layouts(rules: Iterable[AnyAxialRule], read: Callable[[Any], Any]) -> list[Any]:
     records = []
     for place, rule in enumerate(rules):
         try:
-            records.append(layout_of(rule))
+            records.append(read(rule))
         except (TypeError, ValueError) as error:
             raise type(error)(f"rules must be rules, got another at place {place}: {error}") from None
     return records
 
 
-class _Judge(NamedTuple):
-    """Errors of chains of one beam, and the number of segments that keeps them within a tolerance."""
+class _Case(NamedTuple):
+    """The wanted modes, motion by motion, and the rod that they are of, or None for a beam's."""
 
-    beam: Beam
-    boundary: Boundary
-    tolerance: float
-    exact: Floats
-    theory_error: float
+    judges: list[JudgedMotion]
+    rod: tuple[Rod, RodEnds] | None
 
     @classmethod
-    def of(cls, beam: Beam, boundary: Boundary, tolerance: float, modes: int) -> _Judge:
-        """Return the judge of the first modes of a beam."""
-        limit = small_fraction("tolerance", tolerance)
-        exact = euler_bernoulli(beam, boundary, whole_number("modes", modes))
-        theory = exact.theory_error[~np.isnan(exact.theory_error)]
-        worst = float(theory[np.argmax(np.abs(theory))]) if len(theory) else math.nan
-        return cls(beam, boundary, limit, exact.angular_frequency, worst)
+    def of(cls, boundary: Any, modes: Any, beam: Beam | Rod | None, motion: Motion) -> _Case:
+        """Return the case of a beam in a motion, or of a rod in all of them."""
+        if isinstance(beam, Rod):
+            if motion.along:
+                raise ValueError(
+                    f"motion must be left out with a rod, which bends and twists, got {shown(motion.name)}"
+                )
+            ends = RodEnds.of(boundary)
+            return cls(judged_rod(beam, ends, modes), (beam, ends))
+        count = whole_number("modes", modes, most=MAX_MODES_SOUGHT)
+        if motion.along:
+            pair = AxialBoundary.of(boundary, motion)
+            return cls([judged_beam(unit_beam() if beam is None else beam, pair, count)], None)
+        return cls([judged_beam(Beam.unit() if beam is None else beam, Boundary.of(boundary), count)], None)
 
     @property
-    def _is_plain(self) -> bool:
-        """True if errors have a closed form: the beam is uniform, without rotary inertia of its sections."""
-        return self.beam.is_uniform and not self.beam.has_rotary_inertia
+    def read(self) -> Callable[[Any], Any]:
+        """What reads a rule, which may have to serve twist or stretch, too."""
+        only_bends = self.rod is None and self.judges[0].name == "bending"
+        return layout_of if only_bends else axial_layout_of
 
-    @property
-    def modes(self) -> int:
-        """The number of modes wanted."""
-        return len(self.exact)
+    def segments(self, record: Any, limit: float) -> list[int]:
+        """Return the N from which on errors stay in bounds, for each motion; raises ToleranceOutOfReach."""
+        return [segments_of_motion(judge, limit, record) for judge in self.judges]
 
-    def errors(self, record: Layout, segments: int) -> Floats:
-        """Return the chain's errors, NaN where it has no such mode or the rule no springs."""
-        if self._is_plain:
-            mode = np.arange(1, self.modes + 1)
-            return np.asarray(
-                frequency_error(self.boundary, segments=segments, mode=mode, rule=record, beam=self.beam)
-            )
-        errors = np.full(self.modes, np.nan)
-        try:
-            chain = Chain(self.beam, self.boundary, segments, record)
-        except ValueError:
-            # No positive springs for these ends and N.
-            return errors
-        found = solve_modes(linearize(chain), self.modes).angular_frequency
-        errors[: len(found)] = found / self.exact[: len(found)] - 1
-        return errors
-
-    def remarks(self, record: Layout, segments: int) -> tuple[str, ...]:
-        """Return remarks on the error of the least accurate mode; none for a beam that varies."""
-        if not self._is_plain:
-            return ()
-        worst = int(np.argmax(np.abs(self.errors(record, segments)))) + 1
-        return error_remarks(self.boundary, segments=segments, mode=worst, rule=record, beam=self.beam)
-
-    def segments(self, record: Layout) -> int:
-        """Return the N from which errors stay in bounds; raises ToleranceOutOfReach."""
-        if self._is_plain:
-            return segments_needed(self.boundary, self.tolerance, self.modes, record, beam=self.beam)
-        grid = solved_grid(self.modes, record)
-        needed = first_lasting_upwards(
-            lambda count: not (np.abs(self.errors(record, count)) <= self.tolerance).all(),
-            grid,
-            ahead=3,
-            fits=fits_of(record),
-        )
-        if needed is None:
-            raise ToleranceOutOfReach.of(self.tolerance, record, self.modes, "this beam", grid[-1])
-        return needed
-
-    def way(self, segments: int, record: Layout, integrator: str) -> Recommendation:
-        """Return what so many segments cost."""
-        chain = Chain(self.beam, self.boundary, segments, record)
-        highest = highest_angular_frequency(chain)
+    def way(self, counts: list[int], record: Any, integrator: str) -> Recommendation:
+        """Return what the largest of these N costs."""
+        segments = max(counts)
+        errors = [np.abs(judge.errors(record, segments)) for judge in self.judges]
+        largest = [float(each.max()) for each in errors]
+        highest, stepped = self.judges[0].highest(record, segments)
+        # Of several motions that need as many, the one that errs more.
+        first = max(range(len(counts)), key=lambda k: (counts[k], largest[k]))
+        judge, worst = self.judges[first], int(np.argmax(errors[first]))
+        if self.rod is None:
+            chain: Chain | AxialChain | SpatialChain = judge.chain(record, segments)
+        else:
+            chain = SpatialChain(*self.rod, segments, record)
         step = stability_limit(integrator) / highest
-        errors = np.abs(self.errors(record, segments))
+        theory = [each.theory_error for each in self.judges if not math.isnan(each.theory_error)]
+        slowest = min(float(each.exact[0]) for each in self.judges)
         return Recommendation(
             rule=record.name,
             segments=segments,
             joint_stiffness=chain.joint_stiffness,
-            largest_error=float(np.max(errors)),
-            mode=int(np.argmax(errors)) + 1,
-            static_error=_static_errors(chain),
+            largest_error=max(largest),
+            mode=int(np.argmax(errors[largest.index(max(largest))])) + 1,
+            static_error=_static_errors(chain) if isinstance(chain, Chain) else {},
             highest_angular_frequency=highest,
             stable_time_step=step,
-            cost=segments * 2 * math.pi / float(self.exact[0]) / step,
-            theory_error=self.theory_error,
-            remarks=self.remarks(record, segments),
+            cost=segments * 2 * math.pi / slowest / step,
+            theory_error=max(theory, key=abs, default=math.nan),
+            remarks=_remarks(judge, record, segments, worst + 1),
+            segments_set_by=_set_by(judge, record, segments),
+            step_set_by=stepped,
         )
 
 
-class _StructureJudge(NamedTuple):
-    """Errors of chains of a structure."""
+class _StructureCase(NamedTuple):
+    """A structure, and the exact frequencies of its wanted modes."""
 
     structure: Structure
-    tolerance: float
     exact: Floats
 
     @classmethod
-    def of(cls, structure: Structure, tolerance: float, modes: int) -> _StructureJudge:
-        """Return the judge of the first modes of a structure."""
-        limit = small_fraction("tolerance", tolerance)
+    def of(cls, structure: Structure, modes: Any) -> _StructureCase:
+        """Return the case of the first modes of a structure."""
         count = whole_number("modes", modes, most=MOST_MODES)
-        return cls(structure, limit, structure_modes(structure, count).angular_frequency)
+        return cls(structure, structure_modes(structure, count).angular_frequency)
 
-    def segments(self, record: Layout) -> int:
+    @property
+    def read(self) -> Callable[[Any], Any]:
+        """What reads a rule."""
+        return layout_of
+
+    def segments(self, record: Layout, limit: float) -> list[int]:
         """Return the N from which errors stay in bounds; raises ToleranceOutOfReach."""
-        return segments_needed(self.structure, self.tolerance, len(self.exact), record)
+        return [segments_needed(self.structure, limit, len(self.exact), record)]
 
-    def way(self, segments: int, record: Layout, integrator: str) -> Recommendation:
+    def way(self, counts: list[int], record: Layout, integrator: str) -> Recommendation:
         """Return what so many segments cost."""
-        chain = StructureChain(self.structure, segments, record)
+        chain = StructureChain(self.structure, max(counts), record)
         # Of many small matrices more threads would only wait for each other.
         with one_thread():
             omega = structure_chain_modes(chain).angular_frequency
@@ -327,6 +328,24 @@ class _StructureJudge(NamedTuple):
             remarks=(),
             stretches=chain.segments,
         )
+
+
+def _remarks(judge: JudgedMotion, record: Any, segments: int, mode: int) -> tuple[str, ...]:
+    """Return remarks on the error of the least accurate mode; of bending that is looked up only."""
+    if judge.lookup is None or judge.lookup["motion"] != "bending":
+        return ()
+    return error_remarks(
+        judge.lookup["boundary"], segments=segments, mode=mode, rule=record, beam=judge.lookup["beam"]
+    )
+
+
+def _set_by(judge: JudgedMotion, record: Any, segments: int) -> str:
+    """Return which motion a chain that is one segment shorter has too wrong, or if it has none this one."""
+    for count in (segments - 1, segments):
+        errors = judge.errors(record, count) if count else np.array([np.nan])
+        if not np.isnan(errors).any():
+            return judge.name_of(record, count, int(np.argmax(np.abs(errors))))
+    raise AssertionError("a recommended chain has all wanted modes")
 
 
 def _static_errors(chain: Chain) -> dict[str, float]:

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,7 +20,12 @@ from beammodes.problem.axial_ends import AxialBoundaryLike
 from beammodes.problem.beam import Beam
 from beammodes.problem.loading import Load, check_unloaded
 from beammodes.problem.motions import Motion, motion_named
+from beammodes.problem.rod import Rod
+from beammodes.problem.rod_ends import RodBoundaryLike, RodEnds
 from beammodes.problem.structure import Structure
+
+if TYPE_CHECKING:
+    from beammodes.accuracy.judged_motions import JudgedMotion
 
 __all__ = [
     "MAX_MODES_SOUGHT",
@@ -28,6 +34,7 @@ __all__ = [
     "first_lasting_upwards",
     "segment_grid",
     "segments_needed",
+    "segments_of_motion",
     "solved_grid",
 ]
 
@@ -40,8 +47,9 @@ _LONGEST_SOLVED = 1000
 # Errors that are looked up at a time; roots that are; chains, where each costs some milliseconds.
 _BLOCK, _ROOTS, _SOLVED_AT_A_TIME = 200_000, 4096, 8
 
-# Of a structure N is enough if no longer chain up to so many times N fails. Longer chains cost more to solve.
-_AHEAD, _LONG = 3, 100
+# Where chains are solved one by one N is enough if no longer chain up to so many times N fails; of a rod with
+# steps, of which every chain is looked at, up to twice N. Longer chains cost more to solve.
+_AHEAD, _AHEAD_OF_STEPS, _LONG = 3, 2, 100
 
 Counts = NDArray[np.int64]
 Fails = Callable[[Counts], NDArray[np.bool_]]
@@ -60,13 +68,13 @@ class ToleranceOutOfReach(ValueError):
 
 
 def segments_needed(
-    boundary: AxialBoundaryLike | Structure,
+    boundary: AxialBoundaryLike | RodBoundaryLike | Structure,
     tolerance: float,
-    modes: int = 1,
+    modes: int | Mapping[str, int] = 1,
     rule: AnyAxialRule = "mitiguy",
     *,
     load: Load | None = None,
-    beam: Beam | None = None,
+    beam: Beam | Rod | None = None,
     motion: str | Motion = "bending",
     damping_ratio: float | None = None,
 ) -> int:
@@ -80,19 +88,24 @@ def segments_needed(
 
     Parameters
     ----------
-    boundary : str, pair, Boundary or Structure
+    boundary : str, pair, Boundary, RodEnds or Structure
         Numbers of its ends are in the units of `beam`; without one they are multiples of ρA L, ρA L³, L,
         EI/L³ and EI/L. Of a `Structure` N is the number in all, shared out as `StructureChain` says; it is
         sought up to 1000, and longer chains are looked at up to three times N.
     tolerance : float
         Largest |e| allowed, as a fraction less than 0.5: 0.01 is one percent.
-    modes : int
-        How many modes, from the first; at most 1000.
+    modes : int, or mapping from motions to int
+        How many modes, from the first; at most 1000, of a `Rod` 100. A rod's bending and twist are numbered
+        together; where it is straight and nothing couples them, {"bending": 3, "second_bending": 3,
+        "twist": 1} asks for so many of each (the second is bending with its `second_bending_stiffness`).
     rule : str, Rule or any Layout
     load : Load, optional
         Loads along the beam or of a turning hub, in the units of `beam`, which must then be given.
-    beam : Beam, optional
-        Uniform. `Beam.unit()` makes all numbers multiples of EI/L², ρA L and so on.
+    beam : Beam or Rod, optional
+        Uniform. `Beam.unit()` makes all numbers multiples of EI/L², ρA L and so on. A `Rod` bends in two
+        planes and twists, and may vary; N is the smallest for all of its modes together. Where its motions
+        are coupled, or it varies, its chains are solved: N is sought up to 1000, and longer chains are looked
+        at up to three times N (each up to twice N where the rod has steps).
     motion : str
         "bending", "twist" or "stretch"; see `frequency_error`.
     damping_ratio : float, optional
@@ -122,6 +135,17 @@ def segments_needed(
     """
     if damping_ratio is not None:
         tolerance = frequency_error_allowed(small_fraction("tolerance", tolerance), damping_ratio)
+    if isinstance(beam, Rod):
+        if motion_named(motion).along:
+            raise ValueError(
+                f"motion must be left out with a rod, which bends and twists, got {shown(motion)}"
+            )
+        check_unloaded(load)
+        return _segments_of_rod(boundary, tolerance, modes, lookup_of("twist").layout(rule), beam)
+    if isinstance(modes, Mapping):
+        raise TypeError(
+            f"modes must be a number, or beam a Rod, got modes {shown(modes)} and beam {shown(beam)}"
+        )
     if isinstance(boundary, Structure):
         if beam is not None or motion_named(motion).along:
             raise ValueError("beam and motion must be left out with a structure, which bends its own beams")
@@ -159,6 +183,57 @@ def segments_needed(
     return needed
 
 
+def _segments_of_rod(
+    boundary: Any, tolerance: float, modes: int | Mapping[str, int], rule: Layout, rod: Rod
+) -> int:
+    from beammodes.accuracy.judged_motions import judged_rod
+
+    if isinstance(boundary, Structure):
+        raise ValueError("beam must be left out with a structure, which bends its own beams")
+    ends, limit = RodEnds.of(boundary), small_fraction("tolerance", tolerance)
+    return max(segments_of_motion(judge, limit, rule) for judge in judged_rod(rod, ends, modes))
+
+
+def segments_of_motion(judge: JudgedMotion, tolerance: float, rule: Layout) -> int:
+    """Return the N from which on chains of a judged motion stay within a tolerance.
+
+    Raises
+    ------
+    ToleranceOutOfReach
+        If none that is looked at does.
+    """
+    if judge.lookup is not None:
+        return segments_needed(tolerance=tolerance, modes=judge.modes, rule=rule, **judge.lookup)
+    known: dict[int, bool] = {}
+
+    def fails(count: int) -> bool:
+        if count not in known:
+            known[count] = not bool((np.abs(judge.errors(rule, count)) <= tolerance).all())
+        return known[count]
+
+    grid, ahead, fits = solved_grid(judge.modes, rule), _AHEAD, fits_of(rule)
+    if not judge.is_smooth:
+        # Where a step lies between two hinges changes from N to N.
+        every = range(1, _LONGEST_SOLVED + 1)
+        grid, ahead = np.array([n for n in every if fits is None or fits(n)]), _AHEAD_OF_STEPS
+    needed = _sought(fails, grid, ahead, fits)
+    if needed is None:
+        raise ToleranceOutOfReach.of(tolerance, rule, judge.modes, judge.name, grid[-1])
+    return needed
+
+
+def _sought(
+    fails: Callable[[int], bool], grid: Counts, ahead: int, fits: Callable[[int], bool] | None
+) -> int | None:
+    """Return N by chains that are solved one by one, None if none is enough."""
+    longer = grid[grid > _LONG][0]
+    # Of many small matrices more threads would only wait for each other.
+    with one_thread():
+        # Where neither a long chain nor the longest will do, none between is looked at.
+        hopeless = fails(int(longer)) and fails(int(grid[-1]))
+        return None if hopeless else first_lasting_upwards(fails, grid, ahead, fits)
+
+
 def _segments_of_structure(structure: Structure, tolerance: float, modes: int, rule: Layout) -> int:
     from beammodes.accuracy.structure_errors import failing_segments
 
@@ -169,12 +244,7 @@ def _segments_of_structure(structure: Structure, tolerance: float, modes: int, r
     # Of long chains, of which one costs as much as many short ones, every third down from the longest.
     long = grid > max(_LONG, 10 * modes)
     grid = np.concatenate((grid[(grid >= least) & ~long], grid[long][::-3][::-1]))
-    longer = grid[grid > _LONG][0]
-    # Of many small matrices more threads would only wait for each other.
-    with one_thread():
-        # Where neither a long chain nor the longest will do, none between is looked at.
-        hopeless = fails(int(longer)) and fails(int(grid[-1]))
-        needed = None if hopeless else first_lasting_upwards(fails, grid, _AHEAD, fits_of(rule))
+    needed = _sought(fails, grid, _AHEAD, fits_of(rule))
     if needed is None:
         raise ToleranceOutOfReach.of(tolerance, rule, modes, repr(structure), grid[-1])
     return needed

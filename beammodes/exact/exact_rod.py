@@ -291,14 +291,14 @@ class _Problem:
             p, c, m = (matrix[:1] for matrix in self._samples)
             flow = _flow(p, c, m, square)[:, 0] / wanted
             return [_exponential(flow * size[:, None, :] / size[:, :, None])] * wanted
-        steps = 2 ** math.ceil(math.log2(wanted)) * self.refined
+        steps = 2 ** math.ceil(math.log2(wanted))
         return list(np.moveaxis(self._collocated(square, scale, steps), 1, 0))
 
     def _collocated(self, square: Floats, scale: Floats, steps: int) -> Floats:
         """Return the matrices of Gauss's collocation, of order 8, shape (squares, steps, 12, 12)."""
         if steps not in self._steps:
             parts = np.diff(self._edges)
-            shares = np.maximum(1, np.ceil(parts * steps)).astype(int)
+            shares = self.refined * np.maximum(1, np.ceil(parts * steps)).astype(int)
             width = np.repeat(parts / shares, shares)
             start = np.concatenate(
                 [

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cache, cached_property
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -30,6 +30,7 @@ __all__ = [
     "CurvatureSteps",
     "LineThroughPoints",
     "curvature_at",
+    "even_parts",
     "kept_curvature",
     "shape_breaks",
     "shape_frames",
@@ -39,6 +40,9 @@ _MOST_PARTS, _GRID = 10_000, 65
 
 #: Cells of a measured line from point to point on which its frames are kept.
 _CELLS = 64
+
+#: Stretches of such a line that are even enough for a judge's equal steps, of up to so many points.
+_EVEN, _MOST_EVEN = 64, 1000
 
 
 @dataclass(frozen=True, slots=True)
@@ -119,6 +123,26 @@ class LineThroughPoints:
         """Of the line [m]."""
         return float(self._spline[2][-1])
 
+    @property
+    def sharpest(self) -> tuple[float, int]:
+        """How far the line turns at most within a 64th of the way between two points [rad], and which."""
+        tangent = self._spline[4]
+        turns = np.arctan2(
+            np.sqrt((np.cross(tangent[:-1], tangent[1:]) ** 2).sum(axis=1)),
+            (tangent[:-1] * tangent[1:]).sum(axis=1),
+        )
+        worst = int(np.argmax(turns))
+        return float(turns[worst]), worst // _CELLS
+
+    @property
+    def even_parts(self) -> tuple[float, ...]:
+        """Distances along the line between which it is smooth, denser where it bends more [m]."""
+        along = self._spline[2]
+        between = max(1, _EVEN // (len(self.points) - 1))
+        if len(self.points) > _MOST_EVEN:
+            return ()
+        return tuple(along[:: _CELLS // between][1:-1].tolist())
+
     def __call__(self, s: Floats) -> Floats:
         """Return κ at positions, shape (n, 3)."""
         spline, place, along, normals, tangents = self._spline
@@ -149,11 +173,16 @@ def _speed(spline: Any, place: Floats) -> Floats:
 
 def _distances(spline: Any, start: Floats, stop: Floats) -> Floats:
     """Return how far it goes between places of its parameter, by Gauss's rule, shape (n,)."""
-    node, weight = np.polynomial.legendre.leggauss(8)
+    node, weight = _gauss()
     half = 0.5 * (stop - start)
     inner = start[:, None] + half[:, None] * (1.0 + node)
     along: Floats = half * (_speed(spline, inner.ravel()).reshape(inner.shape) @ weight)
     return along
+
+
+@cache
+def _gauss() -> tuple[Floats, Floats]:
+    return np.polynomial.legendre.leggauss(8)
 
 
 def _unit(vector: Floats) -> Floats:
@@ -246,6 +275,17 @@ def shape_breaks(curvature: Curvature) -> tuple[float, ...]:
         # The spline's fifth derivative steps at its points, the curvature's third: no rule feels it.
         return ()
     return curvature.breaks if isinstance(curvature, BendsAlong) else ()
+
+
+def even_parts(curvature: Curvature) -> tuple[float, ...]:
+    """Return positions inside a rod between which equal steps follow its shape, ascending.
+
+    Examples
+    --------
+    >>> even_parts(CurvatureSteps((0.5, 1.0), ((0.0, 0.0, 0.0), (0.0, 0.0, 2.0))))
+    (0.5,)
+    """
+    return curvature.even_parts if isinstance(curvature, LineThroughPoints) else shape_breaks(curvature)
 
 
 def curvature_at(curvature: Curvature, s: Floats) -> Floats:

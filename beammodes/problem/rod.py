@@ -20,6 +20,7 @@ from beammodes.problem.rest_shape import (
     CurvatureSteps,
     LineThroughPoints,
     curvature_at,
+    even_parts,
     kept_curvature,
     shape_breaks,
     shape_frames,
@@ -35,6 +36,9 @@ __all__ = ["Rod"]
 _NEEDED = ("bending_stiffness", "torsional_stiffness", "mass_per_length")
 _INERTIAS = ("polar_inertia_per_length", "rotary_inertia_per_length", "second_rotary_inertia_per_length")
 _OPTIONAL = ("axial_stiffness", "shear_stiffness", "second_shear_stiffness")
+#: Turn of a measured line within a 64th of the way between two points [rad]: of more it has a corner there,
+#: of which the exact rod's frequencies would not settle.
+_SHARPEST = math.radians(15.0)
 _ALONG = (*_NEEDED, "second_bending_stiffness", *_INERTIAS, *_OPTIONAL)
 
 
@@ -222,7 +226,8 @@ class Rod:
         Parameters
         ----------
         points : sequence of (x, y, z), at least four [m]
-            Each away from the one before. Give them denser where the line bends more.
+            Each away from the one before. Give them denser where the line bends more: a line through them
+            that has all but a corner is refused.
         up : (x, y, z)
             Where the section's y axis points at the first point, as far as it is across the line. From there
             the section is carried along without turning about the line.
@@ -254,6 +259,13 @@ class Rod:
             (float(axis[0]), float(axis[1]), float(axis[2])),
             real("twist", twist),
         )
+        turn, place = line.sharpest
+        if turn > _SHARPEST:
+            raise ValueError(
+                "points must be closer together where the line bends: the smooth line through them turns by "
+                f"{math.degrees(turn):.0f} degrees within a 64th of the way from point {place} to point "
+                f"{place + 1}, counted from 0; {math.degrees(_SHARPEST):.0f} degrees are allowed"
+            )
         return cls(line.length, curvature=line, **properties)
 
     @classmethod
@@ -412,7 +424,12 @@ class Rod:
 
     @property
     def breaks(self) -> tuple[float, ...]:
-        """Positions inside the rod between which it is smooth, ascending [m]."""
+        """Positions inside the rod between which it is smooth, and a measured line even, ascending [m]."""
+        return each_place_once(sorted([*self.steps, *even_parts(self.curvature)]), self.length)
+
+    @property
+    def steps(self) -> tuple[float, ...]:
+        """Positions at which a property or the curvature has a step or a kink, ascending [m]."""
         profiles = [getattr(self, name) for name in _ALONG]
         places = [s for profile in profiles if profile is not None for s in profile_breaks(profile)]
         return each_place_once(sorted([*places, *shape_breaks(self.curvature)]), self.length)

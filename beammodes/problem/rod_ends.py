@@ -47,7 +47,8 @@ class RodEnd:
     ------
     TypeError, ValueError
         If a number is not real, is negative (of an offset it may be) or not finite (stiffnesses may be), or
-        the tensor is not symmetric and positive.
+        the tensor is not symmetric and positive, or of no body: about one axis more than about the two across
+        it together.
 
     Examples
     --------
@@ -218,9 +219,20 @@ def _tensor(given: object) -> Tensor:
         matrix = np.array([x, y, z])
         if not (matrix == matrix.T).all() or np.linalg.eigvalsh(matrix)[0] < -1e-12 * np.abs(matrix).max():
             raise ValueError(f"rotary_inertia must be symmetric and positive, got {shown(given)}")
+        _check_possible(np.linalg.eigvalsh(matrix), given)
         return x, y, z
     a, b, c = _each("rotary_inertia", given)
+    _check_possible(np.sort([a, b, c]), given)
     return (a, 0.0, 0.0), (0.0, b, 0.0), (0.0, 0.0, c)
+
+
+def _check_possible(principal: Floats, given: object) -> None:
+    """Refuse inertias, ascending, of which one exceeds the other two together: no masses have them."""
+    if principal[2] > (principal[0] + principal[1]) * (1.0 + 1e-9):
+        raise ValueError(
+            "rotary_inertia must be that of a body, about no axis more than about the others together, "
+            f"got {shown(given)}, about its principal axes {', '.join(f'{value:.6g}' for value in principal)}"
+        )
 
 
 @dataclass(frozen=True, slots=True)
