@@ -6,7 +6,9 @@ of the elastic line with its weight, and Chebyshev collocation of its small vibr
 
 from __future__ import annotations
 
+import csv
 import math
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -27,6 +29,7 @@ from beammodes.problem.loading import Load
 from beammodes.vibration.linear import linearize
 from beammodes.vibration.modes import solve_modes
 
+FIGURES = Path(__file__).parents[1] / "figures"
 SPRUNG = (End(math.inf, 4.0), End(math.inf, 1.5))
 
 
@@ -328,3 +331,21 @@ def vibration(line: Any, boundary: Boundary, size: int = 40) -> np.ndarray:
     found = found[np.isfinite(found)]
     real = np.sort(found[(abs(found.imag) < 1e-6 * abs(found)) & (abs(found) < 1e6)].real)
     return np.sqrt(real[real > 0][:3])
+
+
+def _rows(name: str) -> list[dict[str, str]]:
+    with (FIGURES / name).open() as file:
+        return list(csv.DictReader(file))
+
+
+def test_the_figure_of_the_cable_tells_the_catenary_and_irvines_limits() -> None:
+    rows = _rows("cable_slack.csv")
+    least = [row for row in rows if row["slack"] == "0.001"]
+    for row in least:
+        # The sag's share and that of 60 rods.
+        assert abs(float(row["ratio"]) / float(row["irvine"]) - 1) < 5e-3
+    rest = {row["node"]: float(row["rest"]) for row in _rows("cable.csv") if row["axis"] == "y"}
+    # y of the catenary at its lowest point: a (1 - cosh(x_0/a)), with the left end at -x_0 from there.
+    a, rise = catenary() / 1962.0, 100.0
+    left = 400 - a * math.asinh(rise / (2 * a * math.sinh(400 / a)))
+    assert abs(min(rest.values()) - a * (1 - math.cosh(left / a))) < 0.2
