@@ -192,6 +192,7 @@ def test_orders_of_truncation() -> None:
         ({"damping": 0.1}, TypeError, "^damping must be a Damping or None, got 0.1"),
         ({"damping": bm.Damping(joint=0.1)}, ValueError, "^damping of a beam must be without joint dampers"),
         ({"boundary": "free-free"}, ValueError, "^boundary must leave no rigid-body motion"),
+        ({"boundary": (bm.End.hub(0.1, 1.0, 1.0), "free")}, ValueError, "^boundary must have no hub_radius"),
         ({"boundary": "free-clamped"}, ValueError, "^boundary must tie down the left end"),
         ({"modes": 0}, ValueError, "^modes must be a whole number"),
         ({"time": [1.0, 0.5]}, ValueError, "^time must ascend"),

@@ -35,7 +35,7 @@ from beammodes.exact.beam_theory import euler_bernoulli
 from beammodes.exact.exact_beam import BeamModes
 from beammodes.numerics.arrays import Floats
 from beammodes.problem.beam import Beam
-from beammodes.problem.ends import Boundary, BoundaryLike
+from beammodes.problem.ends import Boundary, BoundaryLike, check_no_hub
 from beammodes.problem.profiles import mean_over
 from beammodes.version import SOURCE
 from beammodes.vibration.damping import Damping, damping_ratios
@@ -78,7 +78,7 @@ def modal_response(
         Uniform or not.
     boundary : str, pair of ends or Boundary
         With springs and bodies, if any; without rigid-body motion. The base carries both supports and what
-        springs rest on; along the beam the left one only.
+        springs rest on; along the beam the left one only. Not of hubs with a radius.
     modes : int
         Number of modes, 1 to 200, of a beam that varies at most 100.
     time : array of shape (times,) [s]
@@ -131,6 +131,7 @@ def modal_response(
         raise ValueError(f"boundary must leave no rigid-body motion, got {pair.name}")
     if not pair.left.is_grounded:
         raise ValueError(f"boundary must tie down the left end, got {pair.name}: name that end first")
+    check_no_hub(pair.left, pair.right)
     times, shapes = _ascending(time), euler_bernoulli(beam, pair, count)
     start, omega = _start(initial, count), shapes.angular_frequency
     ratio = _ratios(damping_ratio, damping, omega)

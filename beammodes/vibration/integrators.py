@@ -184,11 +184,10 @@ _RECORDS = (
     Integrator(
         name="implicit_euler",
         order=1,
-        engines=("MuJoCo discrete", "DART", "Gazebo DART", "Drake implicit_euler"),
+        engines=("MuJoCo discrete", "DART", "Gazebo DART"),
         stages=((1.0,),),
         weights=(1.0,),
-        source="MuJoCo and Drake measured by the tests; DART's joints add h d + h² k to their inertia, by "
-        "its sources",
+        source="MuJoCo measured by the tests; DART's joints add h d + h² k to their inertia, by its sources",
     ),
     Integrator(
         name="sdirk2",
