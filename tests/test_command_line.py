@@ -1029,6 +1029,7 @@ def test_bad_rods_are_told_in_one_line(capsys: pytest.CaptureFixture[str], tmp_p
         (["--length=1", "--shape=arc(angle=__import__)"], ("angle of --shape must be a number",)),
         (["--length=1", "--shape=arc(angle=1, angle=2)"], ("angle of --shape must be given once",)),
         (["--length=1", "--shape=arc(angel=1)"], ('did you mean "angle"?',)),
+        (["--length=1", "--shape=arc(1)"], ("--shape must be arc(angle=...)",)),
         (["--points", str(tmp_path / "no.csv")], ("no such file",)),
         (["--points", str(line)], ("line 3 must have three numbers",)),
         (["--points", str(line), "--length=2"], ("--length must be left out with --points",)),
@@ -1044,3 +1045,6 @@ def test_bad_rods_are_told_in_one_line(capsys: pytest.CaptureFixture[str], tmp_p
     Ran(["error", "clamped-free", "--segments=3", "--shape=arc(angle=1)"], capsys).refused(
         "--shape must come with --motion space"
     )
+    Ran(
+        ["buckling", "pinned-pinned", "--segments=3", *SPACE, "--length=1", "--tip-force=-1,0,0"], capsys
+    ).refused("chain must be held so that it cannot move rigidly")

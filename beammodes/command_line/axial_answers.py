@@ -128,6 +128,30 @@ def _chain(case: AxialCase) -> Any:
     )
 
 
+def _recommend(case: AxialCase) -> Answer:
+    from beammodes.accuracy.advice import recommend
+    from beammodes.command_line.advice_table import advice_lines, advice_rows
+
+    options, units = case.options, case.units
+    ways = recommend(
+        case.boundary,
+        options.tolerance,
+        options.modes,
+        beam=case.beam,
+        rules=options.rule.split(",") if options.rule else None,
+        integrator=options.integrator,
+        motion=case.motion,
+    )
+    said = case.said(
+        "joint_stiffness",
+        highest_angular_frequency=units["angular_frequency"],
+        stable_time_step=units["time"],
+    )
+    lines = [*advice_lines(ways, options.integrator, units["time"]), case.holds_for, *case.notes()]
+    answer = {"motion": case.motion.name, "recommendations": advice_rows(ways)}
+    return answer | said, "\n".join(lines)
+
+
 def _segments(case: AxialCase) -> Answer:
     from beammodes.accuracy.segments import segments_needed
 
@@ -214,6 +238,7 @@ def _time_step(case: AxialCase) -> Answer:
 #: By the name of the command.
 ANSWERS: Mapping[str, Callable[[AxialCase], Answer]] = MappingProxyType(
     {
+        "recommend": _recommend,
         "segments": _segments,
         "error": _error,
         "springs": _springs,

@@ -54,7 +54,6 @@ from beammodes.command_line.text_tables import (
 )
 
 if TYPE_CHECKING:
-    from beammodes.accuracy.advice import Recommendation
     from beammodes.auditing.audit import Audit, Suggestion
 
 __all__ = ["COMMANDS"]
@@ -141,13 +140,15 @@ def _in_any_motion(
     "clamped-free --tolerance 1% --modes 3",
     BOUNDARY,
     TOLERANCE,
-    modes(1),
+    modes(1, each=True),
     *_BEAM,
     INTEGRATOR,
     option("--rule", "only these rules (default: all)", metavar="RULE,..."),
+    moving=("twist", "stretch", "space"),
 )
 def _recommend(options: argparse.Namespace) -> Answer:
     from beammodes.accuracy.advice import recommend
+    from beammodes.command_line.advice_table import advice_lines, advice_rows
 
     ways = recommend(
         options.boundary,
@@ -157,13 +158,6 @@ def _recommend(options: argparse.Namespace) -> Answer:
         rules=options.rule.split(",") if options.rule else None,
         integrator=options.integrator,
     )
-    names = ["rule", "segments", "largest_error", "static_error"]
-    names += ["highest_angular_frequency", "stable_time_step", "cost"]
-    rows = [
-        {name: getattr(way, name) for name in names}
-        | {"joint_stiffness": way.joint_stiffness.tolist(), "remarks": list(way.remarks)}
-        for way in ways
-    ]
     units = _units(options)
     said = _said_units(
         options,
@@ -172,31 +166,12 @@ def _recommend(options: argparse.Namespace) -> Answer:
         stable_time_step=units["time"],
     )
     lines = [
-        text_table(
-            ["rule", "N", "error [%]", "static error [%]", f"step [{units['time']}]", "cost [-]"],
-            [_way(way) for way in ways],
-            names=1,
-        ),
-        "error: largest of the modes asked for, without its sign",
-        "static: worst of tip force, tip moment and uniform load; nan where the beam can move rigidly",
-        f"cost: segments times {options.integrator} steps in one period of the first mode",
+        *advice_lines(ways, options.integrator, units["time"]),
         _CASE["holds_for"],
         f"next: beammodes springs {_typed(options)} --segments {ways[0].segments} --rule {ways[0].rule}",
         *_units_note(options),
     ]
-    return {"recommendations": rows} | said | _CASE, "\n".join(lines)
-
-
-def _way(way: Recommendation) -> list[str]:
-    static = max(way.static_error.values(), key=abs, default=math.nan)
-    return [
-        way.rule,
-        str(way.segments),
-        percents(way.largest_error).lstrip("+"),
-        percents(static),
-        number(way.stable_time_step),
-        f"{way.cost:.3g}",
-    ]
+    return {"recommendations": advice_rows(ways)} | said | _CASE, "\n".join(lines)
 
 
 @_command(
@@ -206,7 +181,7 @@ def _way(way: Recommendation) -> list[str]:
     "clamped-clamped --tolerance 1% --modes 3 --rule gregory",
     BOUNDARY,
     TOLERANCE,
-    modes(1),
+    modes(1, each=True),
     *_BEAM,
     AXIAL_FORCE,
     RULE,

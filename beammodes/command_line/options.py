@@ -213,10 +213,20 @@ def option(flag: str, text: str | Callable[[], str], **settings: Any) -> Option:
     return flag, {"help": text, **settings}
 
 
-def modes(default: int) -> Option:
-    """Return the option --modes."""
+def modes(default: int, *, each: bool = False) -> Option:
+    """Return the option --modes; `each` lets a rod's motions have counts of their own."""
     text = f"how many modes (default: {default})"
-    return option("--modes", text, type=_integer, default=default, metavar="n")
+    if each:
+        text += "; in space of all together, or of each where the rod is straight: bending=3,twist=1"
+    kind = _counts if each else _integer
+    return option("--modes", text, type=kind, default=default, metavar="n")
+
+
+def _counts(text: str) -> int | str | dict[str, int | str]:
+    if "=" not in text:
+        return _integer(text)
+    parts = (part.partition("=") for part in text.split(","))
+    return {name.strip(): _integer(count) for name, _, count in parts}
 
 
 BOUNDARY = option(

@@ -28,6 +28,42 @@ _TURNS = ("twist", "about_y", "about_z")
 _NOTHING = 1e-9
 
 
+def _recommend(case: RodCase) -> Answer:
+    from beammodes.accuracy.advice import recommend
+    from beammodes.command_line.advice_table import advice_lines, advice_rows
+
+    options, units = case.options, case.units
+    ways = recommend(
+        case.ends,
+        options.tolerance,
+        options.modes,
+        beam=case.rod,
+        rules=options.rule.split(",") if options.rule else None,
+        integrator=options.integrator,
+    )
+    said = case.said(
+        "joint_stiffness",
+        highest_angular_frequency=units["angular_frequency"],
+        stable_time_step=units["time"],
+    )
+    lines = [*advice_lines(ways, options.integrator, units["time"]), case.holds_for, *case.notes()]
+    return {"motion": "space", "recommendations": advice_rows(ways)} | said, "\n".join(lines)
+
+
+def _segments(case: RodCase) -> Answer:
+    from beammodes.accuracy.segments import segments_needed
+
+    options = case.options
+    count = segments_needed(case.ends, options.tolerance, options.modes, options.rule, beam=case.rod)
+    asked = options.modes
+    which = "the first mode" if asked == 1 else f"the first {asked} modes"
+    if isinstance(asked, dict):
+        which = "modes " + ", ".join(f"{name} {number}" for name, number in asked.items())
+    text = f"{count}\nrule {options.rule}, {which}, {case.holds_for}"
+    answer = {"segments": count, "motion": "space", "holds_for": case.holds_for}
+    return answer, "\n".join([text, *case.notes()])
+
+
 def _error(case: RodCase) -> Answer:
     from beammodes.accuracy.chain_against_rod import rod_errors
 
@@ -91,6 +127,7 @@ def _frequencies(case: RodCase) -> Answer:
 
 
 def _time_step(case: RodCase) -> Answer:
+    from beammodes.accuracy.judged_motions import ROD_MOTIONS
     from beammodes.vibration.highest_in_space import highest_in_space
     from beammodes.vibration.stability import GRAVITY, stable_time_step
 
@@ -103,11 +140,12 @@ def _time_step(case: RodCase) -> Answer:
             f"{chain.segments}"
         )
     highest = highest_in_space(chain, load)
-    shares = dict(zip(_TURNS, highest.shares.tolist(), strict=True))
+    shares = dict(zip(ROD_MOTIONS, highest.shares.tolist(), strict=True))
     answer = {
         "motion": "space",
         "time_step": step,
         "highest_angular_frequency": highest.angular_frequency,
+        "step_set_by": max(shares, key=lambda name: shares[name]),
         "stored_in": shares,
     }
     time, omega = units["time"], units["angular_frequency"]
@@ -134,14 +172,11 @@ def _time_step(case: RodCase) -> Answer:
 
 
 def _stored(shares: Mapping[str, float]) -> str:
-    """Return in words which turning of the joints the highest mode is, and so which sets the step."""
-    told = [f"{_word(name)} {100 * share:.3g} %" for name, share in shares.items() if share > _NOTHING]
+    """Return in words which motion the highest mode is, and so which sets the step."""
+    told = [f"{name} {100 * share:.3g} %" for name, share in shares.items() if share > _NOTHING]
     first = max(shares, key=lambda name: shares[name])
-    return f"set by {_word(first)}: the springs of the highest mode store {', '.join(told)}"
-
-
-def _word(turn: str) -> str:
-    return turn if turn == "twist" else f"bending {turn.replace('_', ' ')}"
+    planes = " (bending: in the plane of the section's x and y; second_bending: of x and z)"
+    return f"set by {first}: the springs of the highest mode store {', '.join(told)}{planes}"
 
 
 def _told(load: SpatialLoad) -> str:
@@ -214,6 +249,8 @@ def _export(case: RodCase) -> Answer:
 #: By the name of the command.
 ANSWERS_IN_SPACE: Mapping[str, Callable[[RodCase], Answer]] = MappingProxyType(
     {
+        "recommend": _recommend,
+        "segments": _segments,
         "error": _error,
         "springs": _springs,
         "frequencies": _frequencies,

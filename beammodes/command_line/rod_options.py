@@ -138,9 +138,12 @@ def _shape(text: str) -> tuple[str, dict[str, Any]]:
     word = choice("--shape", match[1] if match else text, _SHAPES)
     parameters = inspect.signature(_SHAPES[word]).parameters.values()
     able = {each.name: each for each in parameters if each.name != "length" and each.kind != each.VAR_KEYWORD}
+    wanted = f"--shape must be {word}({', '.join(f'{name}=...' for name in able)})"
     numbers: dict[str, Any] = {}
     for part in (match[2] or "").split(",") if match and match[2] else []:
-        name, _, value = (piece.strip() for piece in part.partition("="))
+        name, equals, value = (piece.strip() for piece in part.partition("="))
+        if not equals:
+            raise ValueError(f"{wanted}, got {shown(text)}")
         choice(f"number of {word}", name, able)
         if name in numbers:
             raise ValueError(f"{name} of --shape must be given once, got {shown(text)}")
@@ -150,8 +153,7 @@ def _shape(text: str) -> tuple[str, dict[str, Any]]:
             raise ValueError(f"{name} of --shape must be a number, got {shown(value)}") from None
     lost = [name for name, each in able.items() if each.default is each.empty and name not in numbers]
     if lost:
-        wanted = ", ".join(f"{name}=..." for name in able)
-        raise ValueError(f"--shape must be {word}({wanted}), got {shown(text)} without {' and '.join(lost)}")
+        raise ValueError(f"{wanted}, got {shown(text)} without {' and '.join(lost)}")
     return word, numbers
 
 

@@ -221,6 +221,9 @@ def critical_factor(
         if low >= largest:
             raise ValueError(f"load must lose its stability below most = {largest}, got {shown(load)}")
     if low == 0.0:
+        frame, place = chain.rod.frames([chain.rod.length])
+        if chain.ends.rigid_body_modes(frame[0], place[0] / chain.rod.length):
+            raise ValueError(f"chain must be held so that it cannot move rigidly, got ends {chain.ends}")
         raise ValueError(f"start must be less than eight times the load that buckles, got {shown(start)}")
     return float(brentq(lambda value: tried(value)[1], low, factor, xtol=1e-14 * factor, rtol=1e-13))
 

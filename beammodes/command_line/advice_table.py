@@ -1,0 +1,72 @@
+"""Recommendations as the command line shows them, of beams in each motion and of rods in space."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from beammodes.command_line.text_tables import number, percents, text_table
+
+if TYPE_CHECKING:
+    from beammodes.accuracy.advice import Recommendation
+
+__all__ = ["advice_lines", "advice_rows"]
+
+_NUMBERS = (
+    "rule",
+    "segments",
+    "largest_error",
+    "mode",
+    "static_error",
+    "highest_angular_frequency",
+    "stable_time_step",
+    "cost",
+    "segments_set_by",
+    "step_set_by",
+)
+
+
+def advice_rows(ways: Sequence[Recommendation]) -> list[dict[str, Any]]:
+    """Return recommendations for scripts; what is rigid is null, since strict JSON has no infinity."""
+    rows = []
+    for way in ways:
+        row: dict[str, Any] = {name: getattr(way, name) for name in _NUMBERS}
+        stiffness = np.where(np.isfinite(way.joint_stiffness), way.joint_stiffness, None).tolist()
+        rows.append(row | {"joint_stiffness": stiffness, "remarks": list(way.remarks)})
+    return rows
+
+
+def advice_lines(ways: Sequence[Recommendation], integrator: str, time: str) -> list[str]:
+    """Return the table of recommendations and what its columns are; `time` is the unit of steps."""
+    rods = ways[0].joint_stiffness.ndim > 1
+    static = any(way.static_error for way in ways)
+    heads = ["rule", "N", "error [%]", f"step [{time}]", "cost [-]"]
+    cells = [_cells(way) for way in ways]
+    notes = ["error: largest of the modes asked for, without its sign"]
+    if static:
+        heads.insert(3, "static error [%]")
+        for row, way in zip(cells, ways, strict=True):
+            row.insert(3, percents(max(way.static_error.values(), key=abs, default=math.nan)))
+        notes.append(
+            "static: worst of tip force, tip moment and uniform load; nan where the beam can move rigidly"
+        )
+    notes.append(f"cost: segments times {integrator} steps in one period of the first mode")
+    if rods:
+        heads += ["N set by", "step set by"]
+        for row, way in zip(cells, ways, strict=True):
+            row += [way.segments_set_by, way.step_set_by]
+        notes.append("bending: in the plane of the section's x and y; second_bending: of x and z")
+    return [text_table(heads, cells, names=1), *notes]
+
+
+def _cells(way: Recommendation) -> list[str]:
+    return [
+        way.rule,
+        str(way.segments),
+        percents(way.largest_error).lstrip("+"),
+        number(way.stable_time_step),
+        f"{way.cost:.3g}",
+    ]
