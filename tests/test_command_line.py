@@ -940,6 +940,14 @@ def test_commands_in_twist_and_stretch(capsys: pytest.CaptureFixture[str]) -> No
     assert (
         Ran(["segments", "fixed-free", "--tolerance", "1%", "--modes", "3", *TWIST], capsys).lines[0] == "17"
     )
+    # From 2.04 β, β = 5π/2, on.
+    advice = ["recommend", "fixed-free", "--tolerance", "1%", "--modes", "3", *TWIST]
+    first = Ran([*advice, "--rule", "half_stub", "--json"], capsys).json["recommendations"][0]
+    assert (first["segments"], first["step_set_by"]) == (17, "twist")
+    assert first["stable_time_step"] * first["highest_angular_frequency"] == pytest.approx(2 * math.sqrt(2))
+    assert Ran(advice, capsys).lines[0].split() == ["rule", "N", "error", "[%]", "step", "[s]", "cost", "[-]"]
+    damped = Ran([*step, "--damping-ratio=0.1", "--integrator=leapfrog"], capsys).lines[0]
+    assert "with dampers; without them 0.1 √(ρA L²/EA)" in damped and float(damped.split()[0]) < 0.1
     for call, words in (
         (["error", "fixed-free", "--segments", "3", "--gj", "3"], ("--gj must come with --motion",)),
         (["error", "pinned-free", "--segments", "3", "--motion", "twist"], ("fixed-free", "not twist")),
@@ -994,6 +1002,19 @@ def test_commands_in_space_say_what_the_library_does(
     assert [row["frequency"] for row in rows] == bm.spatial_modes(chain, 5).frequency.tolist()
     error = Ran(["error", *case, *flags, "--mode=2", "--json"], capsys).json
     assert error["relative_error"] == pytest.approx(errors[1], abs=1e-12) and error["motion"] == "space"
+    for asked, counts in (("--modes=3", 3), ("--modes=bending=2,twist=1", {"bending": 2, "twist": 1})):
+        needed = ["segments", case[0], *case[2:], *flags, asked, "--tolerance=1%"]
+        expected = bm.segments_needed(case[0], 0.01, counts, "gregory", beam=rod)
+        assert Ran([*needed, "--json"], capsys).json["segments"] == expected
+        assert Ran(needed, capsys).lines[0] == str(expected)
+    advice = ["recommend", case[0], *SPACE, *flags, "--tolerance=1%", "--rule=gregory,half_stub"]
+    ways = bm.recommend(case[0], 0.01, beam=rod, rules=["gregory", "half_stub"])
+    rows = Ran([*advice, "--json"], capsys).json["recommendations"]
+    assert [(row["rule"], row["segments"], row["step_set_by"]) for row in rows] == [
+        (way.rule, way.segments, way.step_set_by) for way in ways
+    ]
+    assert rows[0]["joint_stiffness"] == ways[0].joint_stiffness.tolist()
+    assert "N set by  step set by" in Ran(advice, capsys).lines[0]
     # A light section's twist is fastest: about 2 N/L √(GJ/ρIp).
     call = ["time-step", *case, *flags, "--integrator=leapfrog"]
     step = Ran([*call, "--json"], capsys).json

@@ -61,7 +61,7 @@ def _segments(case: RodCase) -> Answer:
         which = "modes " + ", ".join(f"{name} {number}" for name, number in asked.items())
     text = f"{count}\nrule {options.rule}, {which}, {case.holds_for}"
     answer = {"segments": count, "motion": "space", "holds_for": case.holds_for}
-    return answer, "\n".join([text, *case.notes()])
+    return answer, "\n".join([text, *case.assumed()])
 
 
 def _error(case: RodCase) -> Answer:
@@ -77,7 +77,7 @@ def _error(case: RodCase) -> Answer:
     asked = {name: getattr(options, name) for name in ("segments", "mode", "rule")}
     answer = {"boundary": options.boundary, **asked, "motion": "space", "relative_error": error}
     said = {"units": {"relative_error": "1"}, "holds_for": case.holds_for}
-    lines = [f"{percent(error, 6)}", f"rule {options.rule}, {case.holds_for}", *case.notes()]
+    lines = [f"{percent(error, 6)}", f"rule {options.rule}, {case.holds_for}", *case.assumed()]
     return answer | said, "\n".join(lines)
 
 

@@ -83,16 +83,20 @@ class RodCase:
         """What is assumed."""
         return "for small vibration of the rod about its shape at rest, which neither stretches nor shears"
 
-    def notes(self) -> list[str]:
-        """Return what is assumed of numbers that were not given, and of units."""
+    def assumed(self) -> list[str]:
+        """Return what is assumed of numbers that were not given."""
         notes = []
         if self.options.ei_across is None:
             notes.append("assumed: EI across as --ei (--ei-across)")
         if self.options.rho_ip is None:
             notes.append("assumed: no inertia about the line, so no modes of twist alone (--rho-ip)")
-        if self.options.units is None:
-            notes.append(f"in the units of your input; --units {', '.join(DECLARED)} names them")
         return notes
+
+    def notes(self) -> list[str]:
+        """Return what is assumed, of units too."""
+        if self.options.units is not None:
+            return self.assumed()
+        return [*self.assumed(), f"in the units of your input; --units {', '.join(DECLARED)} names them"]
 
     def said(self, *names: str, **others: str) -> dict[str, Any]:
         """Return the units for scripts, and what is assumed."""
