@@ -6,8 +6,6 @@ import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from beammodes.command_line.text_tables import number, percents, text_table
 
 if TYPE_CHECKING:
@@ -34,9 +32,15 @@ def advice_rows(ways: Sequence[Recommendation]) -> list[dict[str, Any]]:
     rows = []
     for way in ways:
         row: dict[str, Any] = {name: getattr(way, name) for name in _NUMBERS}
-        stiffness = np.where(np.isfinite(way.joint_stiffness), way.joint_stiffness, None).tolist()
+        stiffness = _null_where_rigid(way.joint_stiffness.tolist())
         rows.append(row | {"joint_stiffness": stiffness, "remarks": list(way.remarks)})
     return rows
+
+
+def _null_where_rigid(stiffness: Any) -> Any:
+    if isinstance(stiffness, list):
+        return [_null_where_rigid(each) for each in stiffness]
+    return stiffness if math.isfinite(stiffness) else None
 
 
 def advice_lines(ways: Sequence[Recommendation], integrator: str, time: str) -> list[str]:
