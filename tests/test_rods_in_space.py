@@ -425,3 +425,25 @@ def test_messages_say_what_takes_the_other_kind() -> None:
     for words, call in asked.items():
         with pytest.raises(TypeError, match=words):
             call()
+
+
+def test_modes_say_what_their_joints_store() -> None:
+    # A straight rod's bendings and twist are apart; on a curved one they are not, and add up to all or,
+    # with a sprung end, to what its spring leaves.
+    wire = {"bending_stiffness": 1.3, "torsional_stiffness": 1.0, "mass_per_length": 1.0}
+    flat = bm.Rod(1.0, **wire, second_bending_stiffness=9.0, polar_inertia_per_length=0.01)
+    found = bm.spatial_modes(bm.SpatialChain(flat, "clamped-free", 8, "gregory"), 5)
+    assert np.allclose(np.sort(found.stored, axis=1), [0.0, 0.0, 1.0], atol=1e-12)
+    # √1.3 3.5, √9 3.5, √1.3 22.0, π/2 √(1/0.01) = 15.7, √1.3 61.7: about z, y, x, z.
+    assert found.stored.argmax(axis=1).tolist()[:4] == [2, 1, 0, 2]
+    ends = (bm.RodEnd((math.inf,) * 3, (3.0, 2.0, 4.0)), "free")
+    for boundary, least in (("clamped-free", 1.0), (ends, 0.2)):
+        arc = bm.SpatialChain(bm.Rod.arc(1.5, length=1.0, **wire), boundary, 8, "gregory")
+        modes = bm.spatial_modes(arc, 3)
+        assert (modes.stored > 1e-9).sum() > 3 and (modes.stored.sum(axis=1) <= 1 + 1e-12).all()
+        assert modes.stored.sum(axis=1).min() >= least - 1e-12
+        # By the springs' energies, ½ k φ² of relative rotations over ½ ω².
+        frames = arc.rod.frames(arc.hinge_position)[0]
+        turns = np.einsum("jki,mjk->mji", frames, np.diff(modes.rotation, axis=1))
+        energy = (arc.joint_stiffness * turns**2).sum(axis=1) / modes.angular_frequency[:, None] ** 2
+        assert np.allclose(energy, modes.stored, atol=1e-10)

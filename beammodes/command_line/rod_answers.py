@@ -24,6 +24,7 @@ if TYPE_CHECKING:
 __all__ = ["ANSWERS_IN_SPACE"]
 
 _TURNS = ("twist", "about_y", "about_z")
+_PLANES = "bending: in the plane of the section's x and y; second_bending: of x and z"
 #: Of a share: rounding.
 _NOTHING = 1e-9
 
@@ -108,6 +109,7 @@ def _springs(case: RodCase) -> Answer:
 
 
 def _frequencies(case: RodCase) -> Answer:
+    from beammodes.accuracy.judged_motions import ROD_MOTIONS
     from beammodes.exact.exact_rod import rod_modes
     from beammodes.vibration.modes_in_space import spatial_modes
 
@@ -116,14 +118,19 @@ def _frequencies(case: RodCase) -> Answer:
     count = len(found.frequency)
     exact = rod_modes(case.rod, case.ends, max(count, 1)).frequency[:count]
     rows = frequency_rows(found.frequency, exact, found.frequency / exact - 1)
+    stored = [dict(zip(ROD_MOTIONS, row, strict=True)) for row in found.stored.tolist()]
+    rows = [row | {"stored_in": shares} for row, shares in zip(rows, stored, strict=True)]
     title = (
         f"{options.boundary} in space, {chain.segments} segments, {options.rule}: "
         f"{found.rigid_body_modes} rigid-body modes"
     )
-    table = frequency_table(rows, "frequency", case.units["frequency"])
+    table = frequency_table(rows, "frequency", case.units["frequency"]).splitlines()
+    # What a mode mostly is: n-th of all in an order in which bending and twist are mixed.
+    mostly = ["mostly", *(max(shares, key=lambda name: shares[name]) for shares in stored)]
+    table = [f"{line}  {word}" for line, word in zip(table, mostly, strict=True)]
     answer = {"motion": "space", "rigid_body_modes": found.rigid_body_modes, "modes": rows}
-    said = case.said("frequency", "angular_frequency", relative_error="1")
-    return answer | said, "\n".join([title, table, case.holds_for, *case.notes()])
+    said = case.said("frequency", "angular_frequency", relative_error="1", stored_in="1")
+    return answer | said, "\n".join([title, *table, _PLANES, case.holds_for, *case.notes()])
 
 
 def _time_step(case: RodCase) -> Answer:
@@ -175,8 +182,7 @@ def _stored(shares: Mapping[str, float]) -> str:
     """Return in words which motion the highest mode is, and so which sets the step."""
     told = [f"{name} {100 * share:.3g} %" for name, share in shares.items() if share > _NOTHING]
     first = max(shares, key=lambda name: shares[name])
-    planes = " (bending: in the plane of the section's x and y; second_bending: of x and z)"
-    return f"set by {first}: the springs of the highest mode store {', '.join(told)}{planes}"
+    return f"set by {first}: the springs of the highest mode store {', '.join(told)} ({_PLANES})"
 
 
 def _told(load: SpatialLoad) -> str:

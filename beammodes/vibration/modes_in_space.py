@@ -41,6 +41,9 @@ class SpatialModes:
         Of the nodes, in the same axes; the largest entry of each mode is positive.
     rotation : ndarray, shape (modes, pieces, 3) [kg^-½/m]
         Of the pieces, as rotation vectors in the same axes.
+    stored : ndarray, shape (modes, 3)
+        Parts of a mode's energy that its joints store in turning about the section's x (twist), y and z; what
+        is missing to 1 is in springs of the ends.
     """
 
     angular_frequency: Floats
@@ -48,6 +51,7 @@ class SpatialModes:
     position: Floats
     displacement: Floats
     rotation: Floats
+    stored: Floats
 
     @property
     def frequency(self) -> Floats:
@@ -90,7 +94,7 @@ def spatial_modes(chain: SpatialChain, modes: int = 6) -> SpatialModes:
     form = tree_form(scaled_tree(chain.tree, length, stiffness, mass))
     inverse, x = _lowest(form, count)
     twists = form.twists(x) / inverse
-    points = form.tree.joint_place
+    joints, points = form.tree.pieces - 1, form.tree.joint_place
     last = form.tree.supports[-1].place[None]
     places = np.concatenate([points, last])
     moving = np.concatenate([np.arange(len(points)), [form.tree.pieces - 1]])
@@ -104,6 +108,7 @@ def spatial_modes(chain: SpatialChain, modes: int = 6) -> SpatialModes:
         position=length * places[first],
         displacement=np.moveaxis(moved * sign, 2, 0),
         rotation=np.moveaxis(twists[:, 3:] * sign / length, 2, 0),
+        stored=(x[len(x) - 3 * joints :].reshape(joints, 3, x.shape[1]) ** 2).sum(axis=0).T,
     )
 
 
