@@ -11,6 +11,7 @@ from scipy.optimize import nnls
 
 import beammodes as bm
 from beammodes.numerics.nonnegative import nearest_nonnegative
+from beammodes.vibration.axial_spectrum import solve_axial_modes
 from beammodes.vibration.damping import damping_of_modes
 
 BEAM = bm.Beam(1.2, 85.0, 0.62)
@@ -46,6 +47,32 @@ def test_two_measured_ratios_of_a_cantilever() -> None:
     assert bm.damped_modes(CHAIN, bm.joint_dampers(CHAIN, 0.05)).overdamped_modes == (
         (0.05 * omega >= omega[0]).sum()
     )
+
+
+def test_ratios_of_chains_of_other_kinds() -> None:
+    """A structure of one member is the planar chain; each gets the ratios by its own frequencies."""
+    shaft = bm.AxialChain(bm.Beam(1.0, 20.0, 0.5, torsional_stiffness=8.0, polar_inertia_per_length=1e-4),
+                          "fixed-free", 4)  # fmt: skip
+    rod = bm.SpatialChain(bm.Rod(1.0, 20.0, 15.0, 0.5, 1e-3, curvature=(0.5, 0.0, 1.0)), "clamped-free", 4)
+    frame = bm.StructureChain(bm.Structure.of_beam(BEAM, "clamped-free"), 10, rule="gregory")
+    ratios = {1: 0.01, 2: 0.01}
+    for chain, omega in (
+        (shaft, solve_axial_modes(shaft, 2).angular_frequency),
+        (rod, bm.spatial_modes(rod, 2).angular_frequency),
+        (frame, bm.structure_chain_modes(frame, 2).angular_frequency),
+    ):
+        found = bm.rayleigh_damping(chain, ratios)
+        assert found.mass / (2 * omega) + found.stiffness * omega / 2 == pytest.approx(
+            [0.01, 0.01], rel=1e-11
+        )
+        with pytest.raises(ValueError, match="ratios must be of modes up to"):
+            bm.rayleigh_damping(chain, {1: 0.01, 500: 0.01})
+    mine = bm.rayleigh_damping(frame, ratios)
+    for name in ("rk4", "leapfrog", "MuJoCo implicit"):
+        expected = bm.stable_time_step(CHAIN, name, damping=mine)
+        assert bm.stable_time_step(frame, name, damping=mine) == pytest.approx(expected, rel=1e-7)
+    with pytest.raises(ValueError, match="without dampers of joints for a chain of a structure"):
+        bm.stable_time_step(frame, damping=bm.Damping(joint=1.0))
 
 
 def test_more_ratios_are_met_in_the_least_squares() -> None:

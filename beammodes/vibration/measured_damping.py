@@ -11,12 +11,18 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from beammodes.chains.axial_chain import AxialChain
 from beammodes.chains.chain import Chain
+from beammodes.chains.spatial_chain import SpatialChain
+from beammodes.chains.structure_chain import StructureChain
 from beammodes.checks import bounded, is_text, positive_real, real_numbers, shown, whole_number
 from beammodes.numerics.arrays import Floats
+from beammodes.vibration.axial_spectrum import solve_axial_modes
 from beammodes.vibration.damping import Damping, DampingFitWarning, given_for_asked, ratios_of_modes
 from beammodes.vibration.linear import linearize
 from beammodes.vibration.modes import solve_modes
+from beammodes.vibration.modes_in_space import spatial_modes
+from beammodes.vibration.structure_vibration import structure_chain_modes
 
 __all__ = ["DecayRatio", "ratio_from_decay", "rayleigh_damping"]
 
@@ -136,10 +142,10 @@ def rayleigh_damping(of: Any, ratios: Mapping[int, float] | ArrayLike) -> Dampin
 
     Parameters
     ----------
-    of : Chain, modes, or frequencies [Hz]
-        Whose frequencies the modes have: a chain's or a structure's, a beam's from `euler_bernoulli` or other
-        modes, or measured ones, as a mapping of modes to Hz or a row of those of modes 1, 2, ... Ratios hold
-        for these: what simulates a chain takes the chain.
+    of : chain of any kind, modes, or frequencies [Hz]
+        Whose frequencies the modes have: a chain's, a beam's from `euler_bernoulli` or other modes, or
+        measured ones, as a mapping of modes to Hz or a row of those of modes 1, 2, ... Ratios hold for these:
+        what simulates a chain takes the chain.
     ratios : mapping of modes to ratios, or row of ratios of modes 1, 2, ...
         Such as {1: 0.008, 2: 0.011}; 1 is critical damping.
 
@@ -215,14 +221,28 @@ def _without_the_negative(both: Floats, unit: Floats, rows: Floats, wanted: Mapp
     return alone
 
 
+_CHAINS = (Chain, AxialChain, SpatialChain, StructureChain)
+
+
+def _of_chain(chain: Chain | AxialChain | SpatialChain | StructureChain, count: int) -> Floats:
+    """Return the angular frequencies of so many elastic modes, or of all [rad/s]."""
+    if isinstance(chain, Chain):
+        model = linearize(chain)
+        return solve_modes(model, min(count, model.elastic_modes)).angular_frequency
+    if isinstance(chain, AxialChain):
+        return solve_axial_modes(chain, count).angular_frequency
+    if isinstance(chain, SpatialChain):
+        return spatial_modes(chain, count).angular_frequency
+    return structure_chain_modes(chain).angular_frequency
+
+
 def _frequencies(of: Any, modes: list[int]) -> Floats:
     """Return the angular frequencies of modes [rad/s]."""
     last = max(modes)
-    if isinstance(of, Chain):
-        model = linearize(of)
-        if last > model.elastic_modes:
-            raise ValueError(f"ratios must be of modes up to {model.elastic_modes}, got one of mode {last}")
-        omega = solve_modes(model, last).angular_frequency
+    if isinstance(of, _CHAINS):
+        omega = _of_chain(of, last)
+        if last > len(omega):
+            raise ValueError(f"ratios must be of modes up to {len(omega)}, got one of mode {last}")
     elif isinstance(getattr(of, "angular_frequency", None), np.ndarray):
         omega = np.asarray(of.angular_frequency, dtype=np.float64)
     elif isinstance(of, Mapping):

@@ -126,7 +126,8 @@ def stable_time_step(
     Parameters
     ----------
     chain : Chain, AxialChain, SpatialChain or StructureChain
-        A structure is taken without load and damping, a chain in twist or stretch without a load. Of a
+        A structure is taken without a load and with damping in proportion to mass and stiffness (MuJoCo's
+        Euler as if its tendons damped like joints), a chain in twist or stretch without a load. Of a
         uniform one between fixed or free ends ω_max ≤ (2N/L) √(GJ/ρIp), by `simpson` with 2.12 N for 2N; a
         light disc behind a hinge of its own, or a stiff spring on a stub, takes it beyond any bound.
         Its own highest frequency decides, not the modes that one wants to see. Of more than 500 hinges, and
@@ -181,11 +182,9 @@ def stable_time_step(
     if isinstance(chain, AxialChain):
         return _axial_step(record, chain, load, damping)
     if isinstance(chain, StructureChain):
-        for name, given in (("load", load), ("damping", damping)):
-            if given is not None:
-                raise ValueError(f"{name} must be left out for a chain of a structure, got {shown(given)}")
-        highest = float(structure_chain_modes(chain).angular_frequency.max(initial=0.0))
-        return stability_limit(record.name) / highest if highest else math.inf
+        if load is not None:
+            raise ValueError(f"load must be left out for a chain of a structure, got {shown(load)}")
+        return _step_of_structure(record, chain, damping or Damping())
     straight = taut_load(chain, checked_load(load))
     if record.springs == "implicit":
         return math.inf
@@ -195,6 +194,22 @@ def stable_time_step(
     if len(chain.scaled.joint_stiffness) > MAX_DENSE:
         return _bounded_step(record, chain, straight, damping)
     return modal_time_step(record, damping_of_modes(chain, damping, straight))
+
+
+def _step_of_structure(record: Integrator, chain: StructureChain, damping: Damping) -> float:
+    if np.any(np.asarray(damping.joint)):
+        raise ValueError(
+            f"damping must be without dampers of joints for a chain of a structure, got {damping}"
+        )
+    if record.springs == "implicit":
+        return math.inf
+    modes = structure_chain_modes(chain)
+    omega = modes.angular_frequency
+    if damping == Damping():
+        return stability_limit(record.name) / float(omega.max()) if len(omega) else math.inf
+    joints = np.diag(damping.mass + damping.stiffness * omega**2)
+    drag = damping.mass if modes.rigid_body_modes else 0.0
+    return modal_time_step(record, ModalDamping(omega, joints, np.zeros_like(joints), drag))
 
 
 def _axial_step(record: Integrator, chain: AxialChain, load: Load | None, damping: Damping | None) -> float:
