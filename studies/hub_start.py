@@ -1,4 +1,4 @@
-"""A bar on a hub that turns freely, started by a torque: at once, and rising over a period of its first mode."""
+"""A bar on a hub that turns freely, started by a torque: at once, and rising over a period of mode 1."""
 
 from __future__ import annotations
 

@@ -127,6 +127,7 @@ def modal_response(
         raise TypeError(f"base must be a BaseMotion or None, got {shown(base)}")
     flag("stiffening", stiffening)
     pair, count = Boundary.of(boundary), whole_number("modes", modes, most=MAX_MODES)
+    check_no_hub(pair.left, pair.right)
     if pair.rigid_body_modes:
         raise ValueError(f"boundary must leave no rigid-body motion, got {pair.name}")
     if not pair.left.is_grounded:
