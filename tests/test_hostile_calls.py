@@ -287,6 +287,12 @@ CALLS: dict[str, Arguments] = {
         "joints": {"a": bm.Joint(0, 0, "clamped"), "b": bm.Joint(1.2, 0)},
         "members": [bm.Member(beam(), "a", "b")],
     },
+    "Structure.of_bars": lambda: {
+        "joints": {"a": bm.Joint(0, 0, "clamped"), "b": bm.Joint(1.2, 0)},
+        "pairs": [("a", "b")],
+        "bending_stiffness": 85.0,
+        "mass_per_length": 0.62,
+    },
     "Structure.of_beam": lambda: {
         "beam": beam(),
         "boundary": "clamped-free",

@@ -50,7 +50,7 @@ def blocks(source: str, language: str) -> list[str]:
 
 
 PYTHON = [
-    (page.stem, block) for page in EVERY for block in blocks(text(page), "python") if page.stem != "cables"
+    (page.stem, block) for page in EVERY for block in blocks(text(page), "python") if page.stem != "cables", "frames"
 ]
 # One story from the first block to the last.
 PYTHON.append(("cables", "\n".join(blocks(named("cables"), "python"))))

@@ -394,6 +394,21 @@ def test_segments_that_are_enough() -> None:
         assert worst[0] > tolerance > max(worst[1:])
 
 
+def test_bars_of_one_section_are_as_long_as_their_joints_are_apart() -> None:
+    joints = {"a": bm.Joint(0, 0, "clamped"), "b": bm.Joint(3, 4), "c": bm.Joint(5, 4)}
+    section = {"bending_stiffness": 2.0, "mass_per_length": 3.0, "rotary_inertia_per_length": 0.1}
+    bars = [bm.Beam(length, *section.values()) for length in (5.0, 2.0)]
+    expected = bm.Structure(joints, [bm.Member(bars[0], "a", "b"), bm.Member(bars[1], "b", "c")])
+    assert bm.Structure.of_bars(joints, [("a", "b"), ("b", "c")], **section) == expected
+    for pairs, message in (
+        ([("a", "d")], "pairs must be one of a, b, c, got 'd'"),
+        ([("a",)], "pairs must be names of two joints each"),
+        ([("a", "a")], "pairs must be of joints that are apart"),
+    ):
+        with pytest.raises((TypeError, ValueError), match=message):
+            bm.Structure.of_bars(joints, pairs, **section)
+
+
 def test_questions_of_chains_are_asked_of_structures_by_the_same_names() -> None:
     given = bm.Structure.of_beam(UNIT, "clamped-free", [bm.Station(0.6, mass=0.4)])
     chain = bm.StructureChain(given, 10, "mitiguy")

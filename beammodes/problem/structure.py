@@ -20,7 +20,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from beammodes.checks import bounded, choice, not_negative, real, shown
+from beammodes.checks import bounded, choice, is_text, not_negative, real, shown
 from beammodes.problem.beam import Beam
 from beammodes.problem.ends import NUMBERS_OF_END, Boundary, BoundaryLike, End, check_no_hub
 from beammodes.problem.profiles import SAME_PLACE, Profile, Table, table_limit, value_at
@@ -406,6 +406,49 @@ class Structure:
         }
         return cls(joints, [member])
 
+    @classmethod
+    def of_bars(
+        cls,
+        joints: Mapping[str, Joint],
+        pairs: Iterable[tuple[str, str]],
+        *,
+        bending_stiffness: float,
+        mass_per_length: float,
+        rotary_inertia_per_length: float = 0.0,
+    ) -> Structure:
+        """Return the structure of bars of one section, rigidly joined, each as long as its joints are apart.
+
+        Parameters
+        ----------
+        joints : mapping of str to Joint
+        pairs : sequence of (str, str)
+            Names of the joints where each bar starts and ends.
+        bending_stiffness : float [N m²]
+        mass_per_length : float [kg/m]
+        rotary_inertia_per_length : float [kg m]
+
+        Examples
+        --------
+        >>> joints = {"foot": Joint(0, 0, "clamped"), "corner": Joint(3, 4), "tip": Joint(5, 4)}
+        >>> bars = [("foot", "corner"), ("corner", "tip")]
+        >>> crane = Structure.of_bars(joints, bars, bending_stiffness=2.0, mass_per_length=1.0)
+        >>> [member.beam.length for member in crane.members]
+        [5.0, 2.0]
+        """
+        if not isinstance(joints, Mapping) or not all(isinstance(j, Joint) for j in joints.values()):
+            raise TypeError(f"joints must be a mapping of names to Joints, got {shown(joints)}")
+        members = []
+        for pair in bounded("pairs", pairs, most=_MOST):
+            if is_text(pair) or not isinstance(pair, Sequence) or len(pair) != 2:
+                raise TypeError(f"pairs must be names of two joints each, got {shown(pair)}")
+            start, end = (choice("pairs", name, joints) for name in pair)
+            length = _distance(joints[start], joints[end])
+            if not length:
+                raise ValueError(f"pairs must be of joints that are apart, got {shown(pair)}")
+            beam = Beam(length, bending_stiffness, mass_per_length, rotary_inertia_per_length)
+            members.append(Member(beam, start, end))
+        return cls(joints, members)
+
     @cached_property
     def parts(self) -> Parts:
         """Its nodes and the stretches between them."""
@@ -542,8 +585,12 @@ def _axis(start: Joint, end: Joint) -> tuple[float, float]:
     return across / length + 0.0, up / length + 0.0
 
 
+def _distance(start: Joint, end: Joint) -> float:
+    return math.hypot(end.x - start.x, end.y - start.y)
+
+
 def _check_length(member: Member, start: Joint, end: Joint) -> None:
-    distance = math.hypot(end.x - start.x, end.y - start.y)
+    distance = _distance(start, end)
     if not abs(distance - member.beam.length) <= _MEET * member.beam.length:
         raise ValueError(
             f"members must be as long as their joints are apart, got {member.name} of length "

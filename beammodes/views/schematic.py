@@ -17,7 +17,7 @@ from beammodes.chains.chain import Chain
 from beammodes.chains.pieces import Number
 from beammodes.chains.spatial_chain import SpatialChain
 from beammodes.chains.structure_chain import StructureChain
-from beammodes.checks import choice, flag, positive_real, real_numbers, shown, whole_number
+from beammodes.checks import choice, flag, instead, positive_real, real_numbers, shown, whole_number
 from beammodes.equations.equilibria import Equilibrium
 from beammodes.equations.equilibria_in_space import SpatialEquilibrium
 from beammodes.numerics.arrays import Floats
@@ -143,7 +143,10 @@ def draw_chain(
     ['s = 0, clamped', 's = L, free']
     """
     if not isinstance(chain, Chain | StructureChain | SpatialChain):
-        raise TypeError(f"chain must be a Chain, a StructureChain or a SpatialChain, got {shown(chain)}")
+        raise TypeError(
+            f"chain must be a Chain, a StructureChain or a SpatialChain, got {shown(chain)}"
+            f"{instead(chain, Structure='StructureChain(structure, segments) makes one')}"
+        )
     in_space, pieces = isinstance(chain, SpatialChain), _pieces(chain)
     if pieces > _MAX_DRAWN:
         raise ValueError(f"chain must have at most {_MAX_DRAWN} pieces to be drawn, got {pieces}")
