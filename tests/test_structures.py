@@ -456,7 +456,7 @@ def test_what_is_recommended_for_a_structure() -> None:
         assert errors[way.mode - 1] == errors.max() == pytest.approx(way.largest_error, rel=1e-9)
         assert way.stable_time_step == pytest.approx(bm.stable_time_step(chain, "leapfrog"), rel=1e-12)
         assert way.joint_stiffness.tolist() == [hinge.stiffness for hinge in chain.hinges]
-    with pytest.raises(ValueError, match="beam must be left out with a structure"):
+    with pytest.raises(ValueError, match="must be left out with a structure"):
         bm.recommend(ell(), 1e-2, beam=UNIT)
 
 
