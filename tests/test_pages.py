@@ -50,7 +50,7 @@ def blocks(source: str, language: str) -> list[str]:
 
 
 PYTHON = [
-    (page.stem, block) for page in EVERY for block in blocks(text(page), "python") if page.stem != "cables", "frames"
+    (page.stem, block) for page in EVERY for block in blocks(text(page), "python") if page.stem != "cables"
 ]
 # One story from the first block to the last.
 PYTHON.append(("cables", "\n".join(blocks(named("cables"), "python"))))
@@ -66,7 +66,7 @@ SHELL = [
 def test_there_are_four_pages_for_simulators_with_code_to_run() -> None:
     assert len(PAGES) == 4
     assert {stem for stem, _ in SHELL} == {page.stem for page in PAGES}
-    about = {"theory", "extending", "damping", "cables", "loads_in_time"}
+    about = {"theory", "extending", "damping", "cables", "loads_in_time", "frames"}
     assert {stem for stem, _ in PYTHON} == {page.stem for page in PAGES} | about
 
 
