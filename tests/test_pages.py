@@ -66,7 +66,15 @@ SHELL = [
 def test_there_are_four_pages_for_simulators_with_code_to_run() -> None:
     assert len(PAGES) == 4
     assert {stem for stem, _ in SHELL} == {page.stem for page in PAGES}
-    about = {"theory", "extending", "damping", "cables", "loads_in_time", "frames"}
+    about = {
+        "theory",
+        "extending",
+        "cables",
+        "damping",
+        "frames",
+        "frequency_response",
+        "loads_in_time",
+    }
     assert {stem for stem, _ in PYTHON} == {page.stem for page in PAGES} | about
 
 
