@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import math
 from typing import Any
 
@@ -365,3 +366,18 @@ def test_a_plot_has_magnitude_and_phase() -> None:
     ax = Figure().subplots()
     assert bm.plot_response(exact.sel(deflection_at=1.2), ax, quantity="accelerance", label="beam") == (ax,)
     assert ax.get_ylabel() == "acceleration of deflection over force  [m / N / s²]"
+
+
+def test_the_command_shows_beam_and_chain_side_by_side(capsys: pytest.CaptureFixture[str]) -> None:
+    from beammodes.__main__ import main
+
+    words = "response clamped-free --segments 10 --damping-ratio 1% --length 1.2 --ei 85 --rho-a 0.62 --json"
+    assert main([*words.split(), "--frequency", "2,4.5"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    given = {"frequency": [2.0, 4.5], "damping_ratio": 0.01, **AT_TIP}
+    for name, system in (("", (bm.Chain(BEAM, "clamped-free", 10),)), ("exact_", (BEAM, "clamped-free"))):
+        values = bm.frequency_response(*system, **given).receptance.values
+        assert [row[f"{name}receptance"] for row in found["responses"]] == pytest.approx(abs(values))
+        assert [row[f"{name}phase"] for row in found["responses"]] == pytest.approx(
+            np.degrees(np.angle(values))
+        )

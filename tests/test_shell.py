@@ -515,4 +515,6 @@ NAMED = {
     "--damping-ratio": "damping-ratio|damping|ratio|step",
     "--stiffness-damping": "stiffness-damping|damping|stiffness|step",
     "--segments": "segments|pieces",
+    "--force-at": "force_at|deflection_at",
+    "--deflection-at": "deflection_at",
 }

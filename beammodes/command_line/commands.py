@@ -31,6 +31,7 @@ from beammodes.command_line.options import (
     Command,
     Option,
     as_fraction,
+    as_fractions,
     as_number,
     as_vector,
     damping_of,
@@ -386,6 +387,78 @@ def _time_step(options: argparse.Namespace) -> Answer:
             weight = f"gravity {gravity:.4g} {units['acceleration']}"
             text += f"\n{number(hung)} {time}  with {weight} in any direction, hanging too: --gravity"
     return answer, "\n".join([text, *_units_note(options)])
+
+
+@_command(
+    _DURING,
+    "response",
+    "how do beam and chain answer to a harmonic force?",
+    f"clamped-free --segments 9 --frequency 4 --damping-ratio 1% {_EXAMPLE}",
+    *_CHAIN,
+    option(
+        "--frequency", "of the force, one or several: 2,4.5,28.5", type=as_vector, required=True, metavar="f"
+    ),
+    option("--force-at", "where the force acts (default: the right end)", type=as_number, metavar="X"),
+    option(
+        "--deflection-at", "where the deflection is read (default: at the force)", type=as_number, metavar="X"
+    ),
+    option(
+        "--damping-ratio",
+        "of modes: 0.01 or 1%% of critical; of several modes 0.8%%,1.1%%, the last one of all above",
+        type=as_fractions,
+        required=True,
+        metavar="z",
+    ),
+    AXIAL_FORCE,
+)
+def _response(options: argparse.Namespace) -> Answer:
+    from beammodes.accuracy.responses import frequency_response
+
+    chain, units = _chain(options), _units(options)
+    force = chain.beam.length if options.force_at is None else options.force_at
+    read = force if options.deflection_at is None else options.deflection_at
+    case = {"frequency": options.frequency, "force_at": force, "deflection_at": read}
+    case |= {"damping_ratio": options.damping_ratio, "load": _load(options)}
+    both = [
+        frequency_response(*system, **case).receptance.values.ravel().tolist()
+        for system in ((chain,), (chain.beam, chain.boundary))
+    ]
+    frequencies = options.frequency if isinstance(options.frequency, tuple) else (options.frequency,)
+    rows = [
+        {
+            "frequency": f,
+            "receptance": abs(found),
+            "phase": math.degrees(math.atan2(found.imag, found.real)),
+            "exact_receptance": abs(exact),
+            "exact_phase": math.degrees(math.atan2(exact.imag, exact.real)),
+            "relative_error": abs(found) / abs(exact) - 1 if exact else math.nan,
+        }
+        for f, found, exact in zip(frequencies, *both, strict=True)
+    ]
+    force_unit = units["force"] if units["force"].isalpha() else f"({units['force']})"
+    unit = f"{units['length']}/{force_unit}"
+    answer = {"force_at": force, "deflection_at": read, "responses": rows}
+    answer |= _said_units(
+        options, "frequency", "length", receptance=unit, exact_receptance=unit, phase="°", exact_phase="°"
+    )
+    heads = [
+        f"frequency [{units['frequency']}]",
+        f"chain [{unit}]",
+        "phase [°]",
+        f"exact [{unit}]",
+        "phase [°]",
+    ]
+    shown = [
+        [number(value) for value in list(row.values())[:-1]] + [percents(row["relative_error"])]
+        for row in rows
+    ]
+    lines = [
+        text_table([*heads, "error [%]"], shown),
+        f"deflection at {number(read)} over the force at {number(force)}, rule {_rule(options)}, "
+        f"{_CASE['holds_for']}",
+        *_units_note(options),
+    ]
+    return answer | _CASE, "\n".join(lines)
 
 
 @_command(
