@@ -337,7 +337,7 @@ def test_what_is_refused_says_what_is_allowed() -> None:
             lambda: bm.frequency_response(BEAM, "clamped-free", **good, load=bm.Load(axial_force=-1e4)),
         ),
         (
-            "frequency or band must be lower",
+            "frequency, band or axial_force of load must be lower",
             lambda: bm.frequency_response(BEAM, "clamped-free", **good | {"frequency": 1e12}),
         ),
         (

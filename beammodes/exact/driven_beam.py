@@ -156,8 +156,8 @@ class DrivenBeam:
         parts = np.maximum(1.0, np.ceil(np.diff(marks) * longest / _LONGEST))
         if parts.sum() > _MOST_PARTS + len(marks):
             raise ValueError(
-                f"frequency or band must be lower: there would be {longest / math.pi:.3g} half-waves on the "
-                f"beam, which is cut into {_MOST_PARTS} parts at most"
+                "frequency, band or axial_force of load must be lower: there would be "
+                f"{longest / math.pi:.3g} half-waves on the beam, which is cut into {_MOST_PARTS} parts"
             )
         return marks, parts.astype(np.int64)
 
