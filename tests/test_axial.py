@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import itertools
 import math
 from fractions import Fraction
 from pathlib import Path
@@ -22,7 +23,7 @@ from beammodes.accuracy.segments import segments_needed
 from beammodes.batch.study import Study
 from beammodes.chains.axial_chain import AxialChain
 from beammodes.chains.rules import RULES, Rule, Weight
-from beammodes.closed_form.axial_chains import end_waves
+from beammodes.closed_form.axial_chains import axial_frequencies, end_waves
 from beammodes.exact.axial_beam import axial_wavenumber
 from beammodes.exact.axial_statics import axial_displacement
 from beammodes.exact.axial_theory import axial_modes
@@ -233,6 +234,26 @@ def test_short_chains_and_every_mode_are_solved() -> None:
                 exact = axial_modes(UNIT, ends, len(mode), motion="stretch").angular_frequency
                 assert np.isnan(errors[len(omega) :]).all()
                 assert errors[: len(omega)] == pytest.approx(omega / exact[: len(omega)] - 1, abs=1e-13)
+
+
+def test_single_lookups_between_plain_ends_are_those_of_solved_chains() -> None:
+    # Floats alone go past the machinery of arrays. Seen: 6e-15 off what all rules' whole chains have.
+    for rule, ends in itertools.product(RULES, ("fixed-free", "fixed-fixed", "free-fixed", "free-free")):
+        for count in (1, 2, 3, 5, 7, 12):
+            mode = np.arange(1, count + 2)
+            ask = {"segments": count, "rule": rule, "motion": "twist"}
+            single = [frequency_error(ends, mode=int(m), **ask) for m in mode]
+            exact = axial_wavenumber([AxialBoundary.of(ends)], np.zeros(len(mode), dtype=int), mode)
+            solved = axial_frequencies(RULES[rule], AxialBoundary.of(ends), count, mode) / exact - 1
+            np.testing.assert_allclose(single, solved, rtol=0, atol=1e-13, err_msg=f"{rule} {ends} {count}")
+            np.testing.assert_allclose(frequency_error(ends, mode=mode, **ask), single, rtol=0, atol=1e-13)
+        for count, m in ((300, 40), (10**4, 2), (10**9, 1)):
+            if rule != "simpson":
+                ask = {"segments": count, "rule": rule, "motion": "twist"}
+                one = frequency_error(ends, mode=m, **ask)
+                np.testing.assert_allclose(frequency_error(ends, mode=[m], **ask), [one], rtol=1e-12, atol=0)
+    with pytest.raises(ValueError, match="beam must have its torsional_stiffness"):
+        frequency_error("fixed-free", segments=3, mode=1, motion="twist", beam=Beam(1.0, 1.0, 1.0))
 
 
 def test_high_modes_of_long_chains() -> None:

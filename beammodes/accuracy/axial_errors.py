@@ -10,6 +10,7 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from fractions import Fraction
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -19,6 +20,7 @@ from beammodes.chains.axial_chain import AxialLayout, axial_layout_of
 from beammodes.chains.rules import Layout, Rule
 from beammodes.checks import distinct, shown, together, whole_number, whole_numbers
 from beammodes.closed_form.axial_chains import axial_errors, axial_frequencies
+from beammodes.closed_form.plain_axial_chains import PlainAxialChains, plain_axial_chains
 from beammodes.closed_form.uniform_chains import MAX_MODE, MAX_SEGMENTS
 from beammodes.exact.axial_beam import axial_wavenumber, uniform_numbers
 from beammodes.numerics.arrays import Floats
@@ -122,7 +124,25 @@ def axial_error_with_units(
     """
     kind = motion_named(motion)
     no_load(load, kind)
+    one = isinstance(segments, int | np.integer) and isinstance(mode, int | np.integer)
+    if one and isinstance(boundary, str | AxialBoundary) and isinstance(rule, str | Rule):
+        chains = _plain(boundary, rule, kind.name)
+        if chains is not None:
+            if beam is not None:
+                uniform_numbers(beam, kind)
+            count = whole_number("segments", segments, most=MAX_SEGMENTS)
+            return chains.error(count, whole_number("mode", mode, most=MAX_MODE))
     return axial_frequency_error(axial_in_multiples(boundary, beam, kind), segments, mode, rule, kind)
+
+
+@lru_cache(maxsize=1024)
+def _plain(boundary: str | AxialBoundary, rule: str | Rule, motion: str) -> PlainAxialChains | None:
+    """Return the chains of a rule with equal springs inside between plain ends; None of others."""
+    pair, record = AxialBoundary.of(boundary, motion), axial_layout_of(rule)
+    plain = all(end.is_fixed or end.is_free for end in (pair.left, pair.right))
+    if not plain or not isinstance(record, Rule) or not record.has_equal_springs:
+        return None
+    return plain_axial_chains(record, pair)
 
 
 def axial_exact_frequencies(boundary: AxialBoundary, mode: NDArray[np.int64]) -> Floats:

@@ -30,6 +30,7 @@ highest modes, the chain's own frequencies are solved for instead, and e is with
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property, lru_cache
@@ -48,7 +49,16 @@ from beammodes.problem.axial_ends import AxialBoundary
 from beammodes.problem.motions import unit_beam
 from beammodes.vibration.axial_spectrum import solve_axial_modes
 
-__all__ = ["EndWaves", "axial_errors", "axial_frequencies", "end_waves", "existing"]
+__all__ = [
+    "SHORT",
+    "EndWaves",
+    "Poly",
+    "axial_errors",
+    "axial_frequencies",
+    "end_waves",
+    "existing",
+    "followed",
+]
 
 # Largest β/N for which δ is solved for at ends whose weights are corrected, in short chains and in long ones,
 # and what those corrections may be in all: of more the wave's phase may turn further than δ follows.
@@ -57,7 +67,7 @@ _LARGEST_CORRECTION, _LARGEST_LONG_CORRECTION = 2.5, 2.0
 
 # Cases that are computed at a time; chains of which all modes are kept, and solved for; modes kept of a
 # longer one, and the longest whose high modes are solved for.
-_BLOCK, _SHORT, _WHOLE, _KEPT, _LONGEST = 100_000, 200, 1000, 8, 100_000
+_BLOCK, SHORT, _WHOLE, _KEPT, _LONGEST = 100_000, 200, 1000, 8, 100_000
 
 Poly = dict[tuple[int, int], Fraction]
 
@@ -91,12 +101,15 @@ class EndWaves:
         M - 1 by rows.
     correction : float
         Σ |w_j - w⁰_j| in long chains.
+    is_single : bool
+        Whether there is at most one weight, a constant: at a fixed end the phase then turns as tan(q/2) does.
     """
 
     half_stub: bool
     weights: tuple[Weight, ...]
     table: tuple[Poly, Poly, Poly, Poly]
     correction: float
+    is_single: bool = True
 
     @property
     def is_mirror(self) -> bool:
@@ -161,7 +174,8 @@ def end_waves(rule: Rule, kind: str) -> EndWaves:
         pull(Fraction(1, 2), -1)
     table = (_plus(rows[0][0], one, -1), rows[0][1], rows[1][0], _plus(rows[1][1], one, -1))
     correction = sum(float(abs(w.constant - m)) for w, m in zip(given, mirror, strict=True))
-    return EndWaves(half, tuple(weights), table, correction)
+    single = len(given) <= 1 and not any(weight.per_segment for weight in given)
+    return EndWaves(half, tuple(weights), table, correction, single)
 
 
 @dataclass(frozen=True, eq=False)
@@ -386,12 +400,24 @@ def _smooth(
     """Return where δ is solved for: at plain mirrors everywhere, else where it can be followed."""
     if all(wave.is_mirror and kind != "clamped" for wave, kind in zip(waves, kinds, strict=True)):
         return np.ones(count.shape, dtype=bool)
-    correction = max(wave.correction for wave in waves)
+    single = "clamped" not in kinds and all(wave.is_single for wave in waves)
+    short_q, long_q, changed = followed(*waves, single=single)
+    return np.asarray((beta <= np.where(count > SHORT, long_q, short_q) * count) & (count > changed))
+
+
+def followed(left: EndWaves, right: EndWaves, *, single: bool) -> tuple[float, float, int]:
+    """Return up to which β/N δ can be followed, and the longest chain in which the ends' weights may overlap.
+
+    The first is for chains of up to `SHORT` segments, the second for longer ones; `single` says that both
+    ends are plain, of one weight at most.
+    """
+    correction = max(left.correction, right.correction)
+    changed = len(left.weights) + len(right.weights) + 2
+    if single:
+        return math.inf, math.inf, changed
     if correction > _LARGEST_CORRECTION:
-        return np.zeros(count.shape, dtype=bool)
-    changed = sum(len(wave.weights) + 1 for wave in waves)
-    long = (count > _SHORT) & (correction <= _LARGEST_LONG_CORRECTION)
-    return np.asarray((beta <= np.where(long, _LARGEST_LONG_Q, _LARGEST_Q) * count) & (count > changed))
+        return 0.0, 0.0, changed
+    return _LARGEST_Q, _LARGEST_LONG_Q if correction <= _LARGEST_LONG_CORRECTION else _LARGEST_Q, changed
 
 
 @lru_cache(maxsize=4096)
@@ -428,7 +454,7 @@ def axial_frequencies(record: Any, pair: AxialBoundary, segments: int, mode: NDA
             f"{record.name} with {pair.name}, whose chain has to be solved, got {segments}"
         )
     try:
-        if segments <= _SHORT:
+        if segments <= SHORT:
             found = _all_frequencies(record, pair, segments)
         elif low:
             found = _low_frequencies(record, pair, segments, most)
