@@ -24,7 +24,8 @@ from beammodes.exporters.export import export_chain
 from beammodes.exporters.formats import FORMATS
 from beammodes.problem.beam import Beam
 from beammodes.problem.loading import Load
-from beammodes.vibration.damping import joint_dampers
+from beammodes.vibration.damping import damped_modes, joint_dampers
+from beammodes.vibration.measured_damping import rayleigh_damping
 from beammodes.vibration.stability import stable_time_step
 
 BEAM = ["--length", "1.2", "--ei", "85", "--rho-a", "0.62", "--units", "SI"]
@@ -294,6 +295,44 @@ def test_time_steps_say_the_case_that_they_hold_for(capsys: pytest.CaptureFixtur
         (["--gravity", "x"], ["--gravity must be a real number", "'x'"]),
         (["--tip-force", "1,"], ["--tip-force[1] must be a real number"]),
         (["--integrator", "dop853"], ["chooses its steps itself"]),
+        (["--damping-ratio", "1%,x"], ["--damping-ratio must be a real number", "'x'"]),
+    ):
+        Ran([*call, *options], capsys).refused(*words)
+
+
+def test_damping_says_what_all_modes_get(capsys: pytest.CaptureFixture[str]) -> None:
+    call = [
+        "damping",
+        "clamped-free",
+        "--segments=10",
+        "--length=1.2",
+        "--ei=85",
+        "--rho-a=0.62",
+        "--units=SI",
+    ]
+    chain = Chain(Beam(1.2, 85.0, 0.62), "clamped-free", 10)
+    found = Ran([*call, "--damping-ratio", "0.8%,1.1%", "--json"], capsys).json
+    fits = {
+        "joints": joint_dampers(chain, {1: 0.008, 2: 0.011}),
+        "rayleigh": rayleigh_damping(chain, [0.008, 0.011]),
+    }
+    both, dampers = fits["rayleigh"], fits["joints"].joint_damping(chain)
+    assert (found["mass"], found["stiffness"]) == pytest.approx((both.mass, both.stiffness), rel=1e-12)
+    assert [row["damping"] for row in found["hinges"]] == pytest.approx(dampers.tolist(), rel=1e-9)
+    for name, fit in fits.items():
+        ratios = damped_modes(chain, fit).damping_ratio.values
+        assert [row[f"ratio_{name}"] for row in found["modes"]] == pytest.approx(ratios.tolist(), rel=1e-9)
+        assert found[f"overdamped_{name}"] == (ratios >= 1).sum()
+    assert found["units"]["damping"] == "N m s/rad"
+    lines = Ran([*call, "--damping-ratio", "60%"], capsys).lines
+    assert sum(line.endswith("does not swing") for line in lines) == 9
+    peaks = Ran([*call, "--peaks", "10,9.1,8.3,7.6", "--json"], capsys).json
+    # By the logarithmic decrement, as worked out by others.
+    assert peaks["ratio"] == pytest.approx(0.014557783999243307, rel=1e-12)
+    assert peaks["modes"][0]["ratio_joints"] == pytest.approx(peaks["ratio"], rel=1e-12)
+    for options, words in (
+        ([], ["--damping-ratio or --peaks must be given"]),
+        (["--peaks", "9,10"], ["peaks must decay"]),
         (["--damping-ratio", "1%,x"], ["--damping-ratio must be a real number", "'x'"]),
     ):
         Ran([*call, *options], capsys).refused(*words)

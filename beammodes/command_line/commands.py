@@ -50,6 +50,7 @@ from beammodes.command_line.text_tables import (
     hinge_table,
     number,
     percents,
+    ratio_said,
     text_table,
     typed_in,
 )
@@ -314,6 +315,78 @@ def _frequencies(options: argparse.Namespace) -> Answer:
     answer = {"rigid_body_modes": found.rigid_body_modes, "modes": rows}
     said = _said_units(options, "frequency", "angular_frequency", relative_error="1")
     return answer | said, "\n".join([title, table, *_units_note(options)])
+
+
+@_command(
+    _DURING,
+    "damping",
+    "which dampers have the damping that I measured, and what do all modes get?",
+    f"clamped-free --segments 10 {_EXAMPLE} --damping-ratio 0.8%,1.1%",
+    *_CHAIN,
+    DAMPING[0],
+    option(
+        "--peaks",
+        "peaks of the first mode's decay, one period apart, in place of its ratio: 10,9.1,8.3,7.6",
+        type=as_vector,
+        metavar="A,...",
+    ),
+)
+def _damping(options: argparse.Namespace) -> Answer:
+    from beammodes.vibration.damping import damped_modes
+    from beammodes.vibration.measured_damping import ratio_from_decay, rayleigh_damping
+
+    if (options.damping_ratio is None) == (options.peaks is None):
+        raise ValueError("--damping-ratio or --peaks must be given, one of them")
+    chain, units, ratios = _chain(options), _units(options), options.damping_ratio
+    answer: dict[str, Any] = {}
+    lines: list[str] = []
+    if options.peaks is not None:
+        heights = options.peaks if isinstance(options.peaks, tuple) else (options.peaks,)
+        found = ratio_from_decay([positive_real("--peaks", height) for height in heights])
+        ratios, error = found.ratio, found.standard_error
+        answer |= {"ratio": found.ratio, "fitted_ratio": found.fitted_ratio}
+        answer["standard_error"] = error if math.isfinite(error) else None
+        lines += [f"damping ratio {found}"]
+    asked = {"damping_ratio": ratios, "stiffness_damping": 0.0}
+    fits = {"joints": damping_of(argparse.Namespace(**asked), chain)}
+    if isinstance(ratios, tuple):
+        fits["rayleigh"] = both = rayleigh_damping(chain, ratios)
+        answer |= {"mass": both.mass, "stiffness": both.stiffness}
+        rate, time = units["angular_frequency"].replace("rad", "1"), units["time"]
+        lines += [f"Rayleigh: mass {number(both.mass)} {rate}, stiffness {number(both.stiffness)} {time}"]
+    tables = {name: damped_modes(chain, fit) for name, fit in fits.items()}
+    first = tables["joints"]
+    turns = 1.0 if units is OWN else 2 * math.pi
+    answer["modes"] = [
+        {"mode": n, "frequency": omega / turns}
+        | {f"ratio_{name}": float(table.damping_ratio.values[n - 1]) for name, table in tables.items()}
+        for n, omega in enumerate(first.undamped_angular_frequency.values.tolist(), start=1)
+    ]
+    answer |= {f"overdamped_{name}": table.overdamped_modes for name, table in tables.items()}
+    dampers = fits["joints"].joint_damping(chain).tolist()
+    places = [*zip(chain.hinge_position.tolist(), dampers, strict=True)]
+    answer["hinges"] = [{"hinge": j, "position": x, "damping": d} for j, (x, d) in enumerate(places, start=1)]
+    unit = _damper_unit(units)
+    key = "angular_frequency" if units is OWN else "frequency"
+    answer |= _said_units(options, frequency=units[key], damping=unit, position=units["length"])
+    heads = ["mode", f"frequency [{units[key]}]", *(f"ratio, {name}" for name in tables)]
+    rows = [
+        [str(row["mode"]), number(row["frequency"]), *(ratio_said(row[f"ratio_{name}"]) for name in tables)]
+        for row in answer["modes"][:_SHOWN_HINGES]
+    ]
+    lines += [text_table(heads, rows)]
+    if len(answer["modes"]) > len(rows):
+        lines += [f"{len(answer['modes']) - len(rows)} more modes: see --json"]
+    rows = [[str(j), number(x), typed_in(d)] for j, (x, d) in enumerate(places[:_SHOWN_HINGES], start=1)]
+    lines += ["", text_table(["hinge", f"position [{units['length']}]", f"damper [{unit}]"], rows)]
+    lines += [*_more_hinges(len(places) - len(rows)), *_units_note(options)]
+    return answer, "\n".join(lines)
+
+
+def _damper_unit(units: Mapping[str, Any]) -> str:
+    """Return the unit of a rotational damper: a stiffness times a time."""
+    stiffness, time = units["joint_stiffness"], units["time"]
+    return stiffness.replace("/rad", f" {time}/rad") if stiffness.endswith("/rad") else f"{stiffness} {time}"
 
 
 @_command(

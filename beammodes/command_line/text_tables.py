@@ -22,6 +22,7 @@ __all__ = [
     "hinge_table",
     "number",
     "percents",
+    "ratio_said",
     "text_table",
     "typed_in",
 ]
@@ -170,11 +171,12 @@ def frequency_table(rows: Sequence[dict[str, Any]], key: str = "frequency_hz", u
         heads.append("damping ratio")
     cells = [[str(row["mode"]), *(cell(row, name, show) for name, show in shows.items())] for row in rows]
     if len(heads) == 5:
-        cells = [[*own, _ratio(row["damping_ratio"])] for own, row in zip(cells, rows, strict=True)]
+        cells = [[*own, ratio_said(row["damping_ratio"])] for own, row in zip(cells, rows, strict=True)]
     return text_table(heads, cells)
 
 
-def _ratio(value: float | None) -> str:
+def ratio_said(value: float | None) -> str:
+    """Return a damping ratio, with a word on what it does from 1 on; nothing for None."""
     if value is None:
         return ""
     return f"{value:.4g}" if value < 1 else f"{value:.4g}: does not swing"
