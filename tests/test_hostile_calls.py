@@ -198,7 +198,7 @@ CALLS: dict[str, Arguments] = {
     ),
     "GivenSection": of(area=1.0, second_moment=2.0, weak_second_moment=1.0, torsion_constant=0.5),
     "ISection": of(width=0.1, height=0.2, flange=0.0085, web=0.0056),
-    "Joint": of(x=0.0, y=1.0, support="pinned", mass=1.0, rotary_inertia=0.1, offset=(0.1, 0.0)),
+    "Joint": of(x=0.0, y=1.0, support="pinned", mass=1.0, rotary_inertia=0.1, offset=(0.1, 0.0), angle=0.3),
     "LineLoad": of(per_length=(1.0, 2.0), start=0.1, stop=0.9, member=None),
     "Load": of(
         axial_force=1.0,
