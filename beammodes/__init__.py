@@ -84,6 +84,7 @@ _NAMES = {
     "accuracy.segments": "segments_needed",
     "accuracy.shapes": "modal_assurance shape_dataset",
     "accuracy.statics": "beam_statics chain_statics static_dataset",
+    "accuracy.stressed_structures": "structure_modes_under",
     "accuracy.uncertainty": "Tolerance frequency_spread segments_within_spread",
     "auditing.audit": "Audit audit_chain",
     "auditing.audit_model": "audit_file",
@@ -185,6 +186,7 @@ if TYPE_CHECKING:
     from beammodes.accuracy.statics import beam_statics as beam_statics
     from beammodes.accuracy.statics import chain_statics as chain_statics
     from beammodes.accuracy.statics import static_dataset as static_dataset
+    from beammodes.accuracy.stressed_structures import structure_modes_under as structure_modes_under
     from beammodes.accuracy.uncertainty import Tolerance as Tolerance
     from beammodes.accuracy.uncertainty import frequency_spread as frequency_spread
     from beammodes.accuracy.uncertainty import segments_within_spread as segments_within_spread

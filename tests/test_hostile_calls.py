@@ -651,6 +651,11 @@ CALLS: dict[str, Arguments] = {
     "structure_statics": lambda: {"structure": structure(), "load": [bm.LineLoad(2.0)]},
     "structure_chain_modes": lambda: {"chain": bm.StructureChain(structure(), 4), "modes": 2},
     "structure_modes": lambda: {"structure": structure(), "modes": 2},
+    "structure_modes_under": lambda: {
+        "structure": structure(),
+        "load": bm.PointLoad(0.4, force=(0.1, 0.2)),
+        "modes": 2,
+    },
     "symbolic_energies": lambda: {"chain": small(), "load": bm.Load(), "symbols": None},
     "theory_errors": lambda: {
         "beam": beam(),

@@ -92,7 +92,7 @@ def buckling_load(
             raise TypeError(
                 f"boundary must be left out for a structure, which has its own, got {shown(boundary)}"
             )
-        from beammodes.accuracy.buckled_structures import structure_buckling_load
+        from beammodes.accuracy.stressed_structures import structure_buckling_load
 
         return structure_buckling_load(structure, load)
     if load is not None:

@@ -168,8 +168,9 @@ def structure_modes(structure: Structure, modes: int) -> StructureModes:
         model, squares, shapes = _converged(parts, count)
     omega = np.sqrt(squares)
     omega.flags.writeable = False
+    inner = model.inner(squares, shapes)
     displacement = {name: shapes @ model.motions[i].T for i, name in enumerate(structure.joints)}
-    return StructureModes(structure, omega, model.rigid, displacement, model.curves(squares, shapes))
+    return StructureModes(structure, omega, model.rigid, displacement, model.curves(shapes, inner))
 
 
 def modes_below(structure: Structure, angular_frequency: float) -> int:
@@ -206,9 +207,8 @@ class _Element(NamedTuple):
         Gauss-Legendre positions and weights.
     static, inner : ndarray, shape (points, 4), (points, modes)
         Deflections at x by the motions of the ends, and in the modes between clamps.
-    static_slope, inner_slope : ndarray, shape (points, 4), (points, all)
-        Slopes by the motions of the ends, and of all deflections between clamps in coordinates b of the
-        energy bᵀb/2.
+    static_slope, inner_slope : ndarray, shape (points, 4), (points, modes)
+        Slopes by the motions of the ends, and in the modes between clamps if each has the energy 1/2.
     smooth : bool
         They are one polynomial.
     """
@@ -266,7 +266,7 @@ def _element(beam: Beam, points: int) -> _Element:
         np.array([one, grid.x, none, none]).T + deflection @ static,
         deflection @ bubbles @ modes[known].T / size[known],
         np.array([none, one, none, none]).T + slope @ static,
-        slope @ bubbles,
+        slope @ bubbles @ modes[known].T,
         len(grid.sizes) == 1,
     )
 
@@ -337,7 +337,7 @@ class StructureModel(NamedTuple):
         size = len(self.mass)
         return np.asarray(ends.reshape(-1, size).T @ answers.reshape(-1, size))
 
-    def _inner(self, square: Floats, vectors: Floats) -> Floats:
+    def inner(self, square: Floats, vectors: Floats) -> Floats:
         """Return what shapes z at λ have of inner modes, shape (vectors, parts, inner)."""
         moved = vectors @ self.ends.transpose(0, 2, 1) @ self.momentum
         one = square[:, None, None]
@@ -350,7 +350,7 @@ class StructureModel(NamedTuple):
 
     def quotients(self, square: Floats, vectors: Floats) -> tuple[Floats, Floats]:
         """Return Rayleigh's quotients of shapes at λ, from sums of squares, and the shapes' masses."""
-        inner = self._inner(square, vectors)
+        inner = self.inner(square, vectors)
         stored = np.sum((vectors @ self.energy.T) ** 2, axis=1) + np.sum(inner**2 * self.square, axis=(1, 2))
         moved = np.einsum("ni,ij,nj->n", vectors, self.mass, vectors)
         # Cᵀ E z is inner (Λ - λ)/λ.
@@ -364,9 +364,9 @@ class StructureModel(NamedTuple):
         size = signs_of_largest(moved) * np.sqrt(self.quotients(square, vectors)[1])
         return np.asarray(vectors / size[:, None])
 
-    def curves(self, square: Floats, shapes: Floats) -> tuple[Curve, ...]:
-        """Return the deflections along all parts in modes z at their λ."""
-        inner, curves = self._inner(square, shapes), []
+    def curves(self, shapes: Floats, inner: Floats) -> tuple[Curve, ...]:
+        """Return the deflections along all parts in modes z that have so much of inner modes."""
+        curves = []
         for i, span in enumerate(self.spans):
             element, ends = span.element, shapes @ self.ends[i].T
             own = inner[:, i, : len(element.square)] / span.heavy

@@ -17,6 +17,7 @@ has lost the digits of the lowest modes, as an assembled stiffness matrix of a l
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -25,10 +26,17 @@ from numpy.typing import ArrayLike
 
 from beammodes.chains.structure_chain import StructureChain
 from beammodes.checks import row_shown, shown, whole_number
-from beammodes.numerics.arrays import Floats, signs_of_largest
+from beammodes.numerics.arrays import Floats, first_factor, signs_of_largest
+from beammodes.numerics.piecewise import Piecewise
 from beammodes.problem.beam import positions_on
 
-__all__ = ["StructureChainModes", "StructureCoordinates", "lowest_frequencies", "structure_chain_modes"]
+__all__ = [
+    "StructureChainModes",
+    "StructureCoordinates",
+    "lowest_frequencies",
+    "stressed_chain_modes",
+    "structure_chain_modes",
+]
 
 #: Constraints weaker than this say nothing that others do not say.
 _SAME = 1e-9
@@ -124,8 +132,49 @@ def structure_chain_modes(chain: StructureChain, modes: int | None = None) -> St
     """
     if not isinstance(chain, StructureChain):
         raise TypeError(f"chain must be a StructureChain, got {shown(chain)}")
+    return _modes_of(StructureCoordinates.of(chain), modes)
+
+
+def stressed_chain_modes(
+    chain: StructureChain, axial_force: Sequence[Piecewise], turning: Sequence[float], modes: int
+) -> StructureChainModes:
+    """Return the first modes of a chain under axial forces.
+
+    Parameters
+    ----------
+    chain, modes
+        As of `structure_chain_modes`.
+    axial_force : sequence of Piecewise
+        Of each stretch, over the distance from its start, tension positive [N].
+    turning : sequence of float
+        Of each node, by what moment per angle the load on its body resists a rotation [N m].
+
+    Examples
+    --------
+    >>> import beammodes as bm
+    >>> bar = bm.Structure.of_beam(bm.Beam.unit(), "pinned-pinned")
+    >>> pull = Piecewise.one(0.0, 1.0, 5.0)
+    >>> squares = stressed_chain_modes(bm.StructureChain(bar, 40), [pull], [0, 0], 1).angular_frequency ** 2
+    >>> (squares / (5 * math.pi**2 + math.pi**4) - 1).round(6)
+    array([0.000173])
+    """
     coordinates = StructureCoordinates.of(chain)
-    moved = coordinates.momentum()
+    stored = np.eye(coordinates.give.shape[1]) + coordinates.geometric(axial_force, turning)
+    try:
+        root = np.linalg.cholesky(stored)
+    except np.linalg.LinAlgError:
+        factor = first_factor(coordinates.geometric(axial_force, turning))
+        raise ValueError(
+            f"load must be less than {factor:.6g} times the given one, under which the chain buckles"
+        ) from None
+    change = np.linalg.inv(root).T
+    return _modes_of(
+        coordinates._replace(give=coordinates.give @ change, follow=coordinates.follow @ change), modes
+    )
+
+
+def _modes_of(coordinates: StructureCoordinates, modes: int | None) -> StructureChainModes:
+    chain, moved = coordinates.chain, coordinates.momentum()
     _, size, shape = np.linalg.svd(moved, full_matrices=False)
     has = int(np.sum(size > _MASSLESS * size.max(initial=0.0)))
     count = has if modes is None else whole_number("modes", modes)
@@ -258,6 +307,26 @@ class StructureCoordinates(NamedTuple):
             following = following - self.rigid @ share[0]
         places = (self.unit * following[: 2 * count]).T.reshape(-1, count, 2)
         return places, self.turns(given, following)
+
+    def geometric(self, axial_force: Sequence[Piecewise], turning: Sequence[float]) -> Floats:
+        """Return G of the energy yᵀGy/2 of axial forces and weights of bodies, Σ θ² ∫ N dx of pieces."""
+        if self.rigid.shape[1] and any(turning):
+            raise ValueError(
+                "chain must hold the rotation of each body that has an offset under gravity, got one with a "
+                "body that turns freely on a pin"
+            )
+        turns, chain = self.turns(self.give, self.follow), self.chain
+        geometric = np.zeros((turns.shape[1], turns.shape[1]))
+        for pieces, bodies, force in zip(chain.chains, chain.bodies, axial_force, strict=True):
+            pull, ends = force.integrated(), np.append(0.0, np.cumsum(pieces.length))
+            ends[-1] = force.edges[-1]
+            along = np.diff([pull(x) for x in ends.tolist()])
+            rows = turns[list(bodies)] * (pieces.length > 0.0)[:, None]
+            geometric += (rows.T * along) @ rows
+        for body, moment in zip(chain.joints, turning, strict=True):
+            if moment and body is not None:
+                geometric += moment * np.outer(turns[body], turns[body])
+        return geometric
 
     def momentum(self) -> Floats:
         """Return G: speeds of masses times the roots of these for unit y', rigid motions taken out."""
