@@ -213,9 +213,8 @@ def test_explicit_runge_kutta_is_shortened_by_dampers(tmp_path: Path) -> None:
     limit = stable_time_step(CHAIN, "MuJoCo RK4", damping=damping)
     # Measured in MuJoCo 4.0.0 by others.
     assert limit == pytest.approx(1.46e-4, rel=5e-3)
-    assert largest_stable(mujoco_file(path), limit / 2, 2.2 * limit, np.zeros(10)) == pytest.approx(
-        limit, rel=0.03
-    )
+    model, rest = mujoco_file(path), np.zeros(10)
+    assert is_stable(model, 0.98 * limit, rest, 2000) and not is_stable(model, 1.02 * limit, rest, 2000)
 
 
 HANGING = Load(gravity=(9.81, 0.0))
@@ -228,7 +227,7 @@ ROPE = Chain(Beam(4.0, 1e-3, 0.026), "pinned-free(mass=0.75)", 20)
     # Measured by others: Drake lost between 1.4e-3 and 1.6e-3 s; MuJoCo, which steps alike, the others.
     [
         (CHAIN, 0.01, "discrete", 1.494e-3),
-        (CHAIN, 0.1, "discrete", 1.440e-2),
+        pytest.param(CHAIN, 0.1, "discrete", 1.440e-2, marks=pytest.mark.slow),
         (CHAIN, 0.01, "semi_explicit_euler", 9.115e-5),
         (ROPE, 0.0, "discrete", 6.6286e-3),
     ],
@@ -263,8 +262,9 @@ def test_drakes_steps_with_dampers_and_of_a_chain_that_hangs(
             return False
         return bool(np.abs(plant.GetPositions(context)).max() < 1e-3)
 
-    low, high = limit / 2, 2.2 * limit
-    for _ in range(8):
+    low, high = 0.8 * limit, 1.3 * limit
+    assert stays(low) and not stays(high)
+    for _ in range(4):
         middle = math.sqrt(low * high)
         low, high = (middle, high) if stays(middle) else (low, middle)
     assert low == pytest.approx(limit, rel=0.03)

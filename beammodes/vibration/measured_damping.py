@@ -69,7 +69,8 @@ def ratio_from_decay(peaks: ArrayLike, *, periods: ArrayLike | None = None) -> D
     Parameters
     ----------
     peaks : sequence of float
-        At least two, measured from rest, in time's order and of any unit.
+        At least two, measured from rest, in time's order and of any unit. Of a signal that swings about
+        another value take the differences of peaks and troughs.
     periods : sequence of float, optional
         When each came, in periods; by default they are one period apart, 0, 1, 2, ... Of peaks on both sides,
         all with the sign plus, it is 0, 0.5, 1, ...
