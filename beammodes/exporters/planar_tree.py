@@ -134,8 +134,8 @@ def planar_tree(
     turned, damper = is_turned(chain), damping or Damping()
     if damper.mass:
         raise ValueError(
-            "damping must have mass=0: joints damp relative motion only (joint_dampers meets several ratios without "
-            f"it), got {damper}"
+            "damping must have mass=0: joints damp relative motion only (joint_dampers meets several ratios "
+            f"without it), got {damper}"
         )
     chains = [chain] if second is None else [chain, second]
     planes = [_bending_plane(each, damper, turned) for each in chains]
