@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
@@ -67,6 +68,9 @@ SLIDES = {
 CLOSED = {
     "portal": PORTAL,
     "sliding portal": bm.Structure(SLIDES, PORTAL.members),
+    "on slopes": bm.Structure(
+        {name: replace(joint, angle=0.4) for name, joint in SLIDES.items()}, PORTAL.members
+    ),
     "star": bm.Structure({**TREES["T"].joints, "top": bm.Joint(0, 1)}, TREES["T"].members),
     **{
         pair: bm.Structure.of_beam(UNIT, pair, [bm.Station(0.4, INF), bm.Station(0.7, 30.0, 2.0)])
