@@ -13,7 +13,7 @@ from studies.study import Kind, Progress, Sheet, Study
 
 #: A bar of 5 m, 20 x 20 mm of aluminium, radially on a hub of radius 1 m and 5 kg m².
 BEAM = bm.Beam(5.0, 919.36, 1.10668)
-HUB = bm.End.hub(radius=1.0, rotary_inertia=5.0)
+HUB = bm.End.hub(hub_radius=1.0, rotary_inertia=5.0)
 TORQUE, DURATION, EVERY, STEP = 50.0, 3.0, 0.01, 5e-4
 SEGMENTS, RULE = 12, "gregory"
 #: Times at which the bar is drawn [s].

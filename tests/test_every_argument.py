@@ -77,7 +77,7 @@ GOOD: dict[str, dict[str, Any]] = {
         "rotary_inertia": 0.1,
         "offset": 0.1,
     },
-    "End.hub": {"radius": 0.5, "rotary_inertia": 2.0, "rotational_stiffness": 3.0},
+    "End.hub": {"hub_radius": 0.5, "rotary_inertia": 2.0, "rotational_stiffness": 3.0},
     "Ends": {
         "translational_stiffness": [1.0, 2.0],
         "rotational_stiffness": 2.0,

@@ -187,7 +187,7 @@ CALLS: dict[str, Arguments] = {
         offset=0.1,
         on_segment=False,
     ),
-    "End.hub": of(radius=0.5, rotary_inertia=2.0, rotational_stiffness=3.0),
+    "End.hub": of(hub_radius=0.5, rotary_inertia=2.0, rotational_stiffness=3.0),
     "Ends": of(
         translational_stiffness=1.0,
         rotational_stiffness=2.0,

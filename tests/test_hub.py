@@ -17,7 +17,7 @@ from beammodes.problem.applied_loads import PointLoad
 
 #: A bar of 5 m, 20 x 20 mm (68.952 GPa, 2766.7 kg/m³), on a hub of radius 1 m and 5 kg m².
 BAR = bm.Beam(5.0, 919.36, 1.10668)
-HUB = bm.End.hub(radius=1.0, rotary_inertia=5.0)
+HUB = bm.End.hub(hub_radius=1.0, rotary_inertia=5.0)
 
 
 def characteristic(beam: bm.Beam, hub: bm.End, mass: float, stiffness: float) -> Callable[[Any], Any]:

@@ -112,7 +112,7 @@ class End:
     @classmethod
     def hub(
         cls,
-        radius: float | Fraction,
+        hub_radius: float | Fraction,
         rotary_inertia: float | Fraction,
         rotational_stiffness: float | Fraction = 0.0,
     ) -> End:
@@ -120,7 +120,7 @@ class End:
 
         Parameters
         ----------
-        radius : float [m]
+        hub_radius : float [m]
             From the axis to the beam's end.
         rotary_inertia : float [kg m²]
             Of the hub, about its axis.
@@ -134,10 +134,10 @@ class End:
 
         Examples
         --------
-        >>> print(End.hub(radius=1.0, rotary_inertia=5.0))
+        >>> print(End.hub(hub_radius=1.0, rotary_inertia=5.0))
         pinned(rotary_inertia=5.0, hub_radius=1.0)
         """
-        return cls(math.inf, rotational_stiffness, rotary_inertia=rotary_inertia, hub_radius=radius)
+        return cls(math.inf, rotational_stiffness, rotary_inertia=rotary_inertia, hub_radius=hub_radius)
 
     def __post_init__(self) -> None:
         for name in (*NUMBERS_OF_END, "hub_radius"):
