@@ -32,7 +32,10 @@ def test_the_tangent_is_the_rate_of_the_residual() -> None:
         bm.RodEnd((INF, 0, INF), (0, INF, INF)),
     )
     load = bm.SpatialLoad((100, 200, 300), (1e4, 2e4, 3e4), 1e4, (1, 2, 3))
-    for boundary, joints in (("clamped-free", "ball"), (held, "ball"), (held, "yzx_alternating")):
+    sprung: Any = ("clamped", bm.RodEnd((1e3, 2e3, 3e3), (1e6, 2e6, 3e6)))
+    partly: Any = ("clamped", bm.RodEnd((INF, 0, 1e3), (INF, 1e6, INF)))
+    cases = [("clamped-free", "ball"), (held, "ball"), (held, "yzx_alternating"), (sprung, "ball")]
+    for boundary, joints in (*cases, (sprung, "xyz"), (partly, "ball"), ("clamped-clamped", "zxy")):
         chain = bm.SpatialChain(BEND, boundary, 4, "double_wall")
         statics = _Statics(chain, bm.JOINT_LAWS[joints], None, None)
         q = np.where(np.isfinite(statics.stiffness), 0.3 * draw.normal(size=(statics.count, 3)), 0.0)
@@ -195,3 +198,59 @@ def test_bad_input_is_named() -> None:
         bm.spatial_equilibrium(chain, guess=[1.0, 2.0])
     with pytest.raises(ValueError, match="load must lose its stability below most"):
         bm.critical_factor(chain, bm.SpatialLoad(force=(0, 0, 1)), most=1.0)
+
+
+SPRUNG = bm.RodEnd((3.0, 1.0, 2.0), (0.5, 0.2, 0.7))
+
+
+@pytest.mark.parametrize("joints", ["ball", "yzx_alternating"])
+def test_springs_of_the_far_end_store_what_its_place_and_rotation_tell(joints: str) -> None:
+    # The balance is the slope of the energy, which is told from the tip's place and rotation alone.
+    rod = bm.Rod.arc(0.8, length=1.0, bending_stiffness=1.0, torsional_stiffness=0.7, mass_per_length=1.0)
+    chain = bm.SpatialChain(rod, ("clamped", SPRUNG), 3, "gregory")
+    load, end = bm.SpatialLoad(force=(0.3, -0.2, 0.4)), chain.tree.supports[-1]
+    statics = _Statics(chain, bm.JOINT_LAWS[joints], None, None)
+    free = np.flatnonzero(statics._active)
+    start = np.zeros(3 * statics.count)
+    start[free] = 0.4 * np.random.default_rng(5).standard_normal(len(free))
+
+    def energy(x: Any) -> float:
+        frames, starts, _, _ = statics._shape(x.reshape(-1, 3))
+        turned = rotation_vector(end.frame.T @ frames[-1] @ end.frame)
+        moved = np.concatenate([end.frame.T @ (starts[-1] - end.place), turned])
+        springs = np.where(np.isfinite(statics.stiffness), statics.stiffness, 0.0).ravel()
+        return float(0.5 * (springs @ x**2 + SPRUNG.stiffness @ moved**2) - np.array(load.force) @ starts[-1])
+
+    balance = statics.residual(start.reshape(-1, 3), np.zeros(0), load)[0]
+    steps = 1e-5 * np.eye(len(start))[free]
+    slopes = [(energy(start + step) - energy(start - step)) / 2e-5 for step in steps]
+    np.testing.assert_allclose(balance, slopes, atol=1e-8)
+    # At rest all of it is least, nearby and as the tangent says.
+    found = bm.spatial_equilibrium(chain, load, joints=joints)
+    rest = found.coordinates.ravel()
+    assert all(energy(rest + 300 * sign * step) > energy(rest) for step in steps for sign in (1, -1))
+    np.testing.assert_allclose(found.tangent, found.tangent.T, atol=1e-12)
+
+
+def test_springs_of_the_far_end_by_closed_forms() -> None:
+    rod = bm.Rod(1.0, 1.0, 0.8, 1.0, second_bending_stiffness=4.0)
+    # Small loads: F/(K + 3 EI/L^3) in either plane, exact with the report's springs; M/(K + GJ/L) in twist.
+    far = bm.RodEnd((0.0, 2.0, 5.0), (3.0, 0.0, 0.0))
+    chain = bm.SpatialChain(rod, ("clamped", far), 8, "mitiguy")
+    load = bm.SpatialLoad(force=(0.0, 1e-9, 1e-9), moment=(1e-9, 0.0, 0.0))
+    shape = bm.spatial_equilibrium(chain, load)
+    np.testing.assert_allclose(shape.tip[1:], [1e-9 / (2 + 3), 1e-9 / (5 + 12)], rtol=1e-9)
+    assert rotation_vector(shape.rotation[-1])[0] == pytest.approx(1e-9 / (3 + 0.8), rel=1e-9)
+    # About a tangent that is held a spring resists turns beyond one: 12 N m turn it by 12/(K + GJ/L) = 9 rad.
+    held = bm.RodEnd((0.0, math.inf, math.inf), (12 / 9 - 0.8, math.inf, math.inf))
+    stiff = bm.Rod(1.0, 1e3, 0.8, 1.0)
+    wound = bm.spatial_equilibrium(
+        bm.SpatialChain(stiff, ("clamped", held), 6, "half_stub"), bm.SpatialLoad(moment=(12.0, 0.0, 0.0))
+    )
+    assert wound.coordinates[:, 0].sum() == pytest.approx(9.0, rel=1e-12)
+    # A column whose tip a spring holds across buckles as the planar chain does, in its weaker plane.
+    strong = bm.Rod(1.0, 1.0, 1e6, 1.0, second_bending_stiffness=1e6)
+    column = bm.SpatialChain(strong, ("clamped", bm.RodEnd((0.0, 6.0, 0.0))), 8, "gregory")
+    planar = bm.Chain(bm.Beam.unit(), ("clamped", bm.End(translational_stiffness=6.0)), 8, "gregory")
+    factor = bm.critical_factor(column, bm.SpatialLoad(force=(-1.0, 0.0, 0.0)), start=3.0)
+    assert factor == pytest.approx(bm.buckling_load(planar), rel=1e-9)

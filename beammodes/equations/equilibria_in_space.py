@@ -20,9 +20,10 @@ import numpy as np
 
 from beammodes.chains.spatial_chain import SpatialChain
 from beammodes.checks import instead, positive_real, real_numbers, shown
+from beammodes.equations.far_end import FarEnd, Resisted
 from beammodes.equations.joint_laws import JointLaw, joint_law
 from beammodes.numerics.arrays import Floats
-from beammodes.numerics.rotations import accumulated, rotation_vector
+from beammodes.numerics.rotations import accumulated
 from beammodes.problem.load_in_space import SpatialLoad
 
 __all__ = ["NoEquilibriumInSpace", "SpatialEquilibrium", "critical_factor", "spatial_equilibrium"]
@@ -56,7 +57,7 @@ class SpatialEquilibrium:
     nodes : ndarray, shape (pieces + 1, 3) [m]
         Where each piece starts, and where the last ends, in these axes.
     reaction : ndarray
-        What the held end at s = L pushes with: a force for each held deflection [N], then for its rotation.
+        What holds the end at s = L pushes with: a force for each held deflection [N], then for its rotation.
     tangent : ndarray, shape (free, free) [N m]
         The stiffness of motions that supports allow.
     """
@@ -108,7 +109,8 @@ def spatial_equilibrium(
     ----------
     chain : SpatialChain
         Its end at s = 0 must hold the deflections, and may let rotations go or resist them by springs; the
-        other end may hold deflections, all rotations, or only those about y and z (the tangent).
+        other may be any. Springs there pull back to where the rod rests; those of rotations store what the
+        vector of its rotation tells, up to half a turn (about a tangent that is held, any number of turns).
     load : SpatialLoad, optional
     joints : str or JointLaw
         "ball", whose springs store the energy of the rotation's vector, as the rod does; or the order of the
@@ -116,14 +118,14 @@ def spatial_equilibrium(
     guess : SpatialEquilibrium or array, shape (pieces, 3), optional
         Coordinates to start from, at the whole load; by default the load grows from nothing.
     end_place : three floats, optional [m]
-        Where a held end at s = L is held; where it is at rest by default.
+        Where an end at s = L is held, or pulled by springs; where it is at rest by default.
     end_frame : ndarray, shape (3, 3), optional
-        The axes in which its rotation is held, likewise.
+        The axes in which its rotation is held or resisted, likewise.
 
     Raises
     ------
     TypeError, ValueError
-        If an argument is not of its kind, or the ends hold other than the above.
+        If an argument is not of its kind, or the end at s = 0 moves.
     NoEquilibriumInSpace
         If Newton's steps do not settle.
 
@@ -241,28 +243,20 @@ class _Statics:
             raise ValueError(f"chain must have at most {_MOST_JOINTS} pieces, got {tree.pieces}")
         if not all(map(math.isinf, left.translational_stiffness)):
             raise ValueError(f"chain must hold its end at s = 0 in place, got {left!r}")
-        if any(0 < value < math.inf for value in right.stiffness):
-            raise ValueError(f"chain must have no springs at s = L for its shapes at rest, got {right!r}")
         self._frames = np.concatenate([tree.supports[0].frame[None], tree.joint_frame[1:]])
         with np.errstate(divide="ignore"):
             springs = 1.0 / tree.joint_flexibility[1:]
         self.stiffness = np.vstack([left.rotational_stiffness, springs])
         self._active = np.isfinite(self.stiffness).ravel()
         self._places = np.vstack([tree.joint_place, tree.supports[-1].place])
-        self._end = tree.supports[-1]
-        held = np.isinf(right.stiffness)
-        self._held_places = np.flatnonzero(held[:3])
-        turning = held[3:].tolist()
-        if turning not in ([False] * 3, [True] * 3, [False, True, True]):
-            raise ValueError(
-                f"chain must hold at s = L all rotations, those about y and z, or none, got {right!r}"
-            )
-        self._whole, self._tangent_held = turning[0], turning[1] and not turning[0]
-        self.held = len(self._held_places) + 3 * self._whole + 2 * self._tangent_held
-        self._target = self._end.place if end_place is None else real_numbers("end_place", end_place)
-        self._axes = self._end.frame if end_frame is None else real_numbers("end_frame", end_frame)
-        if self._target.shape != (3,) or self._axes.shape != (3, 3):
+        end = tree.supports[-1]
+        place = end.place if end_place is None else real_numbers("end_place", end_place)
+        axes = end.frame if end_frame is None else real_numbers("end_frame", end_frame)
+        if place.shape != (3,) or axes.shape != (3, 3):
             raise ValueError("end_place must be three numbers and end_frame three rows of three")
+        self._tangent = end.frame[:, 0]
+        self._far = FarEnd(right, end.frame, place, axes)
+        self.held = self._far.held
         self._unit = chain.rod.units
 
     def _shape(self, q: Floats) -> tuple[Floats, Floats, Floats, Floats]:
@@ -278,57 +272,40 @@ class _Statics:
 
     def residual(self, q: Floats, push: Floats, load: SpatialLoad) -> tuple[Floats, Floats, Floats, Floats]:
         """Return, of free coordinates: what is unbalanced, what held ends miss, tangent and held rows."""
-        shape = self._shape(q)
-        frames, starts, axes, rates = shape
-        dyad = self._dyads(frames, starts, push, load)
-        dead = np.array(load.moment) + np.array([load.torque, 0.0, 0.0])
-        holding = push[len(self._held_places) :] if self._whole else np.zeros(3)
+        frames, starts, axes, rates = self._shape(q)
+        far = self._far.resisted(starts[-1], frames[-1], float(q[:, 0].sum()), push)
+        dyad = self._dyads(frames, starts, far, load)
+        dead = np.array(load.moment) + np.array([load.torque, 0.0, 0.0]) + far.moment
         moment = _moments(dyad) + dead
         moment[0, 0] -= load.torque
         springs = np.where(np.isfinite(self.stiffness), self.stiffness, 0.0)
-        balance = springs * q - np.einsum("njk,nj->nk", axes, moment + holding)
-        tangent = np.diag(springs.ravel()) - _turning(axes, rates, dyad, moment, dead, holding)
-        missed, rows = self._held(frames, starts, axes)
+        balance = springs * q - np.einsum("njk,nj->nk", axes, moment)
+        turns = np.moveaxis(axes, 2, 1).reshape(-1, 3)
+        lifts = np.cross(turns, starts[-1] - np.repeat(starts[:-1], 3, axis=0))
+        tangent = np.diag(springs.ravel()) - _turning(axes, rates, dyad, moment, dead)
+        tangent += lifts @ far.stiffening @ lifts.T + turns @ far.turning @ turns.T
+        rows = far.on_tip @ lifts.T + far.on_turn @ turns.T
         free = self._active
-        return balance.ravel()[free], missed, tangent[np.ix_(free, free)], rows[:, free]
+        return balance.ravel()[free], far.missed, tangent[np.ix_(free, free)], rows[:, free]
 
-    def _dyads(self, frames: Floats, starts: Floats, push: Floats, load: SpatialLoad) -> Floats:
+    def _dyads(self, frames: Floats, starts: Floats, far: Resisted, load: SpatialLoad) -> Floats:
         """Return  Σ (x_p - x_i) F_pᵀ  of all forces beyond each joint i, shape (joints, 3, 3)."""
-        tree, tip, places = self.chain.tree, starts[-1], self._held_places
+        tree, tip = self.chain.tree, starts[-1]
         force = tree.mass[:, None] * np.array(load.gravity)
         centre = starts[:-1] + (frames @ (tree.centre - self._places[:-1])[..., None])[..., 0]
         dyad = centre[:, :, None] * force[:, None, :]
-        at_tip = np.array(load.force) + self._axes[:, places] @ push[: len(places)]
+        at_tip = np.array(load.force) + far.force
         force[-1] += at_tip
-        dyad[-1] += np.outer(tip, at_tip)
-        if self._tangent_held:
-            # A couple: a force on the tip of the tangent, and as much back on its foot.
-            dyad[-1] += np.outer(frames[-1] @ self._end.frame[:, 0], self._axes[:, 1:] @ push[len(places) :])
+        dyad[-1] += np.outer(tip, at_tip) + np.outer(frames[-1] @ self._tangent, far.couple)
         force, dyad = (np.cumsum(values[::-1], axis=0)[::-1] for values in (force, dyad))
         beyond: Floats = dyad - starts[:-1, :, None] * force[:, None, :]
         return beyond
-
-    def _held(self, frames: Floats, starts: Floats, axes: Floats) -> tuple[Floats, Floats]:
-        """Return by how much the end at s = L misses what it is held at, and the rates of that."""
-        w = np.moveaxis(axes, 2, 1).reshape(-1, 3)
-        tip, last = starts[-1], frames[-1]
-        along = self._axes[:, self._held_places]
-        lift = np.cross(w, tip - np.repeat(starts[:-1], 3, axis=0))
-        rows, missed = [along.T @ lift.T], [along.T @ (tip - self._target)]
-        if self._tangent_held:
-            tangent, across = last @ self._end.frame[:, 0], self._axes[:, 1:]
-            rows.append(across.T @ np.cross(w, tangent).T)
-            missed.append(across.T @ tangent)
-        if self._whole:
-            rows.append(w.T)
-            missed.append(self._axes @ rotation_vector(self._axes.T @ last @ self._end.frame))
-        return np.concatenate(missed), np.concatenate(rows)
 
     def newton(self, q: Floats, push: Floats, load: SpatialLoad) -> State | None:
         """Return coordinates and pushes at rest from a start near them, or None."""
         length, unit, _ = self._unit
         free = int(self._active.sum())
-        scale = np.where(np.arange(self.held) < len(self._held_places), length, 1.0)
+        scale = np.where(np.arange(self.held) < self._far.deflections, length, 1.0)
         q, push = q.copy(), push.copy()
         for _ in range(_NEWTON):
             balance, missed, stiffness, held = self.residual(q, push, load)
@@ -395,13 +372,11 @@ def _moments(dyad: Floats) -> Floats:
     return np.stack([yz, zx, xy], axis=1)
 
 
-def _turning(
-    axes: Floats, rates: Floats, dyad: Floats, moment: Floats, dead: Floats, holding: Floats
-) -> Floats:
+def _turning(axes: Floats, rates: Floats, dyad: Floats, moment: Floats, dead: Floats) -> Floats:
     """Return how what loads do to each coordinate changes with each, shape (3 joints, 3 joints).
 
-    Forces have a potential, a held rotation likewise. A dead moment has none: axes beyond a joint turn with
-    it, and the moment does not.
+    Forces have a potential. A moment that stays has none: axes beyond a joint turn with it, and the moment
+    does not.
     """
     count = len(axes)
     column = np.moveaxis(axes, 2, 1)
@@ -411,11 +386,8 @@ def _turning(
     before = joint[:, None] < joint[None, :]
     upper = np.where(before, w @ v.T, 0.0)
     crossed = np.cross(w[:, None, :], w[None, :, :])
-    held = 0.5 * np.where(before, crossed @ holding, 0.0)
-    changes = upper + upper.T + np.where(before, crossed @ dead, 0.0).T + held + held.T
+    changes = upper + upper.T + np.where(before, crossed @ dead, 0.0).T
     own = np.einsum("nkal,na->nlk", rates, moment) + column @ np.swapaxes(v.reshape(-1, 3, 3), 1, 2)
-    even = np.einsum("nkal,a->nlk", rates, holding)
-    own += 0.5 * (even + np.swapaxes(even, 1, 2))
     for n in range(count):
         changes[3 * n : 3 * n + 3, 3 * n : 3 * n + 3] = own[n]
     return changes
