@@ -111,6 +111,19 @@ def test_samples_points_and_single_structures() -> None:
     assert digests[0] == alone.digest != digests[1]
 
 
+def test_buckling_loads_are_those_of_structures_of_one_member() -> None:
+    compute = ["buckling_load", "exact_buckling_load", "buckling_error"]
+    axes: dict[str, Any] = {"span": 2.0, "payload": 0.0, "segments": 8, "rule": "gregory", "compute": compute}
+    found = bm.Study.grid(structure=cracked, **axes).run()
+    given = cracked(2.0, 0.0)
+    exact, ours = bm.buckling_load(given), bm.buckling_load(bm.StructureChain(given, 8, "gregory"))
+    values = [found[name].item() for name in compute]
+    np.testing.assert_allclose(values, [ours, exact, ours / exact - 1], rtol=1e-12)
+    # Which members of a portal are compressed no load tells.
+    with pytest.raises(TypeError, match="load must be given for a structure of several members"):
+        bm.Study.grid(structure=portal, **axes).run()
+
+
 def test_a_point_without_a_structure_has_no_answer() -> None:
     study = bm.Study.grid(structure=portal, span=[1.0, -1.0], segments=9, mode=1, compute="relative_error")
     found = study.run()
@@ -143,7 +156,11 @@ def bad_name(mode: float) -> bm.Structure:
         ({"structure": portal, "spam": 1.0}, ValueError, 'number of portal must be one of span.*"span"'),
         ({"structure": portal, "span": 1.0, "boundary": "free-free"}, ValueError, "got 'boundary'"),
         ({"structure": portal, "span": "wide"}, TypeError, "span must be a real number"),
-        ({"structure": portal, "span": 1.0, "compute": "buckling_error"}, ValueError, "leave out structure"),
+        (
+            {"structure": portal, "span": 1.0, "compute": "tip_rotation_error"},
+            ValueError,
+            "leave out structure",
+        ),
         (
             {"structure": no_structure, "span": 1.0},
             TypeError,

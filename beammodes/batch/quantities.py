@@ -114,10 +114,14 @@ def _time_step(case: Case) -> float:
 
 def _chain_buckling(case: Case) -> float:
     chain = case.chain
+    if case.is_structure:
+        return buckling_load(chain)
     return buckling_load(chain) if chain.elastic_modes else math.nan
 
 
 def _beam_buckling(case: Case) -> float:
+    if case.is_structure:
+        return buckling_load(case.structure)
     return buckling_load(case.beam, case.boundary)
 
 
@@ -149,7 +153,7 @@ _TABLE = (
     ),
     Quantity("stable_time_step", "largest stable fixed step of the chain", _OfEach(_time_step), _STEP),
     *(
-        Quantity(name, long_name, _OfEach(function), units, uncounted=("spin_rate", "motion", "structure"))
+        Quantity(name, long_name, _OfEach(function), units, uncounted=("spin_rate", "motion"))
         for name, long_name, function, units in (
             ("buckling_load", "buckling load of the chain", _chain_buckling, _FORCE),
             ("exact_buckling_load", "buckling load of the beam", _beam_buckling, _FORCE),
