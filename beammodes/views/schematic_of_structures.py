@@ -47,8 +47,8 @@ _ASIDE = 1.9
 _STEEPEST = 1.7
 #: Up to so many hinges every spring has its label; of more, equal neighbours share one; more are not read.
 _CROWD, _MOST = 12, 60
-#: Width of a letter in sizes of the structure, for each point of its size, in a picture some inches wide.
-_LETTER = 0.0024
+#: Width and height of a letter in its size, and how much of the axes a structure takes.
+_LETTER, _LINE, _FILLED = 0.62, 1.25, 0.8
 #: Larger fractions are written as decimals; and how near a spring is to a fraction that it shall be.
 _LARGEST, _SAME = 99, 1e-9
 
@@ -427,23 +427,31 @@ def _draw_labels(
     if len(runs) > _MOST:
         return
     nodes = {node.place: node for node in chain.parts.nodes}
-    whole = _size(np.array(list(nodes)))
-    written: list[tuple[Vector, int, float]] = []
+    places = np.array(list(nodes))
+    whole, point = _size(places), _point(ax, places)
+    written: list[tuple[float, float, float, float]] = []
     for spot, text in runs:
         assert spot.hinge is not None
         normal, lift = _upper(spot, list(nodes)), 1.15 * radius
         turn = nodes[spot.hinge.place].rotational_stiffness if spot.hinge.place in nodes else 0.0
         if turn:
             lift = _WALL * whole if turn == math.inf else 2.1 * radius
-        foot, width = _shift(spot.place, normal, lift), _LETTER * size * len(text) * whole
-        near = [row for at, row, wide in written if math.dist(at, foot) < (wide + width) / 2]
-        row = next(row for row in range(len(near) + 1) if row not in near)
-        written.append((foot, row, width))
-        beside = abs(normal[0]) > 0.5
+        foot, beside = _shift(spot.place, normal, lift), abs(normal[0]) > 0.5
+        side, way = (math.copysign(1.0, part) for part in normal)
+        wide, high = _LETTER * size * len(text), _LINE * size
+        # In points: further out, one label or line for each that it would cover.
+        for row in range(len(runs)):
+            across = 0.3 * size * normal[0] + beside * row * (wide + 0.5 * size) * side
+            up = 0.6 * high * normal[1] + (not beside) * row * high * way
+            middle = across + beside * side * wide / 2
+            box = foot[0] / point + middle, foot[1] / point + up, wide, high
+            if not any(_covers(box, other) for other in written):
+                break
+        written.append(box)
         ax.annotate(
             text,
             foot,
-            (0.3 * size * normal[0], size * (0.75 + 1.05 * row) * normal[1]),
+            (across, up),
             textcoords="offset points",
             ha=("left" if normal[0] > 0 else "right") if beside else "center",
             va="center",
@@ -451,9 +459,20 @@ def _draw_labels(
             fontsize=size,
             zorder=6,
         )
-        high = 2.4 * _LETTER * size * whole * (1 + row) * (1.0 if normal[1] >= 0.0 else -1.0)
-        wide = width * normal[0] if beside else width / 2
-        ax.update_datalim([(foot[0] + wide, foot[1] + high), (foot[0] - (not beside) * wide, foot[1] - high)])
+        x, y = box[0] * point, box[1] * point
+        half = 0.5 * wide * point, 0.5 * high * point
+        ax.update_datalim([(x - half[0], y - half[1]), (x + half[0], y + half[1])])
+
+
+def _point(ax: Axes, places: Floats) -> float:
+    """Return about how long a point of 1/72 inch will be in the data."""
+    box = ax.get_window_extent()
+    span = np.ptp(places, axis=0) / [max(box.width, 1.0), max(box.height, 1.0)]
+    return float(span.max()) / _FILLED * ax.figure.get_dpi() / 72.0
+
+
+def _covers(a: tuple[float, float, float, float], b: tuple[float, float, float, float]) -> bool:
+    return abs(a[0] - b[0]) < (a[2] + b[2]) / 2 and abs(a[1] - b[1]) < 0.9 * (a[3] + b[3]) / 2
 
 
 def _upper(spot: _Spot, places: list[Vector]) -> Vector:
