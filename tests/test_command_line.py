@@ -784,6 +784,10 @@ def test_every_example_in_the_help_runs_in_order(
         assert Ran(arguments[1:], capsys).lines
         force = ["--force"] if command.name == "export" else []
         assert isinstance(Ran([*arguments[1:], "--json", *force], capsys).json, dict)
+        if command.in_space:
+            assert command.in_space in Ran([command.name, "--help"], capsys).out
+            found = Ran([*shlex.split(command.in_space)[1:], "--json", *force], capsys).json
+            assert found["motion"] == "space"
 
 
 def test_tables_have_units_in_their_heads_and_signs_on_their_errors(

@@ -65,6 +65,7 @@ _Answering = Callable[[argparse.Namespace], Answer]
 _BEFORE, _DURING, _AFTER = "before you build a chain", "while you build it", "when you have one"
 _EXAMPLE = "--length 1.2 --ei 85 --rho-a 0.62"
 _EXAMPLE_SI = f"{_EXAMPLE} --units SI"
+_ARC = '--gj 65 --shape "arc(angle=1.57)"'
 
 _BEAM = (*BEAM, UNITS)
 _CHAIN = (BOUNDARY, SEGMENTS, *_BEAM, RULE)
@@ -90,22 +91,26 @@ def _command(
     *options: Option,
     moving: tuple[str, ...] = (),
     in_space: tuple[Option, ...] = (),
+    as_rod: str = _ARC,
 ) -> Callable[[_Answering], _Answering]:
     """Register a function as the answer of a command in bending.
 
     `moving` are the motions besides, whose answers stand in files of their own; `in_space` the options that
-    this command has for rods in space only.
+    this command has for rods in space only, `as_rod` what describes the rod of its example there.
     """
 
     def register(answer: _Answering) -> _Answering:
-        whole, listed = answer, options
+        whole, listed, call, rod = answer, options, f"beammodes {name} {example}", ""
+        if "space" in moving:
+            beam = "" if _EXAMPLE in example else f" {_EXAMPLE}"
+            rod = f"{call}{beam} --motion space {as_rod}".replace("beam.xml", "rod.xml")
         if moving:
             foreign = [*elsewhere(moving), *((flag, "space") for flag, _ in in_space)]
             whole = _in_any_motion(
                 name, answer, moving, [pair for pair in foreign if (name, pair[0]) != _ACROSS]
             )
             listed = (*options, *motions(*moving), *in_space)
-        _FOUND.append(Command(stage, name, question, f"beammodes {name} {example}", listed, whole))
+        _FOUND.append(Command(stage, name, question, call, listed, whole, rod))
         return answer
 
     return register
@@ -147,6 +152,7 @@ def _in_any_motion(
     INTEGRATOR,
     option("--rule", "only these rules (default: all)", metavar="RULE,..."),
     moving=("twist", "stretch", "space"),
+    as_rod=f"{_ARC} --rule gregory,mitiguy",
 )
 def _recommend(options: argparse.Namespace) -> Answer:
     from beammodes.accuracy.advice import recommend
@@ -550,6 +556,7 @@ def _response(options: argparse.Namespace) -> Answer:
         ),
         JOINTS,
     ),
+    as_rod="--ei-across 2 --gj 4 --tip-force=0,-1,0",
 )
 def _buckling(options: argparse.Namespace) -> Answer:
     from beammodes.accuracy.buckling import buckling_load

@@ -65,6 +65,8 @@ class Command:
         A call that runs.
     options : tuple of Option
     answer : function of the options that were typed
+    in_space : str
+        A call of a rod in space that runs, "" if the command has none.
     """
 
     stage: str
@@ -73,13 +75,14 @@ class Command:
     example: str
     options: tuple[Option, ...]
     answer: Callable[[argparse.Namespace], Answer]
+    in_space: str = ""
 
     def parser(self) -> argparse.ArgumentParser:
         """Return the parser of the command's own options."""
         parser = _Parser(
             prog=f"beammodes {self.name}",
             description=f"{self.question[0].upper()}{self.question[1:]}",
-            epilog=f"example:\n  {self.example}",
+            epilog=f"example:\n  {self.example}" + f"\n  {self.in_space}" * bool(self.in_space),
             formatter_class=argparse.RawDescriptionHelpFormatter,
         )
         for flag, settings in self.options:
@@ -154,6 +157,7 @@ Give --length, --ei and --rho-a in any consistent units, and all other numbers i
 them. Without these three, answers and numbers of ends are multiples of the beam's own, such as EI/L.
 Errors are those of natural frequencies against the exact Euler-Bernoulli beam; negative is too low. They
 hold for small vibration about the straight beam, in vacuum and without gravity.
+Twist, stretch and rods in space, of any shape at rest, are asked by --motion, where a command has it.
 exit codes:
 {codes}
 options: --json for scripts; --version; beammodes COMMAND --help for all options of a command
