@@ -7,7 +7,7 @@ import re
 from collections.abc import Callable, Iterable
 from functools import partial
 from pathlib import Path
-from typing import BinaryIO
+from typing import Any, BinaryIO
 
 from beammodes.chains.chain import Chain
 from beammodes.chains.spatial_chain import SpatialChain
@@ -74,10 +74,12 @@ def export_chain(
     Parameters
     ----------
     chain : Chain, StructureChain or SpatialChain
-        A structure's x and y are x and z in the file, and it takes none of the options from `fragment` to
-        `units`. "mjcf" holds any: closed frames and further supports by constraints and tendons. For "sdf"
-        its supports must hold joints along x and y, and loops are closed by joints, which not every physics
-        engine takes (Drake does not). For "urdf" it must be a tree, supported at one joint.
+        A structure's x and y are x and z in the file; of the options from `fragment` to `units` it takes
+        `damping` (in proportion to stiffness), `timestep`, `integrator` and a `load` that is gravity only,
+        which its step and the frequencies told do not know. "mjcf" holds any: closed frames and further
+        supports by constraints and tendons. For "sdf" its supports must hold joints along x and y, and loops
+        are closed by joints, which not every physics engine takes (Drake does not). For "urdf" it must be a
+        tree, supported at one joint.
         A chain in space is for "mjcf", "sdf" or "urdf".
     path : str or Path
     format : str, optional
@@ -232,11 +234,13 @@ def export_chain(
     return _write(paths, force, *kind.write(model))
 
 
-def _structure(chain: StructureChain, kind: Format, name: str, given: dict[str, object]) -> list[tuple[str]]:
+def _structure(chain: StructureChain, kind: Format, name: str, given: dict[str, Any]) -> list[tuple[str]]:
     """Return the text of each file of a structure."""
+    taken = {word: given.pop(word) for word in ("integrator", "timestep", "load", "damping")}
     _alone("structures", given)
     choice("format of a structure", kind.name, STRUCTURE_FORMATS)
-    return [(text,) for text in structure_texts(chain, kind.name, name)]
+    taken["integrator"] = choice("integrator", taken["integrator"] or "RK4", MUJOCO_INTEGRATORS)
+    return [(text,) for text in structure_texts(chain, kind.name, name, **taken)]
 
 
 def _alone(what: str, given: dict[str, object]) -> None:

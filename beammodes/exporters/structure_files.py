@@ -8,24 +8,60 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Mapping
+from dataclasses import replace
 from types import MappingProxyType
+from typing import NamedTuple
 
 from beammodes.accuracy.structure_errors import errors_of_structure
 from beammodes.chains.structure_chain import StructureChain
-from beammodes.checks import percent
+from beammodes.checks import percent, shown
+from beammodes.exporters.engine_step import chosen_step
 from beammodes.exporters.export_facts import one_line
 from beammodes.exporters.formats import MAX_NESTED, XML_HEAD, mjcf_firm, mjcf_ties, yaml_number
 from beammodes.exporters.structure_tree import HINGE, Closure, StructureTree, TreeBody, structure_tree
+from beammodes.problem.loading import Load
+from beammodes.vibration.damping import Damping
 from beammodes.vibration.stability import stable_time_step
-from beammodes.vibration.structure_vibration import structure_chain_modes
+from beammodes.vibration.structure_vibration import StructureChainModes, structure_chain_modes
 
 __all__ = ["STRUCTURE_FORMATS", "structure_texts"]
 
 _REPORTED = 3
 
 
-def structure_texts(chain: StructureChain, format: str, name: str) -> list[str]:
+class Run(NamedTuple):
+    """How a file's model is to be run.
+
+    Attributes
+    ----------
+    step : float [s]
+    integrator : str
+        Of MuJoCo.
+    gravity : (float, float) [m/s²]
+        Along x and y of the structure.
+    damping : float [s]
+        Of each spring, over its stiffness.
+    """
+
+    step: float
+    integrator: str
+    gravity: tuple[float, float]
+    damping: float
+
+
+def structure_texts(
+    chain: StructureChain,
+    format: str,
+    name: str,
+    *,
+    integrator: str = "RK4",
+    timestep: float | None = None,
+    load: Load | None = None,
+    damping: Damping | None = None,
+) -> list[str]:
     """Return the text of each file of a format: one, or for URDF also that of the springs.
+
+    The options are those of `export_chain`.
 
     Examples
     --------
@@ -40,20 +76,63 @@ def structure_texts(chain: StructureChain, format: str, name: str) -> list[str]:
     frequencies = ", ".join(f"{f:.6g}" for f in modes.frequency[:_REPORTED].tolist())
     judged = errors_of_structure(chain, min(_REPORTED, modes.elastic_modes))
     errors = ", ".join(percent(error) for error in judged.tolist())
-    facts = (
+    facts = [
         f"{name}: flexible members {', '.join(member.name for member in chain.structure.members)}",
         f"rule: {chain.rule.name}, {', '.join(map(str, chain.segments))} segments",
         f"first frequencies without gravity: {frequencies} Hz; against the exact structure: {errors}",
         "x and y of the structure are x and z here; twist, stretch and shear are not modelled",
-    )
+    ]
+    gravity, damper = _gravity(load), damping or Damping()
+    if damper.mass:
+        raise ValueError(f"damping must have mass=0: joints damp relative motion only, got {damper}")
+    if damper.stiffness:
+        facts.append(f"dampers: {damper.stiffness!r} s times each spring")
+    run, lines = Run(0.0, integrator, gravity, damper.stiffness), list[str]()
+    if format != "urdf":
+        engine = f"MuJoCo {integrator}" if format == "mjcf" else "Drake discrete"
+        step, lines = _step(chain, tree, engine, modes, damper, timestep)
+        run = run._replace(step=step)
+        moving = "sags and rings at other frequencies"
+        lines.append(f"gravity is on: the structure {moving}" if any(gravity) else "gravity is off")
+    ties = [replace(tie, damping=_damper(tie.stiffness, damper.stiffness)) for tie in tree.ties]
+    springs = [replace(tie, damping=_damper(tie.stiffness, damper.stiffness)) for tie in tree.springs]
+    tree = tree._replace(ties=ties, springs=springs)
     # Names are the user's: they shall not end a comment.
-    said = tuple(map(one_line, facts))
-    # Half of the largest stable one, as of other files.
-    step = 0.5 * stable_time_step(chain, "rk4" if format == "mjcf" else "Drake discrete")
-    return [f"{text}\n" for text in STRUCTURE_FORMATS[format](name, tree, said, step)]
+    said = tuple(map(one_line, (*facts, *lines)))
+    return [f"{text}\n" for text in STRUCTURE_FORMATS[format](name, tree, said, run)]
 
 
-Writer = Callable[[str, StructureTree, tuple[str, ...], float], list[str]]
+def _gravity(load: Load | None) -> tuple[float, float]:
+    if load is None:
+        return 0.0, 0.0
+    if replace(load, gravity=0.0) != Load():
+        raise ValueError(f"load must be gravity only in a file of a structure, got {shown(str(load))}")
+    along, up = map(float, load.weight)
+    return along, up
+
+
+def _damper(stiffness: float, seconds: float) -> float:
+    return seconds * stiffness if stiffness < math.inf else 0.0
+
+
+def _step(
+    chain: StructureChain,
+    tree: StructureTree,
+    engine: str,
+    modes: StructureChainModes,
+    damping: Damping,
+    timestep: float | None,
+) -> tuple[float, list[str]]:
+    """Return the step of a file [s], as those of beams have it, and a line on it."""
+    limit = stable_time_step(chain, engine, damping=damping)
+    if damping.stiffness and (tree.closures or any(tie.stiffness == math.inf for tie in tree.ties)):
+        # What constraints hold makes of implicit dampers is not known.
+        limit = min(limit, stable_time_step(chain, "semi_implicit_euler", damping=damping))
+    omega = float(modes.angular_frequency[0])
+    return chosen_step(engine, {"": limit}, [(omega, 0.5 * damping.stiffness * omega)], timestep)
+
+
+Writer = Callable[[str, StructureTree, tuple[str, ...], Run], list[str]]
 
 
 def _n(*values: float) -> str:
@@ -64,7 +143,7 @@ def _comment(*facts: str) -> list[str]:
     return ["<!--", *(f"  {fact}" for fact in facts), "-->"]
 
 
-def _mjcf(name: str, tree: StructureTree, facts: tuple[str, ...], step: float) -> list[str]:
+def _mjcf(name: str, tree: StructureTree, facts: tuple[str, ...], run: Run) -> list[str]:
     bodies, children = tree.bodies, dict[str, list[TreeBody]]()
     for body in bodies:
         children.setdefault(body.parent, []).append(body)
@@ -81,6 +160,8 @@ def _mjcf(name: str, tree: StructureTree, facts: tuple[str, ...], step: float) -
         yield f'{pad} <inertial pos="{centre}" mass="{_n(body.mass)}" diaginertia="{inertia}"/>'
         for joint in body.joints:
             spring = f' stiffness="{_n(joint.stiffness)}"' if joint.stiffness else ""
+            damper = joint.stiffness * run.damping
+            spring += f' damping="{_n(damper)}"' if damper else ""
             axis = " ".join(map(str, joint.axis))
             yield f'{pad} <joint name="{joint.name}" type="{joint.kind}" axis="{axis}"{spring}/>'
         for (a, b), (c, d) in body.rods:
@@ -96,14 +177,15 @@ def _mjcf(name: str, tree: StructureTree, facts: tuple[str, ...], step: float) -
     return [
         "\n".join(
             [
-                *_comment(*facts, "gravity is off; timestep: half of what RK4 is stable to", *_closed(tree)),
+                *_comment(*facts, *_closed(tree)),
                 f'<mujoco model="{name}">',
-                f' <option timestep="{step!r}" integrator="RK4" gravity="0 0 0"{exact}/>',
+                f' <option timestep="{run.step!r}" integrator="{run.integrator}" '
+                f'gravity="{_n(run.gravity[0], 0, run.gravity[1])}"{exact}/>',
                 " <worldbody>",
                 *(line for body in children.get("world", []) for line in lines(body, 2)),
                 " </worldbody>",
-                *mjcf_ties(ties, step),
-                *_mjcf_closures(tree.closures, step),
+                *mjcf_ties(ties, run.step),
+                *_mjcf_closures(tree.closures, run.step),
                 "</mujoco>",
             ]
         )
@@ -157,7 +239,7 @@ def _moments(inertia: float) -> list[tuple[str, float]]:
     return list(zip(("ixx", "iyy", "izz", "ixy", "ixz", "iyz"), values, strict=True))
 
 
-def _sdf(name: str, tree: StructureTree, facts: tuple[str, ...], step: float) -> list[str]:
+def _sdf(name: str, tree: StructureTree, facts: tuple[str, ...], run: Run) -> list[str]:
     bodies, notes = _checked(tree, "sdf", closures=True), list[str]()
     if tree.closures:
         notes.append(
@@ -165,11 +247,11 @@ def _sdf(name: str, tree: StructureTree, facts: tuple[str, ...], step: float) ->
         )
     lines = [
         XML_HEAD,
-        *_comment(*facts, "gravity is off; step: half of what Drake's discrete plants are stable to", *notes),
+        *_comment(*facts, *notes),
         '<sdf version="1.7">',
         f' <world name="{name}_world">',
-        "  <gravity>0 0 0</gravity>",
-        f'  <physics name="fixed_step" default="true" type="ode"><max_step_size>{step!r}</max_step_size>'
+        f"  <gravity>{_n(run.gravity[0], 0, run.gravity[1])}</gravity>",
+        f'  <physics name="fixed_step" default="true" type="ode"><max_step_size>{run.step!r}</max_step_size>'
         "<real_time_factor>1</real_time_factor></physics>",
         f'  <model name="{name}">',
     ]
@@ -183,30 +265,31 @@ def _sdf(name: str, tree: StructureTree, facts: tuple[str, ...], step: float) ->
             f"    <inertial><pose>{_n(body.centre[0], 0, body.centre[1], 0, 0, 0)}</pose>",
             f"     <mass>{_n(body.mass)}</mass><inertia>{moments}</inertia></inertial>",
             "   </link>",
-            *_sdf_joint(joint.name, body.parent, body.name, joint.stiffness),
+            *_sdf_joint(joint.name, body.parent, body.name, joint.stiffness, run.damping),
         ]
     for closure in tree.closures:
         one, other = closure.bodies
         at = (closure.at[0], 0, closure.at[1], 0, 0, 0)
-        lines += _sdf_joint(closure.name, other, one, closure.stiffness, f"    <pose>{_n(*at)}</pose>")
+        lines += _sdf_joint(
+            closure.name, other, one, closure.stiffness, run.damping, f"    <pose>{_n(*at)}</pose>"
+        )
     return ["\n".join([*lines, "  </model>", " </world>", "</sdf>"])]
 
 
-def _sdf_joint(name: str, parent: str, child: str, stiffness: float, *pose: str) -> list[str]:
+def _sdf_joint(name: str, parent: str, child: str, stiffness: float, damping: float, *pose: str) -> list[str]:
     return [
         f'   <joint name="{name}" type="revolute">',
         *pose,
         f"    <parent>{parent}</parent><child>{child}</child>",
         f"    <axis><xyz>{' '.join(map(str, HINGE))}</xyz>",
         "     <limit><lower>-1e16</lower><upper>1e16</upper></limit>",
-        "     <dynamics><damping>0.0</damping><spring_reference>0</spring_reference>"
+        f"     <dynamics><damping>{_n(damping * stiffness)}</damping><spring_reference>0</spring_reference>"
         f"<spring_stiffness>{_n(stiffness)}</spring_stiffness></dynamics></axis>",
         "   </joint>",
     ]
 
 
-def _urdf(name: str, tree: StructureTree, facts: tuple[str, ...], step: float) -> list[str]:
-    del step  # A URDF file has none.
+def _urdf(name: str, tree: StructureTree, facts: tuple[str, ...], run: Run) -> list[str]:
     bodies = _checked(tree, "urdf", closures=False)
     notes = (*facts, "URDF knows no springs: they are in the file beside this one")
     lines = [XML_HEAD, *_comment(*notes), f'<robot name="{name}">', ' <link name="world"/>']
@@ -229,6 +312,10 @@ def _urdf(name: str, tree: StructureTree, facts: tuple[str, ...], step: float) -
             f'  <origin xyz="{_n(body.place[0], 0, body.place[1])}" rpy="0 0 0"/>',
             f'  <axis xyz="{" ".join(map(str, joint.axis))}"/>',
             '  <limit lower="-3" upper="3" effort="1e9" velocity="1e9"/>',
+            *(
+                [f'  <dynamics damping="{_n(run.damping * joint.stiffness)}" friction="0"/>']
+                * bool(run.damping)
+            ),
             " </joint>",
         ]
         stiffness = yaml_number(joint.stiffness)
