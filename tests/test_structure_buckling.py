@@ -192,6 +192,11 @@ def test_modes_under_load() -> None:
             load = [bm.PointLoad(joint=name, force=(0.0, -share * factor)) for name in "bc"]
             first.append(float(bm.structure_modes_under(each, load, 3).angular_frequency[0]) ** 2)
         assert 0.45 < first[1] / first[0] < 0.55 and 0.0 < first[2] / first[0] < 5e-3
+    load = [bm.PointLoad(joint=name, force=(0.0, -0.5 * factor)) for name in "bc"]
+    coarse, fine = (
+        bm.chain_errors(bm.StructureChain(portal(), n, "mitiguy"), 2, load=load) for n in (30, 60)
+    )
+    np.testing.assert_allclose(coarse / fine, 4.0, rtol=0.005)
     unloaded = bm.structure_modes(portal(), 20).angular_frequency
     np.testing.assert_allclose(
         bm.structure_modes_under(portal(), [], 20).angular_frequency, unloaded, rtol=1e-9

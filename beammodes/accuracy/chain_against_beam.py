@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import warnings
 from contextlib import suppress
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -19,9 +20,12 @@ from beammodes.exact.timoshenko_beam import MOST_MODES, theory_error_of
 from beammodes.numerics.arrays import Floats, ratios_less_one
 from beammodes.problem.beam import Beam
 from beammodes.problem.ends import Boundary, BoundaryLike
-from beammodes.problem.loading import Load, check_unloaded, checked_load
+from beammodes.problem.loading import Load, checked_load
 from beammodes.vibration.linear import linearize
 from beammodes.vibration.modes import solve_modes
+
+if TYPE_CHECKING:
+    from beammodes.accuracy.loaded_structures import Loads
 
 __all__ = ["SlendernessWarning", "chain_errors", "stout_remark", "theory_errors"]
 
@@ -34,7 +38,7 @@ class SlendernessWarning(UserWarning):
 
 
 def chain_errors(
-    chain: Chain | AxialChain | StructureChain, modes: int = 3, *, load: Load | None = None
+    chain: Chain | AxialChain | StructureChain, modes: int = 3, *, load: Loads | None = None
 ) -> Floats:
     """Return the relative frequency errors of a chain against its own exact beam or structure.
 
@@ -50,7 +54,7 @@ def chain_errors(
     modes : int
         How many, from the first; 1 to 100 of a structure.
     load : Load, optional
-        An axial force; none on a structure.
+        An axial force. On a structure any load, as of `structure_modes_under`.
 
     Returns
     -------
@@ -78,8 +82,9 @@ def chain_errors(
     if isinstance(chain, StructureChain):
         from beammodes.accuracy.structure_errors import errors_of_structure
 
-        check_unloaded(load)
-        return errors_of_structure(chain, modes)
+        return errors_of_structure(chain, modes, load)
+    if load is not None and not isinstance(load, Load):
+        raise TypeError(f"load must be a Load for a chain of one beam, got {shown(load)}")
     if isinstance(chain, AxialChain):
         no_load(load, chain.motion)
         return _errors_along(chain, whole_number("modes", modes, most=MAX_MODES))

@@ -34,7 +34,7 @@ from beammodes.vibration.structure_vibration import (
     stressed_chain_modes,
 )
 
-__all__ = ["structure_buckling_load", "structure_modes_under"]
+__all__ = ["chain_modes_under", "structure_buckling_load", "structure_modes_under"]
 
 
 def structure_buckling_load(structure: Structure | StructureChain, load: Loads | None) -> float:
@@ -45,6 +45,7 @@ def structure_buckling_load(structure: Structure | StructureChain, load: Loads |
     A column held in the middle, and a chain of it:
 
     >>> from beammodes.problem.beam import Beam
+    >>> import math
     >>> from beammodes.problem.structure import Station
     >>> column = Structure.of_beam(Beam.unit(), "pinned-pinned", [Station(0.5, float("inf"))])
     >>> chain = StructureChain(column, 20, "gregory")
@@ -103,11 +104,25 @@ def structure_modes_under(
     """
     count = whole_number("modes", modes, most=MOST_MODES)
     if isinstance(structure, StructureChain):
-        given = loads_listed(load)
-        forces = axial_forces(structure_chain_statics(structure, given))
-        return stressed_chain_modes(structure, forces, _resisted(structure.parts, given), count)
+        return chain_modes_under(structure, loads_listed(load), count)
     with one_thread():
         return stressed_modes(checked_structure(structure), *_stressed(structure, loads_listed(load)), count)
+
+
+def chain_modes_under(
+    chain: StructureChain, load: Load | list[AppliedLoad], modes: int | None
+) -> StructureChainModes:
+    """Return the first modes of a chain under a load, or all that it has.
+
+    Examples
+    --------
+    >>> from beammodes.problem.beam import Beam
+    >>> chain = StructureChain(Structure.of_beam(Beam.unit(), "clamped-free"), 6)
+    >>> chain_modes_under(chain, [PointLoad(1.0, force=(1.0, 0.0))], None).elastic_modes
+    6
+    """
+    forces = axial_forces(structure_chain_statics(chain, load))
+    return stressed_chain_modes(chain, forces, _resisted(chain.parts, load), modes)
 
 
 def _stressed(

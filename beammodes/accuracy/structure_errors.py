@@ -7,20 +7,23 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import ArrayLike
 
+from beammodes.accuracy.loaded_structures import Loads, loads_listed
+from beammodes.accuracy.stressed_structures import chain_modes_under, structure_modes_under
 from beammodes.chains.pieces import MAX_PIECES
 from beammodes.chains.rules import Layout
 from beammodes.chains.structure_chain import StructureChain, shared_segments
 from beammodes.checks import shown, whole_number, whole_numbers
 from beammodes.exact.structure_judge import MOST_MODES, structure_modes
 from beammodes.numerics.arrays import Floats, ratios_less_one
+from beammodes.problem.loading import Load
 from beammodes.problem.structure import Structure
 from beammodes.vibration.structure_vibration import lowest_frequencies, structure_chain_modes
 
 __all__ = ["errors_of_structure", "failing_segments"]
 
 
-def errors_of_structure(chain: StructureChain, modes: int) -> Floats:
-    """Return the relative frequency errors of a chain of a structure, NaN beyond its last mode.
+def errors_of_structure(chain: StructureChain, modes: int, load: Loads | None = None) -> Floats:
+    """Return the relative frequency errors of a chain of a structure, under a load, NaN beyond its last mode.
 
     Examples
     --------
@@ -30,8 +33,12 @@ def errors_of_structure(chain: StructureChain, modes: int) -> Floats:
     array([-6.40e-05, -3.96e-04])
     """
     count = whole_number("modes", modes, most=MOST_MODES)
-    exact = structure_modes(chain.structure, count).angular_frequency
-    return ratios_less_one(structure_chain_modes(chain).angular_frequency, exact, count)
+    if load is None or load == Load():
+        exact = structure_modes(chain.structure, count).angular_frequency
+        return ratios_less_one(structure_chain_modes(chain).angular_frequency, exact, count)
+    listed = loads_listed(load)
+    exact = structure_modes_under(chain.structure, listed, count).angular_frequency
+    return ratios_less_one(chain_modes_under(chain, listed, None).angular_frequency, exact, count)
 
 
 def lookups_of_structure(

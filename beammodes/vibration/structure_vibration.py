@@ -136,7 +136,7 @@ def structure_chain_modes(chain: StructureChain, modes: int | None = None) -> St
 
 
 def stressed_chain_modes(
-    chain: StructureChain, axial_force: Sequence[Piecewise], turning: Sequence[float], modes: int
+    chain: StructureChain, axial_force: Sequence[Piecewise], turning: Sequence[float], modes: int | None
 ) -> StructureChainModes:
     """Return the first modes of a chain under axial forces.
 
