@@ -55,12 +55,15 @@ def test_a_cable_without_stiffness_hangs_as_the_catenary_to_second_order() -> No
     np.testing.assert_allclose(np.log2(errors[:-1] / errors[1:]), 2, atol=0.02)
 
 
-@pytest.mark.parametrize(("boundary", "order"), [("pinned-pinned", 1.0), ("clamped-clamped", 0.5)])
+@pytest.mark.parametrize(
+    ("boundary", "order"),
+    [pytest.param("pinned-pinned", 1.0, marks=pytest.mark.slow), ("clamped-clamped", 0.5)],
+)
 def test_stiffness_changes_the_pull_by_its_first_power_between_pins_and_its_root_between_clamps(
     boundary: str, order: float
 ) -> None:
     # A clamp bends the cable over the length √(EI/T), a pin does not.
-    none, less, more = (cable(s, 200, boundary).multipliers[0] for s in (1e-2, 6.4e7, 2.56e8))
+    none, less, more = (cable(s, 120, boundary).multipliers[0] for s in (1e-2, 6.4e7, 2.56e8))
     np.testing.assert_allclose(math.log(abs((more - none) / (less - none)), 4), order, atol=0.06)
 
 
@@ -100,9 +103,9 @@ def exact(found: Equilibrium, weight: float) -> Any:
 CASES = [
     ("pinned-pinned", (0.8, 0.1), 300.0, "sag", True),
     ("clamped-clamped", (0.7, -0.3), 150.0, "sag", True),
-    ("clamped-pinned", 0.95, 15.0, "arch", True),
+    pytest.param("clamped-pinned", 0.95, 15.0, "arch", True, marks=pytest.mark.slow),
     (SPRUNG, (0.5, 0.4), 20.0, -1, True),
-    ("pinned-pinned", 0.6, 100.0, "arch", False),
+    pytest.param("pinned-pinned", 0.6, 100.0, "arch", False, marks=pytest.mark.slow),
     ("clamped-clamped", (0.8, 0.1), 10.0, -2, False),
 ]
 
@@ -143,8 +146,8 @@ def test_buckled_strips_are_the_elastica_of_elliptic_integrals() -> None:
     for boundary, span, branch, waves, count in (
         ("pinned-pinned", (0.3, 0.4), 1, 1, 20),
         ("pinned-pinned", (0.3, 0.4), 1, 1, 40),
+        ("pinned-pinned", 0.5, -3, 3, 30),
         ("pinned-pinned", 0.5, -3, 3, 60),
-        ("pinned-pinned", 0.5, -3, 3, 120),
         ("clamped-clamped", 0.5, 1, 2, 40),
         ("clamped-clamped", 0.5, 1, 2, 80),
     ):
@@ -153,8 +156,8 @@ def test_buckled_strips_are_the_elastica_of_elliptic_integrals() -> None:
         errors.append(math.hypot(*found.multipliers) / (waves**2 * pushed) - 1)
         assert found.is_stable is (branch == 1)
     coarse, fine = np.array(errors[::2]), np.array(errors[1::2])
-    np.testing.assert_allclose(np.log2(coarse / fine), 2, atol=0.05)
-    assert np.abs(fine).max() < 5e-3
+    np.testing.assert_allclose(np.log2(coarse / fine), 2, atol=0.06)
+    assert np.abs(fine).max() < 1e-2
 
 
 def test_the_shallow_string_vibrates_as_irvine_says() -> None:
@@ -197,7 +200,7 @@ def test_the_stiffness_about_a_shape_is_the_second_difference_of_its_energy_alon
 
 def test_an_arch_sways_when_its_push_reaches_that_of_the_second_branch() -> None:
     # A shallow arch between pins loses its stability to two half waves, at P = 4π² EI/L² and some percent.
-    strip = Chain(Beam.unit(), "pinned-pinned", 20)
+    strip = Chain(Beam.unit(), "pinned-pinned", 16)
     light, heavy = (find_equilibrium(strip, Load(gravity=g), span=0.98, branch="arch") for g in (20.0, 23.0))
     second = find_equilibrium(strip, None, span=0.98, branch=2)
     assert light.is_stable and not heavy.is_stable and heavy.nodes[:, 1].min() > -1e-12
@@ -208,32 +211,34 @@ def test_an_arch_sways_when_its_push_reaches_that_of_the_second_branch() -> None
     assert low.is_stable and low.nodes[:, 1].max() < 1e-12
     # From a shape on a branch on to a neighbour.
     again = find_equilibrium(strip, Load(gravity=61.0), span=(0.98, 0.01), guess=low)
-    assert again.is_stable and again.nodes[10, 1] < 0
+    assert again.is_stable and again.nodes[8, 1] < 0
 
 
-def test_every_kind_of_integrator_swings_about_the_shape_at_the_frequency_of_its_modes() -> None:
+@pytest.mark.parametrize("integrator", ["rk4", "sdirk2", pytest.param("dop853", marks=pytest.mark.slow)])
+def test_every_kind_of_integrator_swings_about_the_shape_at_the_frequency_of_its_modes(
+    integrator: str,
+) -> None:
     chain = Chain(Beam(1.0, 0.5, 2.0), ("clamped", SPRUNG[1]), 8, "gregory")
     load = Load(gravity=9.81)
     hung = find_equilibrium(chain, load, span=(0.8, 0.1))
     omega = float(solve_modes(linearize(chain, at=hung), 1).angular_frequency[0])
     start, period = mode_start(chain, 1, 1e-4, at=hung), 2 * math.pi / omega
-    for integrator in ("rk4", "sdirk2", "dop853"):
-        motion = simulate(
-            chain,
-            duration=period,
-            initial=start,
-            span=hung.span,
-            load=load,
-            integrator=integrator,
-            step=period / 800,
-        )
-        away = motion.q.values - hung.coordinates
-        np.testing.assert_allclose(away[-1], away[0], atol=1e-3 * np.abs(away[0]).max())
-        half = away[len(away) // 2]
-        np.testing.assert_allclose(half, -away[0], atol=1e-3 * np.abs(away[0]).max())
-        np.testing.assert_allclose(motion.x[:, -1], 0.8, atol=1e-12)
+    motion = simulate(
+        chain,
+        duration=period,
+        initial=start,
+        span=hung.span,
+        load=load,
+        integrator=integrator,
+        step=period / 800,
+    )
+    away = motion.q.values - hung.coordinates
+    large = np.abs(away[0]).max()
+    np.testing.assert_allclose(away[-1], away[0], atol=1e-3 * large)
+    np.testing.assert_allclose(away[len(away) // 2], -away[0], atol=1e-3 * large)
+    np.testing.assert_allclose(motion.x[:, -1], 0.8, atol=1e-12)
     # At rest it stays, whatever method is chosen.
-    still = simulate(chain, duration=period, initial=hung, load=load)
+    still = simulate(chain, duration=period / 4, initial=hung, load=load)
     assert np.abs(still.q.values - hung.coordinates).max() < 1e-9
 
 
@@ -260,6 +265,24 @@ def test_a_cable_that_is_thrown_and_shaken_keeps_its_ends_and_its_energy() -> No
     np.testing.assert_allclose(one.y[-1], other.y[-1], atol=1e-4)
     with pytest.raises(ValueError, match="initial must be given with span"):
         simulate(chain, duration=0.1, span=0.7)
+
+
+@pytest.mark.slow
+def test_whatever_the_ends_the_place_and_the_weight_a_stable_shape_is_found() -> None:
+    draw = np.random.default_rng(5)
+    for _ in range(100):
+        ends = [
+            ("pinned", "clamped", End(math.inf, 10 ** draw.uniform(-2, 3)))[draw.integers(3)] for _ in "lr"
+        ]
+        rule = ("mitiguy", "gregory", "naive")[draw.integers(3)]
+        chain = Chain(Beam.unit(), (ends[0], ends[1]), int(draw.integers(4, 60)), rule)
+        chord, slope = 1 - 10 ** draw.uniform(-4, -0.1), draw.uniform(-1.5, 1.5)
+        span = chord * math.cos(slope), chord * math.sin(slope)
+        size, way = 10 ** draw.uniform(-2, 7), draw.uniform(-3, 3) * draw.integers(2)
+        load = Load(gravity=(size * math.sin(way), -size * math.cos(way)))
+        found = find_equilibrium(chain, load, span=span)
+        assert found.is_stable
+        np.testing.assert_allclose(found.nodes[-1], span, atol=1e-10)
 
 
 @pytest.mark.parametrize(

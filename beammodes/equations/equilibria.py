@@ -178,7 +178,8 @@ def find_equilibrium(
         With `span`: "sag", below the line from the left end to the right one, "arch", above it, or the number
         of half waves that the chain buckles into without load (of a clamped one the number of its buckling
         mode): 1, 2, ... with the first one upwards, -1, -2, ... downwards, so that 1 is the arch. By default
-        the side to which the weight pulls, without weight the arch.
+        the side to which the weight pulls, without weight the arch; or the other one, where an almost taut
+        chain has no shape on that side.
     guess : Equilibrium or array, shape (n,) [m, rad], optional
         Coordinates to start from under the whole load: what is found then need not be stable. Zeros keep
         a straight chain straight; another equilibrium with as many coordinates saves time.
@@ -219,14 +220,14 @@ def find_equilibrium(
     if not 1e-13 <= real("tolerance", tolerance) <= MAX_TOLERANCE:
         raise ValueError(f"tolerance must be 1e-13 to {MAX_TOLERANCE}, got {shown(tolerance)}")
     apart = None if span is None else _checked_span(chain, given, span)
-    side = _checked_branch(branch, given, apart, guess, chain.pieces)
+    branches = _checked_branch(branch, given, apart, guess, chain.pieces)
     statics = compiled_statics(chain, given, span=apart)
     if guess is not None:
         q = _started(chain, guess)
         start = q, statics.best_multipliers(q) if apart else np.zeros(statics.closed)
         state = statics.solve(start, share=1.0, tolerance=tolerance, steps=100, longest=LONGEST_TURN)
     elif apart is not None:
-        state = shape_between(chain, statics, given, side, tolerance)
+        state = shape_between(chain, statics, given, branches, tolerance)
     else:
         state = _shape_under(chain, statics, given, tolerance)
     if state is None:
@@ -245,21 +246,23 @@ def _checked_span(chain: Chain, load: Load, span: object) -> Span:
     return found
 
 
-def _checked_branch(branch: object, load: Load, span: Span | None, guess: object, most: int) -> int:
-    """Return the number of a branch: by default the first one, to the side to which the weight pulls."""
+def _checked_branch(
+    branch: object, load: Load, span: Span | None, guess: object, most: int
+) -> tuple[int, ...]:
+    """Return the number of a branch, or by default both first ones, to where the weight pulls first."""
     if span is None or guess is not None:
         if branch is not None:
             raise ValueError(f"branch must be left out without span and with guess, got {shown(branch)}")
-        return 0
+        return ()
     if branch is None:
         gx, gy = map(float, load.weight)
-        return -1 if span[0] * gy - span[1] * gx < 0 else 1
+        return (-1, 1) if span[0] * gy - span[1] * gx < 0 else (1, -1)
     if isinstance(branch, str):
-        return BRANCHES[choice("branch", branch, BRANCHES)]
+        return (BRANCHES[choice("branch", branch, BRANCHES)],)
     number = whole_number("branch", branch, least=-most, most=most)
     if not number:
         raise ValueError("branch must be a number of half waves, positive or negative, got 0")
-    return number
+    return (number,)
 
 
 def _started(chain: Chain, guess: Equilibrium | ArrayLike) -> Floats:
@@ -296,7 +299,7 @@ def _lost(chain: Chain, load: Load, span: Span | None) -> EquilibriumNotFound:
     if span is not None:
         return EquilibriumNotFound(
             f"branch must be one that reaches the whole load without a jump, with ends {span} m apart under "
-            f"{load} (arches and higher branches snap through): choose another, or give a guess"
+            f"{load} (arches and higher branches snap through): leave it out, choose another, or give a guess"
         )
     return EquilibriumNotFound(
         f"load must leave {chain.boundary.name} a stable shape that it reaches from the straight one without "

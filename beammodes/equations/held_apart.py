@@ -15,7 +15,7 @@ strip the load is added step by step.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
@@ -24,7 +24,7 @@ from beammodes.checks import real, shown
 from beammodes.equations.mechanics import Span, unpack
 from beammodes.equations.newton_statics import ChainStatics, StaticState, followed
 from beammodes.numerics.arrays import Floats
-from beammodes.problem.loading import Load
+from beammodes.problem.loading import NO_LOAD, Load
 
 __all__ = ["BRANCHES", "checked_span", "shape_between", "string_tension"]
 
@@ -32,6 +32,8 @@ __all__ = ["BRANCHES", "checked_span", "shape_between", "string_tension"]
 BRANCHES = {"arch": 1, "sag": -1}
 #: Shortening of the chord at which a strip is taken to have the shape of its buckling mode.
 _SHORTENED = 1e-3
+#: What the chord is shorter by while it is turned, if it would else be too taut.
+_SLACK = 0.2
 #: Smallest step of the chord and of the load.
 _FINE = 1e-5
 #: What rounding leaves of the compliance of a chain that cannot buckle any further.
@@ -46,9 +48,16 @@ def checked_span(chain: Chain, span: object) -> Span:
     if len(pair) != 2:
         raise ValueError(f"span must be a number or a pair (x, y), got {shown(span)}")
     x, y = (real(f"span[{k}]" if pair is span else "span", value) for k, value in enumerate(pair))
-    longest = float(chain.length.sum())
-    if not math.hypot(x, y) < longest:
-        raise ValueError(f"span must be shorter than the chain, {longest} m, got {shown(span)}")
+    # Pieces that ends hold lie along x.
+    stubs = float(chain.length[np.array(chain.held_angles)].sum())
+    longest = float(chain.length.sum()) - stubs
+    if not math.hypot(x - stubs, y) < longest:
+        reach = f"shorter than the chain, {longest} m"
+        if stubs:
+            reach = (
+                f"less than {longest:.6g} m from ({stubs:.6g}, 0): clamps hold so much of the chain along x"
+            )
+        raise ValueError(f"span must be {reach}, got {shown(span)}")
     if not (chain.boundary.left.holds_deflection and chain.boundary.right.holds_deflection):
         raise ValueError(
             "boundary must hold both ends (clamped, pinned or on a rotational spring) with span, got "
@@ -58,29 +67,35 @@ def checked_span(chain: Chain, span: object) -> Span:
 
 
 def shape_between(
-    chain: Chain, statics: ChainStatics, load: Load, branch: int, tolerance: float
+    chain: Chain, statics: ChainStatics, load: Load, branches: Sequence[int], tolerance: float
 ) -> StaticState | None:
-    """Return the state on a branch under the whole load, or None if it is not reached."""
-    weight = float(chain.length.sum() ** 2 * chain.mass.sum()) * math.hypot(*map(float, load.weight))
-    # A chain's unit of stiffness is EI/ell.
-    heavy = abs(branch) == 1 and weight > _HEAVY * chain.units.stiffness * chain.units.length
-    for found in _ways(chain, statics, load, branch, tolerance, heavy=heavy):
-        # A string that falls through to the other side is another branch.
-        if found is not None and (abs(branch) > 1 or branch * _area(chain, found) > 0):
-            return found
-    return None
+    """Return the state on the first of some branches that is reached under the whole load, or None.
+
+    Of several any stable state will do, where none is on the side of its branch: an almost taut strip that is
+    clamped across its chord has one shape only.
+    """
+    several, spare = len(branches) > 1, None
+    for branch in branches:
+        for found in _ways(chain, statics, load, branch, tolerance):
+            if found is None:
+                continue
+            # A string that falls through to the other side is another branch.
+            on_side = abs(branch) > 1 or branch * _area(chain, found) > 0
+            if on_side and (not several or found.is_stable):
+                return found
+            if several and (spare is None or (found.is_stable and not spare.is_stable)):
+                spare = found
+    return spare
 
 
 def _ways(
-    chain: Chain,
-    statics: ChainStatics,
-    load: Load,
-    branch: int,
-    tolerance: float,
-    *,
-    heavy: bool,
+    chain: Chain, statics: ChainStatics, load: Load, branch: int, tolerance: float
 ) -> Iterator[StaticState | None]:
-    if heavy:
+    """Yield what each way to a branch leads to, the likeliest first."""
+    weight = float(chain.length.sum() ** 2 * chain.mass.sum()) * math.hypot(*map(float, load.weight))
+    # A chain's unit of stiffness is EI/ell.
+    heavy = weight > _HEAVY * chain.units.stiffness * chain.units.length
+    if heavy and abs(branch) == 1:
         yield _from_string(chain, statics, load, branch, tolerance)
     strip = _strip(chain, statics, branch, tolerance)
     if strip is not None:
@@ -90,12 +105,27 @@ def _ways(
 
         reached, last = followed(statics, strip, loaded, _FINE, stable=False)
         yield last if reached else None
-    if not heavy and abs(branch) == 1 and any(load.weight):
+    if load != NO_LOAD:
+        yield _strip(chain, statics, branch, tolerance, loaded=True)
+    # Clamped and turned a taut strip is stretched: it is turned while it is slack, and then pulled.
+    yield _strip(chain, statics, branch, tolerance, loaded=True, slack=_SLACK)
+    if weight and not heavy and abs(branch) == 1:
         yield _from_string(chain, statics, load, branch, tolerance)
 
 
-def _strip(chain: Chain, statics: ChainStatics, branch: int, tolerance: float) -> StaticState | None:
-    """Return the state without load: a buckling mode, and then a shorter and turned chord."""
+def _strip(
+    chain: Chain,
+    statics: ChainStatics,
+    branch: int,
+    tolerance: float,
+    *,
+    loaded: bool = False,
+    slack: float = 0.0,
+) -> StaticState | None:
+    """Return the state from a buckling mode, by a shorter and turned chord.
+
+    Meanwhile it is loaded, and the chord is shorter by some `slack`, if so asked.
+    """
     whole = float(sum(chain.scaled.length))
     load, shape = _buckling_mode(chain, statics, whole, branch)
     chord, slope = math.hypot(*statics.span), math.atan2(*statics.span[::-1])
@@ -104,14 +134,14 @@ def _strip(chain: Chain, statics: ChainStatics, branch: int, tolerance: float) -
 
     def between(done: float) -> ChainStatics:
         # An amplitude grows with the root of what the chord is shortened by.
-        reach = whole * (1.0 - least - (most - least) * done**2)
+        reach = whole * (1.0 - least - (most - least) * done**2 - slack * math.sin(math.pi * done) ** 2)
         if done == 1.0:
             return statics
         return statics.spanning((reach * math.cos(slope * done), reach * math.sin(slope * done)))
 
     def moved(state: StaticState, done: float) -> StaticState | None:
-        start = state.coordinates, state.multipliers
-        return between(done).solve(start, share=0.0, tolerance=tolerance)
+        start, share = (state.coordinates, state.multipliers), done if loaded else 0.0
+        return between(done).solve(start, share=share, tolerance=tolerance)
 
     pushed = np.zeros(statics.closed)
     pushed[0] = -load
@@ -223,9 +253,11 @@ def _string(chain: Chain, load: Load, span: Span, *, pulled: bool = True) -> tup
         unit = lever / np.where(size, size, 1.0)
         slope = length @ unit - target
         turned = length[:, None] * np.stack([-unit[:, 1], unit[:, 0]], axis=1)
-        step = -np.linalg.solve((turned / np.where(size, size, np.inf)).T @ turned, slope)
+        bend = (turned / np.where(size, size, np.inf)).T @ turned
+        # A string that hangs straight down is bent by no force along it.
+        step = -np.linalg.solve(bend + 1e-9 * (np.trace(bend) or 1.0) * np.eye(2), slope)
         share, before = 1.0, energy(force)
-        while share > 1e-6 and energy(force + share * step) > before + 1e-4 * share * float(slope @ step):
+        while share > 1e-12 and energy(force + share * step) > before + 1e-4 * share * float(slope @ step):
             share /= 2
         force = force + share * step
         if np.abs(slope).max() < 1e-12 * whole:
