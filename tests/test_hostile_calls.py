@@ -825,6 +825,7 @@ ARITHMETIC = (
     "buckling_load",
     "chain_errors",
     "euler_bernoulli",
+    "frequency_response",
     "match_springs",
     "modal_response",
     "random_response",
