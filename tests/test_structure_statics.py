@@ -338,5 +338,9 @@ def test_diagrams_are_the_statics() -> None:
     np.testing.assert_allclose(column[1:-1, 0], 0.4, atol=1e-12)
     np.testing.assert_allclose(beam[1:-1, 1] - 2.0, -0.4 * (1.0 - beam[1:-1, 0]), atol=1e-12)
     assert [text.get_text() for text in ax.texts] == ["−3", "−3"] and ax.get_title() == "bending moment [N m]"
+    # The force along a member jumps where it acts, inside one too.
+    pulled = bm.structure_statics(of("clamped-free"), bm.PointLoad(0.4, force=(5.0, 1.0)))
+    x, y = bm.draw_statics(pulled, quantity="axial_force").lines[0].get_xydata()[1:-1].T
+    assert y[x < 0.4].tolist() == [5.0] * int((x < 0.4).sum()) and y[x == 0.4].tolist() == [5.0, 0.0]
     with pytest.raises(TypeError, match="which beam_statics gives of loads with their sizes"):
         bm.draw_statics(bm.beam_statics(UNIT, "clamped-free", "tip_force"))  # type: ignore[arg-type]

@@ -123,7 +123,7 @@ class StructureStatics:
         return self._along(x, member, BentStretch.shear, side)
 
     def edges(self, member: str | None = None) -> Floats:
-        """Return the places on a member between which moment and shear are smooth, its two ends included [m].
+        """Return the places on a member between which its forces are smooth, its two ends included [m].
 
         Joints, stations, breaks of the beam, points under forces and moments, and ends and steps of spread
         loads.
@@ -131,7 +131,11 @@ class StructureStatics:
         beam, places = self.structure.member(member), [0.0]
         for one in self._stretches:
             if one.stretch.member == beam.name:
-                own = {*one.moment_of_load.edges, *one.shear_of_load.edges}
+                own = {
+                    edge
+                    for load in (one.moment_of_load, one.shear_of_load, one.pull_of_load)
+                    for edge in load.edges
+                }
                 places += [float(one.start + x) for x in sorted(own)]
         return np.array(each_place_once(sorted(places), beam.beam.length))
 

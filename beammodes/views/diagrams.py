@@ -1,4 +1,4 @@
-"""Diagrams of a beam or a structure under loads: bending moment, shear force, deflection or rotation."""
+"""Diagrams of a beam or a structure under loads: moment, shear and axial force, deflection or rotation."""
 
 from __future__ import annotations
 
@@ -35,6 +35,9 @@ DIAGRAMS = MappingProxyType(
     {
         "moment": _Diagram("bending moment", "N m", COLOURS[0], lambda s, x, m, side: s.moment(x, m, side)),
         "shear": _Diagram("shear force", "N", COLOURS[1], lambda s, x, m, side: s.shear(x, m, side)),
+        "axial_force": _Diagram(
+            "axial force", "N", COLOURS[4], lambda s, x, m, side: s.axial_force(x, m, side)
+        ),
         "deflection": _Diagram("deflection", "m", COLOURS[2], lambda s, x, m, _: s.deflection(x, m)),
         "rotation": _Diagram("rotation", "rad", COLOURS[3], lambda s, x, m, side: s.rotation(x, m, side)),
     }
@@ -67,7 +70,8 @@ def draw_statics(
     ax : matplotlib.axes.Axes, optional
         Of a frame it becomes a picture: equal scales, no frame. By default it is one of a new figure.
     quantity : str
-        "moment" [N m], "shear" [N], "deflection" [m] or "rotation" [rad].
+        "moment" [N m], "shear" [N], "axial_force" [N] (tension positive), "deflection" [m] or
+        "rotation" [rad].
     amplitude : float
         Of a frame: how far the largest value reaches, in larger sides of the structure.
     size : float [pt]
