@@ -24,6 +24,7 @@ from beammodes.problem.profiles import (
     ripple_at_hinges,
     value_at,
 )
+from beammodes.problem.sections import Circle, Rectangle
 
 STEPPED = Table((0.0, 0.5, 0.5, 1.2, 2.0), (1.0, 2.0, 4.0, 4.0, 3.0))
 
@@ -246,5 +247,38 @@ def test_measured_diameters_are_interpolated_as_what_they_are() -> None:
         euler_bernoulli(each, "clamped-free", 3).frequency for each in (tables, cones, again)
     )
     assert close == pytest.approx(exact, rel=1e-4)
+    circles = [Circle(d) for d in measured.tolist()]
+    made = Beam.from_sections(at, circles, density=1800.0, elastic_modulus=40e9)
+    assert euler_bernoulli(made, "clamped-free", 3).frequency == pytest.approx(exact, rel=2e-6)
+    assert made.breaks == () and not made.has_rotary_inertia
     said = ", ".join(f"{100 * (a / b - 1):+.1f}" for a, b in zip(coarse, exact, strict=True))
     assert " and".join(said.rsplit(",", 1)) + " %" in " ".join((Table.__doc__ or "").split())
+
+
+def test_sections_along_a_beam() -> None:
+    material: dict[str, Any] = {"density": 7800.0, "elastic_modulus": 210e9}
+    thick, thin = Rectangle(0.04, 0.02), Rectangle(0.04, 0.01)
+    # A step where a place stands twice; equal sections are the beam of one section.
+    rayleigh: dict[str, Any] = {**material, "rotary_inertia": True}
+    stepped = Beam.from_sections([0.0, 0.5, 0.5, 1.0], [thick, thick, thin, thin], **rayleigh)
+    halves = [Beam.from_section(each, length=0.5, **rayleigh) for each in (thick, thin)]
+    lists = {
+        name: [getattr(half, name) for half in halves]
+        for name in ("bending_stiffness", "mass_per_length", "rotary_inertia_per_length")
+    }
+    found, expected = (
+        euler_bernoulli(each, "clamped-free", 3).frequency for each in (stepped, Beam(1.0, **lists))
+    )
+    assert stepped.breaks == (0.5,) and found == pytest.approx(expected, rel=1e-9)
+    same = Beam.from_sections([0.0, 0.3, 1.0], [thick] * 3, **material)
+    whole = Beam.from_section(thick, length=1.0, **material)
+    assert same.is_uniform and same.torsional_stiffness == whole.torsional_stiffness
+    for x, sections, message in (
+        ([0.0], [thick], "x must be two places or more"),
+        ([0.0, 1.0], [thick], "one for each of 1 sections"),
+        ([0.1, 1.0], [thick, thin], "x must begin at 0 and ascend"),
+        ([0.0, 0.0, 1.0], [thick, thin, thin], "twice inside for a step"),
+        ([0.0, 1.0], [thick, Circle(0.01)], "sections must be of one kind"),
+    ):
+        with pytest.raises((TypeError, ValueError), match=message):
+            Beam.from_sections(x, sections, **material)

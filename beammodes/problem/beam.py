@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields, is_dataclass
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
@@ -404,6 +404,94 @@ class Beam:
             assumed=assumed,
         )
 
+    @classmethod
+    def from_sections(
+        cls,
+        x: ArrayLike,
+        sections: Sequence[Section],
+        *,
+        density: float,
+        elastic_modulus: float,
+        rotary_inertia: bool = False,
+        poisson_ratio: float | None = None,
+        shear_coefficient: float | None = None,
+        breaks: Sequence[float] | NDArray[Any] = (),
+    ) -> Beam:
+        """Return the beam of sections that were measured at places along it.
+
+        What is interpolated, linearly, is the dimensions of the sections, and not EI, which is curved between
+        them. The properties are fine tables, of 1,000 intervals or more: one beam that tapers, without a
+        break at a measured place unless it is given twice, a step, or among `breaks`. Between the tables'
+        positions EI is within 2 (a/n)² of its own where the dimensions change by the part a from one measured
+        place to the next and n intervals are there.
+
+        Parameters
+        ----------
+        x : sequence of float [m]
+            Where they were measured, from 0 to the beam's length, ascending; twice at a step.
+        sections : sequence of sections
+            One for each x, all of one kind, such as `Circle`.
+        density, elastic_modulus, rotary_inertia, poisson_ratio, shear_coefficient
+            As of `from_section`.
+        breaks : sequence of float [m]
+            As of `Beam`.
+
+        Raises
+        ------
+        TypeError, ValueError
+            If an argument is not of its kind, `x` is not as above, or the sections are of different kinds.
+
+        Examples
+        --------
+        >>> from beammodes.problem.sections import Circle
+        >>> measured = [Circle(0.012), Circle(0.010), Circle(0.004)]
+        >>> rod = Beam.from_sections([0.0, 0.5, 2.0], measured, density=1800.0, elastic_modulus=40e9)
+        >>> round(float(value_at(rod.bending_stiffness, 1.25)), 6), rod.breaks         # 7 mm there
+        (4.714352, ())
+        """
+        places, listed = real_numbers("x", x), bounded("sections", sections, most=_MOST_PARTS)
+        if places.ndim != 1 or len(places) < 2 or len(places) != len(listed):
+            raise ValueError(
+                f"x must be two places or more, one for each of {len(listed)} sections, got {shown(x)}"
+            )
+        step = np.diff(places)
+        if (
+            places[0] != 0.0
+            or (step < 0.0).any()
+            or not (step[0] and step[-1])
+            or (step[1:] + step[:-1] == 0.0).any()
+        ):
+            raise ValueError(
+                f"x must begin at 0 and ascend, each place once, or twice inside for a step, got {shown(x)}"
+            )
+        if len({type(section) for section in listed}) > 1 or not is_dataclass(listed[0]):
+            raise TypeError(f"sections must be of one kind, such as Circle, got {shown(listed)}")
+        length, given = float(places[-1]), {"density": density, "elastic_modulus": elastic_modulus}
+        options: dict[str, Any] = {
+            "length": length,
+            "rotary_inertia": rotary_inertia,
+            "poisson_ratio": poisson_ratio,
+            "shear_coefficient": shear_coefficient,
+            **given,
+        }
+        at, beams = list[float](), list[Beam]()
+        for i in np.flatnonzero(step).tolist():
+            count = max(2, math.ceil(_FINE * step[i] / length))
+            # A place that is no step stands once.
+            for k in range(1 if at and at[-1] == places[i] and step[i - 1] else 0, count + 1):
+                share = k / count
+                at.append(float(places[i + 1]) if k == count else float(places[i] + share * step[i]))
+                beams.append(cls.from_section(_between(listed[i], listed[i + 1], share), **options))
+
+        def table(name: str) -> Table | None:
+            values = [getattr(beam, name) for beam in beams]
+            return None if any(value is None for value in values) else Table(at, values)
+
+        along: dict[str, Any] = {name: table(name) for name in (*_NEEDED, *_OPTIONAL)}
+        if not rotary_inertia:
+            del along["rotary_inertia_per_length"]
+        return cls(length, **along, assumed=beams[0].assumed, breaks=breaks)
+
     @property
     def is_uniform(self) -> bool:
         """True if all three properties are numbers; rotary inertia may still be one of them."""
@@ -451,6 +539,23 @@ class Beam:
             **{name: getattr(self, name) for name in _OPTIONAL[1:]},
         }
         return f"Beam({', '.join(f'{name}={value!r}' for name, value in given.items() if value is not None)})"
+
+
+#: Intervals of the tables of measured sections.
+_FINE = 1000
+
+
+def _between(first: Any, second: Any, share: float) -> Any:
+    """Return a section with the dimensions of two, so much of the second."""
+    if not share or first == second:
+        return first
+    mixed = {}
+    for name in (part.name for part in fields(first) if part.init):
+        a, b = getattr(first, name), getattr(second, name)
+        if (a is None) != (b is None):
+            raise ValueError(f"sections must all have {name} or none, got {shown(first)} and {shown(second)}")
+        mixed[name] = a if a is None else (1.0 - share) * a + share * b
+    return type(first)(**mixed)
 
 
 #: Of most metals; a shear modulus between 0.8 and 1.3 times its own belongs to any ν from 0 to 0.5.
