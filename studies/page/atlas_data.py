@@ -75,8 +75,19 @@ def atlas() -> dict[str, Any]:
         chains: list[list[int]] = []
         for pair in kind.pairs:
             chains.append([])
+            alike: dict[Any, dict[str, Any]] = {}
             for rule in bm.RULES.values():
-                record = _record(kind, pair, rule, springs)
+                # Rules that differ at other ends only make the same chains here.
+                texts = _texts(kind, pair, rule)
+                layout = (texts, rule.stub, rule.rotary_inertia)
+                if layout not in alike:
+                    alike[layout] = _record(
+                        kind, pair, rule, [springs.setdefault(t, len(springs)) for t in texts]
+                    )
+                order = (
+                    rule.declared_order(pair) if kind.motion == "bending" else alike[layout]["lawOrder"][0]
+                )
+                record = alike[layout] | {"order": order}
                 key = repr(record)
                 if key not in records:
                     records[key] = len(kept)
@@ -102,7 +113,15 @@ def atlas() -> dict[str, Any]:
     }
 
 
-def _record(kind: Kind, pair: Any, rule: bm.Rule, springs: dict[str, int]) -> dict[str, Any]:
+def _texts(kind: Kind, pair: Any, rule: bm.Rule) -> tuple[str, ...]:
+    """Return the springs of every N as the page shows them."""
+    whole = kind.stand_in(pair)
+    return tuple(
+        _springs(rule.hinge_weights(whole, n)) if rule.fits(n) else NO_SPRINGS for n in range(1, SEGMENTS + 1)
+    )
+
+
+def _record(kind: Kind, pair: Any, rule: bm.Rule, springs: list[int]) -> dict[str, Any]:
     segments, mode = np.arange(1, SEGMENTS + 1), np.arange(1, MODES + 1)
     error = bm.frequency_error(pair, segments=segments[:, None], mode=mode, rule=rule, motion=kind.motion)
     if kind.motion == "bending" and rule.has_equal_springs:
@@ -111,16 +130,11 @@ def _record(kind: Kind, pair: Any, rule: bm.Rule, springs: dict[str, int]) -> di
     else:
         highest = np.array([kind.highest(pair, int(n), rule) if rule.fits(int(n)) else 0.0 for n in segments])
     laws = [bm.error_law(pair, n, rule, motion=kind.motion) for n in range(1, MODES + 1)]
-    whole = kind.stand_in(pair)
-    texts = [
-        _springs(rule.hinge_weights(whole, n)) if rule.fits(n) else NO_SPRINGS for n in range(1, SEGMENTS + 1)
-    ]
     return {
         "error": _listed(error),
         "omega": _listed(highest),
-        "springs": [springs.setdefault(text, len(springs)) for text in texts],
+        "springs": springs,
         "needed": segments_for(pair, rule, kind.motion).tolist(),
-        "order": rule.declared_order(pair) if kind.motion == "bending" else laws[0].order,
         "lawOrder": [law.order for law in laws],
         "lawFrom": [
             bm.law_holds_from(pair, n, rule, within=LAW_WITHIN, motion=kind.motion)
