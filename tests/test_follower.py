@@ -88,3 +88,18 @@ def test_a_tip_that_is_held_across_makes_the_force_a_dead_one() -> None:
     assert bm.follower_modes(chain, 0.99 * found.compression).stable == 1
     with pytest.raises(ValueError, match="boundary must hold the chain"):
         bm.flutter_load(bm.Chain(bm.Beam.unit(), "free-free", 4))
+
+
+def test_a_motion_under_the_force_grows_as_its_eigenvalue_says() -> None:
+    column = bm.Chain(bm.Beam.unit(), "clamped-free", 5)
+    modes = bm.follower_modes(column, 24.0)
+    growth, omega = (float(modes[name][0]) for name in ("growth_rate", "angular_frequency"))
+    assert growth > 1
+    period = 2 * math.pi / omega
+    thrust = bm.TimedLoad(bm.Load(tip_force=(-24.0, 0.0)), follower=True)
+    start = bm.mode_start(column, 1, 1e-6)
+    motion = bm.simulate(
+        column, duration=3 * period, initial=start, load=thrust, step=period / 2000, output_step=period
+    )
+    last, before = motion.q.values[-1], motion.q.values[-2]
+    np.testing.assert_allclose(last / before, math.exp(growth * period), rtol=1e-2)

@@ -96,7 +96,8 @@ def follower_modes(chain: Chain, compression: float, *, damping: Damping | None 
         det(λ² + λ G + Ω² - P B) = 0,      q ~ exp(λ t)
 
     The force stays along the last segment, as the thrust of a jet there does; a dead one is an
-    `axial_force` of a `Load`. The chain's error under it is of second order in 1/N.
+    `axial_force` of a `Load`, and in time a `TimedLoad(..., follower=True)` is this one. The chain's error
+    under it is of second order in 1/N.
 
     Parameters
     ----------
