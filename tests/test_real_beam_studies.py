@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -172,4 +173,9 @@ def test_truck_with_axles_inside_and_a_rigid_bed_is_a_rigid_body_on_two_springs(
     assert (best * 3 < error.sel(rule="gregory", applied_at="ends only")).all()
     assert (best * 3 < error.sel(rule="mitiguy", applied_at="every node")).all()
     apart = np.abs(table.deflection - table.curve.interp(x=table.position)).max("node")
+    # What theory.md, section 11, says of one segment on a short stretch.
+    given = truck_frame.truck(truck.BED.mean_bending_stiffness)
+    spoilt = bm.chain_errors(bm.StructureChain(given, [3, 1, 4, 8, 4], "gregory"), 4)[3]
+    page = (Path(bm.__file__).parent / "pages" / "theory.md").read_text("utf-8")
+    assert f"a truck's fourth mode by {-100 * spoilt:.1f} % with {3 + 1 + 4 + 8 + 4} segments" in page
     assert (apart[:2] < 1e-3).all() and apart.max() < 0.07

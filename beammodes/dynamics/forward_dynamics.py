@@ -48,7 +48,8 @@ Symmetric = tuple[Any, Any, Any]
 def checked_system(chain: Chain, load: Load | None, damping: Damping | None, base: BaseMotion | None) -> None:
     """Raise TypeError or ValueError for what forward dynamics cannot move."""
     if not isinstance(chain, Chain):
-        hint = instead(chain, SpatialChain="export_chain writes a SpatialChain for engines that move it")
+        writes = "export_chain writes it for engines that move it"
+        hint = instead(chain, SpatialChain=writes, StructureChain=writes)
         raise TypeError(f"chain must be a Chain, got {shown(chain)}{hint}")
     for name, value, kind in (("damping", damping, Damping), ("base", base, BaseMotion)):
         if value is not None and not isinstance(value, kind):

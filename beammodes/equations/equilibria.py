@@ -212,7 +212,11 @@ def find_equilibrium(
     (array([ 671500., 1100100.]), True)
     """
     if not isinstance(chain, Chain):
-        hint = instead(chain, SpatialChain="spatial_equilibrium takes a SpatialChain")
+        hint = instead(
+            chain,
+            SpatialChain="spatial_equilibrium takes a SpatialChain",
+            StructureChain="chain_statics takes a StructureChain, for small deflections",
+        )
         raise TypeError(f"chain must be a Chain, got {shown(chain)}{hint}")
     given = held_chain_load(chain, checked_load(load))
     if chain.pieces > MAX_BENT_PIECES:

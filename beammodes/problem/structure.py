@@ -46,6 +46,7 @@ _SUPPORTS: Mapping[str, Support] = MappingProxyType(
         "free": (0.0, 0.0, 0.0),
         "pinned": (math.inf, math.inf, 0.0),
         "clamped": (math.inf, math.inf, math.inf),
+        "roller": (0.0, math.inf, 0.0),
     }
 )
 #: Members and joints do not meet if they miss each other by more than this part of the member's length.
@@ -122,8 +123,8 @@ class Joint:
     x, y : float [m]
         Where it is.
     support : str or (k_x, k_y, k_rotation) [N/m, N/m, N m/rad]
-        "free", "pinned" (held along x and y) or "clamped" (also against rotation); or three stiffnesses,
-        0 to `math.inf`: `(0, math.inf, 0)` is a roller that moves along x.
+        "free", "pinned" (held along x and y), "clamped" (also against rotation) or "roller" (held along y);
+        or three stiffnesses, 0 to `math.inf`: `(math.inf, 0, 0)` is a roller that moves along y.
     mass : float [kg]
         Of a rigid body fixed to the joint.
     rotary_inertia : float [kg m²]
@@ -142,7 +143,7 @@ class Joint:
 
     Examples
     --------
-    >>> Joint(0, 3, support=(0, math.inf, 0)).support
+    >>> Joint(0, 3, support="roller").support
     (0.0, inf, 0.0)
     """
 
