@@ -307,6 +307,11 @@ def test_segments_needed_for_a_response() -> None:
         )
         failing = counts[~(np.abs(1 + np.asarray(off)) >= 0.98).all(axis=1)]
         assert needed == failing.max() + 1
+    # Twist has the same law: the error of its ten half stubs is sin x/x - 1.
+    twist = {"segments": 10, "mode": 1, "rule": "half_stub", "motion": "twist"}
+    error = math.sin(math.pi / 40) / (math.pi / 40) - 1
+    found = bm.response_error("fixed-free", **twist, damping_ratio=0.001)
+    assert 1 + found == pytest.approx(1 / (1 - 1j * error / 0.001), rel=1e-9)
     # A fifth of the damping ratio keeps 2 % and 11 degrees.
     assert frequency_error_allowed(0.02, 0.01) == pytest.approx(0.002, rel=0.02)
 

@@ -30,6 +30,7 @@ def response_error(
     rule: Any = "mitiguy",
     load: Load | None = None,
     beam: Beam | None = None,
+    motion: str = "bending",
 ) -> complex | NDArray[np.complex128]:
     """Return the error of a chain's response at the beam's own resonance, light damping.
 
@@ -43,7 +44,7 @@ def response_error(
 
     Parameters
     ----------
-    boundary, segments, mode, rule, load, beam
+    boundary, segments, mode, rule, load, beam, motion
         As of `frequency_error`, whose e this is.
     damping_ratio : float or array
         ζ of the mode, greater than 0 and at most 0.2. Broadcasts with the others.
@@ -72,7 +73,9 @@ def response_error(
     ratio = real_numbers("damping_ratio", damping_ratio)
     for each in ratio.ravel().tolist():
         _light_ratio(each)
-    error = frequency_error(boundary, segments=segments, mode=mode, rule=rule, load=load, beam=beam)
+    error = frequency_error(
+        boundary, segments=segments, mode=mode, rule=rule, load=load, beam=beam, motion=motion
+    )
     try:
         with np.errstate(over="ignore"):
             phase = np.arctan(np.asarray(error) / ratio)

@@ -15,6 +15,9 @@ __all__ = ["BASES", "Drive", "Reading", "ends_let_move"]
 #: How a base may move: across the beam, or about the beam's left end.
 BASES = ("shift", "turn")
 
+# Over the length: so near to an end that holds it, a motion is lost in rounding; to a clamp, a deflection.
+_SAME, _FLAT = 1e-15, 1e-8
+
 
 class Drive(NamedTuple):
     """Unit forces or moments, one at a time, or a base that carries both ends.
@@ -62,13 +65,17 @@ class Reading(NamedTuple):
 
 
 def ends_let_move(boundary: Boundary, length: float, reading: Reading, drive: Drive) -> NDArray[np.bool_]:
-    """Return where the ends leave any motion to be read or driven, shape (readings, drives)."""
+    """Return where the ends leave any motion to be read or driven, shape (readings, drives).
+
+    Next to a clamp, where deflections grow with the square of the distance, less than rounding is none.
+    """
 
     def moves(kind: str, x: Floats) -> NDArray[np.bool_]:
-        ends = (boundary.left, boundary.right)
-        turns = kind in ("rotation", "moment")
-        left, right = (end.holds_rotation if turns else end.holds_deflection for end in ends)
-        held: NDArray[np.bool_] = (left & (x == 0.0)) | (right & (x == length))
+        turns, held = kind in ("rotation", "moment"), np.zeros(len(x), dtype=np.bool_)
+        for end, distance in ((boundary.left, x), (boundary.right, length - x)):
+            if end.holds_rotation if turns else end.holds_deflection:
+                flat = end.holds_deflection and end.holds_rotation and not turns
+                held |= distance <= (_FLAT if flat else _SAME) * length
         return ~held
 
     driven = np.array([True]) if drive.is_base else moves(drive.kind, drive.x)
