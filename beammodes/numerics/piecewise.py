@@ -122,7 +122,7 @@ def followed(function: Callable[[Floats], Floats], edges: Sequence[float], name:
     Examples
     --------
     >>> found = followed(np.exp, (0.0, 1.0), "growth")
-    >>> len(found.pieces), abs(found(0.3) - np.exp(0.3)) < 1e-11
+    >>> len(found.pieces), bool(abs(found(0.3) - np.exp(0.3)) < 1e-11)
     (4, True)
     """
     inner = 0.5 * (1.0 - np.cos(np.pi * (np.arange(_DEGREE + 1) + 0.5) / (_DEGREE + 1)))
