@@ -193,6 +193,26 @@ def test_a_settled_answer_is_the_frequency_response() -> None:
     assert float(np.hypot(*parts[:2])) == pytest.approx(exact, rel=1e-3)
 
 
+def test_a_thrust_that_follows_the_tip_grows_at_the_rate_of_the_flutter() -> None:
+    # Beyond Beck's load, from a small start: over one period of the growing pair λ the motion becomes
+    # e^(Re λ T) times itself, λ of the linear model under such a force.
+    chain = bm.Chain(bm.Beam.unit(), "clamped-free", 6, "gregory")
+    start = bm.mode_start(chain, 1, 1e-9)
+    for thrust in (18.0, 22.0):
+        pair = bm.follower_modes(chain, thrust).isel(mode=0)
+        push = bm.TimedLoad(bm.Load(tip_force=(-thrust, 0.0)), follower=True)
+        motion = bm.simulate(chain, duration=3.0, load=push, initial=start, step=5e-4, output_step=5e-4)
+        if pair.growth_rate < 1e-6:
+            assert float(abs(motion.angle).max()) < 1e-8
+            continue
+        rate, period = float(pair.growth_rate), 2 * math.pi / float(pair.angular_frequency)
+        angle = motion.angle.values[:, -1]
+        late = np.interp(motion.time.values - period, motion.time.values, angle)
+        at = motion.time.values > 2.9 - period
+        factor = float(angle[at] @ late[at] / (late[at] @ late[at]))
+        assert factor == pytest.approx(math.exp(rate * period), rel=2e-3) and factor > 2.0
+
+
 def test_waveforms_have_their_areas_jumps_and_rates() -> None:
     time = np.linspace(0.0, 4.0, 400_001)
     for shape, area in (("rectangle", 1.0), ("triangle", 0.5), ("half_sine", 2 / math.pi)):

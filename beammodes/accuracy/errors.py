@@ -197,7 +197,7 @@ def errors_in_multiples(boundary: Any, segments: Any, mode: Any, rule: Any, load
             pass
     if type(segments) is type(mode) is int and isinstance(boundary, str | Boundary):
         pair, record = Boundary.of(boundary), layout_of(rule)
-        if isinstance(record, Rule) and has_roots(record) and load.is_axial:
+        if isinstance(record, Rule) and has_roots(record) and load.is_axial and not pair.has_hub:
             return _error_of_roots(pair, segments, mode, record, load)
     return _errors_of_roots(boundary, segments, mode, rule, load)
 
@@ -243,22 +243,28 @@ def _errors_by_rule(boundary: Any, segments: Any, mode: Any, rule: Any) -> Float
 def _errors_of_roots(
     boundary: Any, segments: ArrayLike, mode: ArrayLike, rule: Any, load: Load
 ) -> float | Floats:
-    """Return errors to 1e-14 absolute, from both frequencies, each solved for to all but its last digit."""
+    """Return errors to 1e-14 absolute, from both frequencies, each solved for to all but its last digit.
+
+    Chains on hubs, like those on a turning one, are solved as a whole.
+    """
     from beammodes.accuracy.rooted_errors import check_ratios, rooted_errors
 
     pairs, which = _pairs(boundary)
+    hubs = np.array([isinstance(pairs, list) and pairs[p].has_hub for p in range(len(pairs))])
     records, chosen = distinct("rule", rule, (str, Layout), layout_of)
     counts = whole_numbers("segments", segments, most=MAX_SEGMENTS)
     plain = load == NO_LOAD and isinstance(pairs, list) and all(pair.is_plain for pair in pairs)
     modes = whole_numbers("mode", mode, most=MAX_MODE if plain else _MAX_MODE_FOUND)
-    check_ratios(pairs, load)
+    for few in _alike_in_hubs(pairs, hubs):
+        check_ratios(few, load)
     which, counts, modes, chosen = together(boundary=which, segments=counts, mode=modes, rule=chosen)
     error, shape = np.full(which.size, np.nan), which.shape
     which, chosen, counts, modes = (each.ravel() for each in (which, chosen, counts, modes))
-    rooted = np.array([load.is_axial and has_roots(record) for record in records])[chosen]
+    rooted = np.array([load.is_axial and has_roots(record) for record in records])[chosen] & ~hubs[which]
     if rooted.any():
         w, r, n, m = (each[rooted] for each in (which, chosen, counts, modes))
-        error[rooted] = rooted_errors(pairs, w, records, r, n, m, load)
+        kept, *_ = _alike_in_hubs(pairs, hubs)
+        error[rooted] = rooted_errors(kept, (np.cumsum(~hubs) - 1)[w], records, r, n, m, load)
     solved = np.flatnonzero(~rooted)
     for p, r, n in {*zip(*(each[solved].tolist() for each in (which, chosen, counts)), strict=True)}:
         here = (which == p) & (chosen == r) & (counts == n)
@@ -266,6 +272,16 @@ def _errors_of_roots(
         omega = _chain_frequencies(pair, n, int(modes[here].max()), records[r], load)
         error[here] = omega[modes[here] - 1] / exact_frequencies(pair, modes[here], load) - 1
     return error.reshape(shape) if shape else float(error[0])
+
+
+def _alike_in_hubs(pairs: Pairs, hubs: NDArray[np.bool_]) -> list[Pairs]:
+    """Return the pairs without hubs, then each that has one alone."""
+    if not isinstance(pairs, list) or not hubs.any():
+        return [pairs]
+    return [
+        [pair for pair in pairs if not pair.has_hub],
+        *([pair] for pair in pairs if pair.has_hub),
+    ]
 
 
 def _pairs(boundary: Any) -> tuple[Pairs, NDArray[np.intp]]:
@@ -288,7 +304,7 @@ def exact_frequencies(boundary: Boundary, mode: NDArray[np.int64], load: Load) -
     """
     if boundary.is_plain and load == NO_LOAD:
         return np.asarray(wavenumber(boundary, mode)) ** 2
-    if load.is_axial:
+    if load.is_axial and not boundary.has_hub:
         from beammodes.accuracy.rooted_errors import beam_frequencies_of
 
         return beam_frequencies_of(boundary, mode, load)

@@ -78,7 +78,8 @@ class Lookup(ABC):
         """Return "looked up", "roots" (some to find for each N) or "solved" (each chain as a whole)."""
         if is_closed(rule) and load == Load() and self.is_plain(ends):
             return "looked up"
-        return "roots" if has_roots(rule) and load.is_axial else "solved"
+        has_hub = isinstance(ends, Boundary) and ends.has_hub
+        return "roots" if has_roots(rule) and load.is_axial and not has_hub else "solved"
 
     @abstractmethod
     def is_plain(self, ends: Any) -> bool:

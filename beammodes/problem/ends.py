@@ -323,7 +323,7 @@ def check_no_hub(*ends: End) -> None:
         if end.hub_radius:
             raise ValueError(
                 f"boundary must have no hub_radius here, got {shown(str(end))}: chains, linearize, simulate, "
-                "euler_bernoulli and chain_errors take hubs"
+                "euler_bernoulli and frequency_error take hubs"
             )
 
 
@@ -418,6 +418,11 @@ class Boundary:
     def is_plain(self) -> bool:
         """True if both ends are no more than clamped, pinned, guided or free."""
         return self.left.word is not None and self.right.word is not None
+
+    @property
+    def has_hub(self) -> bool:
+        """True if an end is a hub whose axis lies off it."""
+        return bool(self.left.hub_radius or self.right.hub_radius)
 
     @property
     def rigid_body_modes(self) -> int:
