@@ -133,6 +133,9 @@ def unwritable(error: Unwritable, code: int) -> int:
     return NO_ANSWER
 
 
+_OF_PYTHON = (ZeroDivisionError, OverflowError, FloatingPointError)
+
+
 def after_failure(error: BaseException) -> int:
     """Tell in one line why there is no answer, and return the exit code."""
     if isinstance(error, KeyboardInterrupt) or INTERRUPTS.count:
@@ -146,7 +149,10 @@ def after_failure(error: BaseException) -> int:
         return NO_ANSWER
     # NumPy and SciPy derive errors of their own from ValueError; a text that no codec takes is one, too.
     ours = type(error).__module__.partition(".")[0] in ("builtins", "beammodes", "argparse")
-    if isinstance(error, TypeError | ValueError | OSError) and ours and not isinstance(error, UnicodeError):
+    told = isinstance(error, TypeError | ValueError | OSError) and not isinstance(error, UnicodeError)
+    # An ArithmeticError says that there is no answer to be computed; those of Python itself are faults.
+    told = told or (isinstance(error, ArithmeticError) and not isinstance(error, _OF_PYTHON))
+    if told and ours:
         tell(_said(error))
         return NO_ANSWER
     what = "this" if debug else "what it prints with BEAMMODES_DEBUG=1 set"

@@ -37,6 +37,8 @@ __all__ = [
 ]
 
 _MOST_PARTS, _GRID = 10_000, 65
+#: Radians over the length of a rod.
+_MOST_TURNING = 1e9
 
 #: Cells of a measured line from point to point on which its frames are kept.
 _CELLS = 64
@@ -230,6 +232,7 @@ def kept_curvature(given: CurvatureLike, length: float, breaks: tuple[float, ...
     if isinstance(given, CurvatureSteps):
         if abs(given.edges[-1] - length) > SAME_PLACE * length:
             raise ValueError(f"curvature must end at the rod's length {length}, got {given.edges[-1]}")
+        _check_turning(np.array(given.values), length)
         return given
     if isinstance(given, BendsAlong):
         return _tried(BendsAlong(given.function, given.breaks or breaks), length)
@@ -237,12 +240,14 @@ def kept_curvature(given: CurvatureLike, length: float, breaks: tuple[float, ...
         return _tried(BendsAlong(given, breaks), length)
     rows = real_numbers("curvature", bounded("curvature", given, most=_MOST_PARTS))
     if rows.shape == (3,):
+        _check_turning(rows, length)
         return _three(rows)
     if rows.ndim != 2 or rows.shape[1] != 3 or not len(rows):
         raise ValueError(
             "curvature must be three numbers (κx, κy, κz), or such a triple for each of several equal parts, "
             f"got {shown(given)}"
         )
+    _check_turning(rows, length)
     edges = tuple(length * (part + 1) / len(rows) for part in range(len(rows)))
     return CurvatureSteps(edges, tuple(_three(row) for row in rows))
 
@@ -264,7 +269,18 @@ def _tried(bends: BendsAlong, length: float) -> BendsAlong:
             ) from error
         if len(values) != 3:
             raise ValueError(f"curvature must have three components, got {len(values)} at s = {s}")
+        _check_turning(np.array(values), length)
     return bends
+
+
+def _check_turning(values: Floats, length: float) -> None:
+    """Raise ValueError if a curvature is beyond that of any rod, and of what floats can follow."""
+    largest = float(np.abs(values).max(initial=0.0))
+    if not largest <= _MOST_TURNING / length:
+        raise ValueError(
+            f"curvature must turn a rod by at most {_MOST_TURNING:g} radians over its length of {length:g}, "
+            f"got {largest:g}"
+        )
 
 
 def shape_breaks(curvature: Curvature) -> tuple[float, ...]:
