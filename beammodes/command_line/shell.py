@@ -152,7 +152,7 @@ def after_failure(error: BaseException) -> int:
     told = isinstance(error, TypeError | ValueError | OSError) and not isinstance(error, UnicodeError)
     # An ArithmeticError says that there is no answer to be computed; those of Python itself are faults.
     told = told or (isinstance(error, ArithmeticError) and not isinstance(error, _OF_PYTHON))
-    if told and ours:
+    if told and ours and isinstance(error, Exception):
         tell(_said(error))
         return NO_ANSWER
     what = "this" if debug else "what it prints with BEAMMODES_DEBUG=1 set"
