@@ -346,6 +346,10 @@ def test_what_is_refused_says_what_is_allowed() -> None:
     good: dict[str, Any] = {"frequency": 1.0, **AT_TIP}
     for words, call in (
         ("boundary must be the ends", lambda: bm.frequency_response(BEAM, **good)),
+        (
+            "must be above 0",
+            lambda: bm.frequency_response(BEAM, "pinned-free", **good | {"frequency": [0.0, 1.0]}),
+        ),
         ("boundary must be left out", lambda: bm.frequency_response(chain, "clamped-free", **good)),
         (
             "force_at and moment_at and base",

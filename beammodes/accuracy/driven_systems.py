@@ -131,6 +131,7 @@ class Driven:
         """
         if (frequency > HIGHEST).any():
             raise ValueError(f"frequency or band must be at most {HIGHEST:g} Hz, got {frequency.max():.6g}")
+        self.check_lowest(float(frequency.min()))
         omega = 2.0 * math.pi * frequency
         if self.ratios is None:
             square = omega * (omega - 1j * self.damping.mass)
@@ -151,6 +152,13 @@ class Driven:
             if len(found) == len(told) or (len(found) and found[-1] > highest):
                 return found[found < highest]
             count, told = 2 * count, found
+
+    def check_lowest(self, frequency: float) -> None:
+        """Raise ValueError at no frequency at all of a system that would drift away."""
+        if not frequency and self.system.drifts:
+            raise ValueError(
+                "frequency or band must be above 0 where the ends leave a motion that stores nothing, got 0"
+            )
 
     def _receptance(self, square: Complex, stiffness: Complex, omega: Floats) -> Complex:
         if isinstance(self.system, DrivenBeam):

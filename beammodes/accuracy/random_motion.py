@@ -113,6 +113,7 @@ loss_factor, load
             "damping_ratio, damping or loss_factor must be given: without any a peak is infinite"
         )
     low, high = _band(band)
+    driven.check_lowest(low)
     spectrum, limit = _density(density), small_fraction("tolerance", tolerance)
     if limit < _LEAST_TOLERANCE:
         raise ValueError(f"tolerance must be at least {_LEAST_TOLERANCE:g}, got {shown(tolerance)}")

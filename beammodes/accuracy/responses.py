@@ -61,7 +61,7 @@ def frequency_response(
     boundary : str, pair of ends or Boundary
         Of a beam; a chain has its own.
     frequency : float or array [Hz]
-        From 0.
+        From 0; above it where the ends leave a motion that stores nothing.
     force_at, moment_at : float or row of positions, optional [m]
         Where a unit force across the beam or a unit moment acts: one of the two, or `base`. Of several
         positions each is a drive of its own. On a chain a moment acts on the piece that is there, at a hinge

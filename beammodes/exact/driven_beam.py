@@ -121,6 +121,11 @@ class DrivenBeam:
         return found / stiffness[:, None, None]
 
     @cached_property
+    def drifts(self) -> bool:
+        """Whether some motion stores nothing, so that a force at rest would carry the beam away."""
+        return euler_bernoulli(self.beam, self.boundary, 1, load=self.load).rigid_body_modes > 0
+
+    @cached_property
     def most_modes(self) -> int:
         """How many modes `products` tells at most."""
         return _MOST_MODES if self.beam.is_uniform else _MOST_VARYING

@@ -185,6 +185,11 @@ class DrivenChain:
         return marched_states(steps, added, _conditions(left, firm, 1), _conditions(right, firm, -1), given)
 
     @cached_property
+    def drifts(self) -> bool:
+        """Whether some motion stores nothing, so that a force at rest would carry the chain away."""
+        return linearize(self.chain, load=self.load).rigid_body_modes > 0
+
+    @cached_property
     def most_modes(self) -> int:
         """How many modes `products` tells at most: one more than there are, or a tenth of a long chain's."""
         hinges = len(self.chain.scaled.joint_stiffness)
