@@ -238,18 +238,29 @@ def test_chain_against_assembled_matrices_and_integration_in_time() -> None:
 
 
 @pytest.mark.slow
-def test_nonlinear_motion_on_a_shaken_base_is_the_response() -> None:
-    """`simulate`, which knows large rotations, of a base that shifts by a micrometre."""
+@pytest.mark.parametrize("driven", ["base", "force"])
+@pytest.mark.parametrize("frequency", [2.0, 4.5, 9.0, 25.0, 60.0])
+def test_nonlinear_motion_of_small_size_is_the_response(driven: str, frequency: float) -> None:
+    """`simulate`, which knows large rotations, with a base by micrometres or a force by micronewtons."""
     chain, damping, size = bm.Chain(BEAM, "clamped-free", 3, "gregory"), bm.Damping(2.0, 1e-4), 1e-6
+    omega = 2 * np.pi * frequency
+    drive: dict[str, Any] = {"base": "shift"} if driven == "base" else {"force_at": 1.2}
     answer = bm.frequency_response(
-        chain, frequency=3.0, base="shift", rotation_at=[0.2, 0.6, 1.0], damping=damping
+        chain, frequency=frequency, rotation_at=[0.2, 0.6, 1.0], damping=damping, **drive
     )
-    angle = -1j * size * answer.transmissibility.values  # of sin ωt
-    omega = 6 * np.pi
-    base = bm.BaseMotion(y=bm.harmonic(size, omega))
+    angle = -1j * size * next(iter(answer.data_vars.values())).values  # of sin ωt
+    given: dict[str, Any] = {"base": bm.BaseMotion(y=bm.harmonic(size, omega))}
+    if driven == "force":
+        given = {"load": bm.TimedLoad(bm.Load(tip_force=size), bm.Sine(frequency=frequency))}
     start = angle.real, (1j * omega * angle).real
     motion = bm.simulate(
-        chain, duration=0.75, integrator="dop853", initial=start, base=base, damping=damping, tolerance=1e-11
+        chain,
+        duration=2.25 / frequency,
+        integrator="dop853",
+        initial=start,
+        damping=damping,
+        tolerance=1e-11,
+        **given,
     )
     expected = (angle * np.exp(1j * omega * motion.time.values[:, None])).real
     assert np.abs(motion.q.values - expected).max() < 1e-6 * np.abs(expected).max()
