@@ -266,7 +266,11 @@ GOOD: dict[str, dict[str, Any]] = {
     "structure_chain_modes": {"chain": bm.StructureChain(FRAME, 4), "modes": 2},
     "structure_chain_statics": {"chain": bm.StructureChain(FRAME, 4), "load": bm.PointLoad(0.5, force=1.0)},
     "structure_modes": {"structure": FRAME, "modes": 2},
-    "structure_modes_under": {"structure": FRAME, "load": bm.PointLoad(joint="b", force=(1, 2)), "modes": 2},
+    "structure_modes_under": {
+        "structure": FRAME,
+        "load": bm.PointLoad(joint="right", force=(1, 2)),
+        "modes": 2,
+    },
     "structure_statics": {"structure": FRAME, "load": bm.PointLoad(0.5, force=1.0)},
     "symbolic_energies": {"chain": bm.Chain(BEAM, "clamped-free", 1), "symbols": False},
     "equations_of_motion": {"chain": bm.Chain(BEAM, "clamped-free", 1), "symbols": False},
