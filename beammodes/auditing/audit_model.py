@@ -340,7 +340,10 @@ def _axis_by_axis(model: Model, asked: _Request) -> _Read | None:
             continue
         if read.plane in found:
             return None
-        why = f"hinges about other axes ({names}) are taken as at rest, as bending about one leaves them"
+        why = (
+            f"hinges about other axes ({names}) are taken as at rest, as bending about one leaves them; what "
+            "they turn, such as twist, may need a shorter step"
+        )
         found[read.plane] = replace(read, left_out=(why, *read.left_out))
     if asked.plane is not None:
         return found.get(asked.plane)
