@@ -1,9 +1,9 @@
 """The wanted modes of a beam or a rod, motion by motion: how wrong chains are in each, and how fast.
 
 A straight beam bends, twists or stretches; none of these moves another. Nor do the two bendings and the twist
-of a rod that is straight and not pretwisted, if its ends do not couple them: each is then judged as a beam's
-motion of its own, n-th mode against n-th, however their frequencies lie among each other. All other rods are
-judged as a whole, their modes numbered together.
+of a rod that is straight, not pretwisted and of even GJ, if its ends do not couple them: each is then judged
+as a beam's motion of its own, n-th mode against n-th, however their frequencies lie among each other. All
+other rods are judged as a whole, their modes numbered together.
 """
 
 from __future__ import annotations
@@ -132,9 +132,7 @@ class _OfBeam(JudgedMotion):
         return {"boundary": self.boundary, "beam": self.beam, "motion": self.motion} if closed else None
 
     def chain(self, record: Layout, segments: int) -> Chain | AxialChain:
-        if isinstance(self.boundary, AxialBoundary):
-            return AxialChain(self.beam, self.boundary, segments, record, motion=self.motion)
-        return Chain(self.beam, self.boundary, segments, record)
+        return _chain(self.beam, self.boundary, record, segments)
 
     def frequencies(self, record: Layout, segments: int) -> Floats:
         chain = self.chain(record, segments)
@@ -152,13 +150,28 @@ class _OfBeam(JudgedMotion):
         return self.name
 
     def highest(self, record: Layout, segments: int) -> tuple[float, str]:
-        if self.rod is not None:
-            every = [replace(self.rod.judge(name, 1), rod=None) for name in reversed(self.rod.boundaries)]
-            return max((one.highest(record, segments) for one in every), key=lambda found: found[0])
-        chain = self.chain(record, segments)
-        if isinstance(chain, AxialChain):
-            return highest_axial_frequency(chain), self.name
-        return highest_angular_frequency(chain), self.name
+        if self.rod is None:
+            return _highest(self.chain(record, segments)), self.name
+        # Bending first, which a round rod has twice.
+        every = [
+            (_highest(_chain(self.rod.beam(name), boundary, record, segments)), name)
+            for name, boundary in reversed(self.rod.boundaries.items())
+        ]
+        return max(every, key=lambda found: found[0])
+
+
+def _chain(
+    beam: Beam, boundary: Boundary | AxialBoundary, record: Layout, segments: int
+) -> Chain | AxialChain:
+    if isinstance(boundary, AxialBoundary):
+        return AxialChain(beam, boundary, segments, record, motion=boundary.motion)
+    return Chain(beam, boundary, segments, record)
+
+
+def _highest(chain: Chain | AxialChain) -> float:
+    return (
+        highest_axial_frequency(chain) if isinstance(chain, AxialChain) else highest_angular_frequency(chain)
+    )
 
 
 @dataclass(frozen=True, eq=False)
@@ -249,7 +262,8 @@ def judged_rod(rod: Rod, ends: RodEnds, modes: int | Mapping[str, int]) -> list[
         if not straight.is_apart:
             raise ValueError(
                 "modes must be one number for a rod whose bending and twist are not apart, being curved or "
-                f"pretwisted or coupled by its ends, got {shown(modes)}"
+                "pretwisted or coupled by its ends, or whose torsional stiffness or polar inertia varies, "
+                f"got {shown(modes)}"
             )
         missing = [name for name in wanted if name not in straight.boundaries]
         if missing:
@@ -294,10 +308,18 @@ class _Straight:
 
     @property
     def is_apart(self) -> bool:
-        """True if no motion moves another, and each is a beam's."""
-        pair = (self.ends.left, self.ends.right)
+        """True if no motion moves another, and each is a beam's.
+
+        Where GJ varies, a rule's springs in twist are in space as in bending, and not those of a shaft.
+        """
+        pair, twisting = (
+            (self.ends.left, self.ends.right),
+            (self.rod.torsional_stiffness, self.rod.polar_inertia_per_length),
+        )
         massless = self.rod.polar_inertia_per_length == 0.0
-        return self.rod.curvature == (0.0, 0.0, 0.0) and not any(
+        if self.rod.curvature != (0.0, 0.0, 0.0) or not all(isinstance(value, float) for value in twisting):
+            return False
+        return not any(
             0.0 < end.translational_stiffness[0] < math.inf
             or end.on_segment
             or any(end.offset[1:])
@@ -308,25 +330,27 @@ class _Straight:
 
     def judge(self, name: str, modes: int) -> _OfBeam:
         """Return the judge of the first modes of one motion."""
-        rod, boundary = self.rod, self.boundaries[name]
+        return replace(_of_beam(self.beam(name), self.boundaries[name], modes, name), rod=self)
+
+    def beam(self, name: str) -> Beam:
+        """Return the beam that has the numbers of one motion."""
+        rod = self.rod
         if name == "twist":
-            beam = Beam(
+            return Beam(
                 rod.length,
                 rod.bending_stiffness,
                 rod.mass_per_length,
                 torsional_stiffness=rod.torsional_stiffness,
                 polar_inertia_per_length=rod.polar_inertia_per_length,
             )
-        else:
-            second = "second_" * (name != "bending")
-            beam = Beam(
-                rod.length,
-                getattr(rod, second + "bending_stiffness"),
-                rod.mass_per_length,
-                getattr(rod, second + "rotary_inertia_per_length"),
-                shear_stiffness=getattr(rod, second + "shear_stiffness"),
-            )
-        return replace(_of_beam(beam, boundary, modes, name), rod=self)
+        second = "second_" * (name != "bending")
+        return Beam(
+            rod.length,
+            getattr(rod, second + "bending_stiffness"),
+            rod.mass_per_length,
+            getattr(rod, second + "rotary_inertia_per_length"),
+            shear_stiffness=getattr(rod, second + "shear_stiffness"),
+        )
 
 
 def _planar(end: RodEnd, axis: int, side: int) -> End:

@@ -96,8 +96,8 @@ def segments_needed(
         Largest |e| allowed, as a fraction less than 0.5: 0.01 is one percent.
     modes : int, or mapping from motions to int
         How many modes, from the first; at most 1000, of a `Rod` 100. A rod's bending and twist are numbered
-        together; where it is straight and nothing couples them, {"bending": 3, "second_bending": 3,
-        "twist": 1} asks for so many of each (the second is bending with its `second_bending_stiffness`).
+        together; where it is straight, of even GJ, and nothing couples them, {"bending": 3, "twist": 1,
+        "second_bending": 3} asks for so many of each (the last with its `second_bending_stiffness`).
     rule : str, Rule or any Layout
     load : Load, optional
         Loads along the beam or of a turning hub, in the units of `beam`, which must then be given.

@@ -43,8 +43,8 @@ _MOST_TURNING = 1e9
 #: Cells of a measured line from point to point on which its frames are kept.
 _CELLS = 64
 
-#: Stretches of such a line that are even enough for a judge's equal steps, of up to so many points.
-_EVEN, _MOST_EVEN = 64, 1000
+#: Stretches of such a line that are even enough for a judge's equal steps.
+_EVEN = 64
 
 
 @dataclass(frozen=True, slots=True)
@@ -139,11 +139,12 @@ class LineThroughPoints:
     @property
     def even_parts(self) -> tuple[float, ...]:
         """Distances along the line between which it is smooth, denser where it bends more [m]."""
-        along = self._spline[2]
-        between = max(1, _EVEN // (len(self.points) - 1))
-        if len(self.points) > _MOST_EVEN:
-            return ()
-        return tuple(along[:: _CELLS // between][1:-1].tolist())
+        # At points, and between them where they are few; at some of many.
+        intervals = len(self.points) - 1
+        cells = (
+            _CELLS // max(1, _EVEN // intervals) if intervals <= _EVEN else _CELLS * -(-intervals // _EVEN)
+        )
+        return tuple(self._spline[2][cells:-1:cells].tolist())
 
     def __call__(self, s: Floats) -> Floats:
         """Return κ at positions, shape (n, 3)."""
