@@ -147,7 +147,7 @@ def torque(size: float, course: Any = None) -> bm.TimedLoad:
 
 def test_a_small_torque_moves_hub_and_bar_as_the_exact_modes_say() -> None:
     # θ = τ (t²/2I + Σ θ_n² (1 - cos ω_n t)/ω_n²) with 20 modes of unit modal mass, I of the rigid whole.
-    chain = bm.Chain(BAR, (HUB, "free"), 16, "gregory")
+    chain = bm.Chain(BAR, (HUB, "free"), 12, "gregory")
     inertia = 5.0 + 1.10668 * (6.0**3 - 1.0) / 3
     whole = float(
         (chain.mass * (chain.node_position[:-1] + 1.0 + chain.centre) ** 2 + chain.rotary_inertia).sum()
@@ -155,16 +155,16 @@ def test_a_small_torque_moves_hub_and_bar_as_the_exact_modes_say() -> None:
     assert whole == pytest.approx(inertia, rel=1e-12)
     assert 250.0 / inertia == pytest.approx(2.96517, abs=5e-6)
     motion = bm.simulate(
-        chain, duration=1.5, load=torque(1e-4), integrator="rk4", step=2e-4, output_step=0.05
+        chain, duration=1.5, load=torque(1e-4), integrator="rk4", step=5e-4, output_step=0.05
     )
     time, modes = motion.time.values[:, None], bm.euler_bernoulli(BAR, (HUB, "free"), 20)
     omega, turn = modes.angular_frequency, modes.slope([0.0])[:, 0]
     shares = turn * (1 - np.cos(omega * time)) / omega**2
     rigid = time[:, 0] ** 2 / (2 * inertia)
-    np.testing.assert_allclose(motion.angle[:, 0] / 1e-4, rigid + shares @ turn, atol=1e-4 * rigid[-1])
+    np.testing.assert_allclose(motion.angle[:, 0] / 1e-4, rigid + shares @ turn, atol=3e-4 * rigid[-1])
     bend = modes.shape([5.0])[:, 0] - 6.0 * turn
     np.testing.assert_allclose(
-        motion.tip_deflection / 1e-4, shares @ bend, atol=5e-4 * abs(shares @ bend).max()
+        motion.tip_deflection / 1e-4, shares @ bend, atol=2e-3 * abs(shares @ bend).max()
     )
 
 
