@@ -44,7 +44,8 @@ class BaseMotion:
     Parameters
     ----------
     x, y, angle : function of an array of times [s]
-        Gives position, rate and acceleration, [m] or [rad], [m/s], [m/s²].
+        Gives position, rate and acceleration, [m] or [rad], [m/s], [m/s²]. An attribute `breaks` of it, times
+        at which its acceleration jumps, makes steps end there.
     hub_radius : float [m]
         R, from 0.
 
