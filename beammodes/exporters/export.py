@@ -25,6 +25,7 @@ from beammodes.exporters.spatial_tree import spatial_tree
 from beammodes.exporters.structure_files import STRUCTURE_FORMATS, structure_texts
 from beammodes.exporters.unit_systems import UNIT_SYSTEMS
 from beammodes.files import file_target, write_atomically
+from beammodes.numerics.blas import one_thread
 from beammodes.problem.load_in_space import SpatialLoad
 from beammodes.problem.loading import Load
 from beammodes.vibration.damping import Damping
@@ -240,7 +241,9 @@ def _structure(chain: StructureChain, kind: Format, name: str, given: dict[str, 
     _alone("structures", given)
     choice("format of a structure", kind.name, STRUCTURE_FORMATS)
     taken["integrator"] = choice("integrator", taken["integrator"] or "RK4", MUJOCO_INTEGRATORS)
-    return [(text,) for text in structure_texts(chain, kind.name, name, **taken)]
+    # Several threads of BLAS spend their time waiting for each other.
+    with one_thread():
+        return [(text,) for text in structure_texts(chain, kind.name, name, **taken)]
 
 
 def _alone(what: str, given: dict[str, object]) -> None:
