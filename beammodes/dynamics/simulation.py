@@ -349,9 +349,10 @@ def simulate(
     -------
     xarray.Dataset
         Over time: angle and angular_velocity of each segment, x and y of each node, tip_deflection, energies,
-        load_work and momenta, q and u. On a hub node 0 is its axis and segment 1 the hub. Attributes `integrator` and `step` [s] are those of the run, `reason` says why
-        these, and `step_error` what an implicit step does to the modes that it was chosen for, as of a small
-        motion; `remark` says so if nothing moves. Attribute `complete` is 0 if the run was interrupted from
+        load_work and momenta, q and u. On a hub node 0 is its axis and segment 1 the hub. Attributes
+        `integrator` and `step` [s] are those of the run, `reason` says why these, and `step_error` what an
+        implicit step does to the modes that it was chosen for, as of a small motion; `remark` says so if
+        nothing moves. Attribute `complete` is 0 if the run was interrupted from
         the keyboard or left the finite numbers; `stopped` then says why. What came before is kept. Without
         damping, on a base at rest, `energy` less `load_work` changes by the error of the steps only: it tells
         whether they were short enough.
