@@ -340,9 +340,10 @@ def _remarks(judge: JudgedMotion, record: Any, segments: int, mode: int) -> tupl
 
 
 def _set_by(judge: JudgedMotion, record: Any, segments: int) -> str:
-    """Return which motion a chain that is one segment shorter has too wrong, or if it has none this one."""
-    for count in (segments - 1, segments):
-        errors = judge.errors(record, count) if count else np.array([np.nan])
+    """Return which motion the next shorter chain has too wrong, or this one if none has all modes."""
+    # Patterns fit every second N, or every third.
+    for count in (*range(segments - 1, max(0, segments - 4), -1), segments):
+        errors = judge.errors(record, count)
         if not np.isnan(errors).any():
             return judge.name_of(record, count, int(np.argmax(np.abs(errors))))
     raise AssertionError("a recommended chain has all wanted modes")

@@ -218,7 +218,7 @@ def judged_beam(beam: Beam, boundary: Boundary | AxialBoundary, modes: int) -> J
     >>> judge = judged_beam(shaft, AxialBoundary.of("fixed-free"), 2)
     >>> from beammodes.chains.rules import RULES
     >>> judge.errors(RULES["naive"], 10).round(4).tolist()
-    [-0.0485, -0.0565]
+    [-0.0485, -0.0556]
     """
     return _of_beam(beam, boundary, modes)
 
@@ -245,7 +245,7 @@ def judged_rod(rod: Rod, ends: RodEnds, modes: int | Mapping[str, int]) -> list[
     --------
     >>> rod = Rod(1.0, 1.0, 1.0, 1.0, 0.01, second_bending_stiffness=4.0)
     >>> [judge.exact.round(3).tolist() for judge in judged_rod(rod, RodEnds.of("clamped-free"), 4)]
-    [[15.708], [3.516, 22.034], [7.032]]
+    [[15.708], [7.032], [3.516, 22.034]]
     """
     if not isinstance(rod, Rod):
         raise TypeError(f"beam must be a Beam or a Rod, got {shown(rod)}")

@@ -126,6 +126,13 @@ def segments_needed(
     >>> bm.segments_needed("clamped-clamped", tolerance=0.01, modes=3, rule="mitiguy")
     26
 
+    A quarter of a circle, bending in its plane and out of it, and twisting:
+
+    >>> wire = {"bending_stiffness": 1.0, "torsional_stiffness": 0.8, "mass_per_length": 1.0}
+    >>> quarter = bm.Rod.arc(1.5708, length=1.0, **wire)
+    >>> bm.segments_needed("clamped-free", tolerance=0.01, modes=4, rule="gregory", beam=quarter)
+    6
+
     For 98 % of the peaks at a damping of 0.1 %:
 
     >>> bm.segments_needed("clamped-free", 0.02, modes=3, damping_ratio=0.001)
