@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 import scipy.linalg
-from scipy.optimize import fsolve
+from scipy.optimize import brentq, fsolve
 
 import beammodes as bm
 
@@ -103,3 +103,19 @@ def test_a_motion_under_the_force_grows_as_its_eigenvalue_says() -> None:
     )
     last, before = motion.q.values[-1], motion.q.values[-2]
     np.testing.assert_allclose(last / before, math.exp(growth * period), rtol=1e-2)
+
+
+def test_one_rod_on_a_hinge_is_never_pushed_over_and_two_flutter_where_their_roots_meet() -> None:
+    # Of one rod the force passes through the hinge. Of two, in unit ω²: det of a matrix linear in P.
+    with pytest.raises(ValueError, match="lose its stability"):
+        bm.flutter_load(bm.Chain(bm.Beam.unit(), "clamped-free", 1))
+    chain = bm.Chain(bm.Beam.unit(), "clamped-free", 2, "double_wall")
+    model, length = bm.linearize(chain), 0.5
+    turn = np.array([[1.0, 0.0], [-1.0, 1.0]]) / length
+    push = length * turn.T @ turn - np.outer([0.0, 1.0], turn[1])
+
+    def meeting(force: float) -> float:
+        pencil = np.linalg.solve(model.mass_matrix, model.stiffness_matrix - force * push)
+        return float(np.trace(pencil) ** 2 - 4 * np.linalg.det(pencil))
+
+    assert abs(bm.flutter_load(chain).compression / brentq(meeting, 1.0, 15.0) - 1) < 1e-9

@@ -33,8 +33,10 @@ __all__ = ["FlutterLoad", "flutter_load", "follower_modes"]
 
 Complex = NDArray[np.complex128]
 
-#: Steps of the force, in the least one that can make a chain unstable, until it does.
-_STEP, _MOST_STEPS = 0.25, 4000
+#: Steps of the force, in the least one that can make a chain unstable, or as shares of it, until it does.
+_STEP, _GROWN, _MOST_STEPS = 0.25, 0.02, 500
+#: Of what a dead force does, the share that rounding leaves where the whole of it is taken back at the tip.
+_NOTHING = 1e-12
 #: Growth that rounding makes of none, in |λ|: without dampers two roots meet and lose half of the digits.
 _GROWTH, _DAMPED_GROWTH = 1e-6, 1e-10
 
@@ -151,7 +153,8 @@ def flutter_load(chain: Chain, *, damping: Damping | None = None) -> FlutterLoad
     """Return the least compression along the right tip, which it follows, that makes a chain unstable.
 
     For a clamped-free column that is Beck's: 20.0510 EI/L², eight times what buckles it where the force is
-    dead. The chain's is wrong by second order in 1/N.
+    dead. The chain's is wrong by second order in 1/N. Some eighty times all eigenvalues are found: 100 pieces
+    take a second or two, 200 ten times that.
 
     Parameters
     ----------
@@ -176,12 +179,13 @@ def flutter_load(chain: Chain, *, damping: Damping | None = None) -> FlutterLoad
     """
     followed = _followed(chain, damping)
     # No smaller force can make up for what the springs store.
-    scale = 1 / float(np.linalg.norm(followed.push / np.outer(followed.omega, followed.omega), 2))
+    most = float(np.linalg.norm(followed.push / np.outer(followed.omega, followed.omega), 2))
+    scale = 1 / most if most else 0.0
     low, high = 0.0, _STEP * scale
-    for _ in range(_MOST_STEPS):
+    for _ in range(_MOST_STEPS if scale else 0):
         if followed.grows(high).size:
             break
-        low, high = high, high + max(_STEP * scale, high / 100)
+        low, high = high, high + max(_STEP * scale, _GROWN * high)
     else:
         raise ValueError(f"chain must lose its stability under some compression, got {chain!r}")
     while high - low > 1e-13 * high:
@@ -211,6 +215,9 @@ def _followed(chain: Chain, damping: Damping | None) -> _Followed:
         )
     modes = solve_modes(model)
     turned, tip = modes.rotation, modes.deflection[:, -1]
-    push = (turned * chain.length) @ turned.T - np.outer(tip, turned[:, -1])
+    dead = (turned * chain.length) @ turned.T
+    push = dead - np.outer(tip, turned[:, -1])
+    if np.abs(push).max() <= _NOTHING * np.abs(dead).max():
+        push = np.zeros_like(push)
     drag = np.zeros_like(push) if damping is None else damping_of_modes(chain, damping).coupling
     return _Followed(modes.angular_frequency, push, drag)
