@@ -151,6 +151,8 @@ GOOD: dict[str, dict[str, Any]] = {
         "guess": [0.0] * 4,
         "tolerance": 1e-9,
     },
+    "flutter_load": {"chain": CHAIN},
+    "follower_modes": {"chain": CHAIN, "compression": 1.0},
     "frequency_error": {"boundary": "clamped-free", "segments": [3], "mode": [1], "rule": "mitiguy"},
     "frequency_spread": {
         "section": BAR,

@@ -16,6 +16,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
+from types import MappingProxyType
 
 import numpy as np
 
@@ -29,7 +30,7 @@ from beammodes.problem.loading import NO_LOAD, Load
 __all__ = ["BRANCHES", "checked_span", "shape_between", "string_tension"]
 
 #: Words for the first branch to either side of the chord.
-BRANCHES = {"arch": 1, "sag": -1}
+BRANCHES = MappingProxyType({"arch": 1, "sag": -1})
 #: Shortening of the chord at which a strip is taken to have the shape of its buckling mode.
 _SHORTENED = 1e-3
 #: What the chord is shorter by while it is turned, if it would else be too taut.
