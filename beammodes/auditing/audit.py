@@ -15,7 +15,7 @@ from beammodes.chains.rules import RULES
 from beammodes.checks import percent, row_shown, shown, small_fraction
 from beammodes.numerics.arrays import Floats
 from beammodes.problem.beam import Beam
-from beammodes.problem.ends import Boundary, BoundaryLike
+from beammodes.problem.ends import Boundary, BoundaryLike, check_no_hub
 from beammodes.vibration.linear import linearize
 from beammodes.vibration.modes import MAX_DENSE, solve_modes
 
@@ -323,9 +323,9 @@ def audit_chain(
     columns = {"length": length, "mass": mass, "rotary_inertia": rotary_inertia}
     columns |= {} if centre is None else {"centre": centre}
     limit = small_fraction("tolerance", tolerance)
-    judged = JudgedPieces.of(
-        beam, Boundary.of(boundary), columns, joint_stiffness, modes, armature=armature, damping=damping
-    )
+    pair = Boundary.of(boundary)
+    check_no_hub(pair.left, pair.right)
+    judged = JudgedPieces.of(beam, pair, columns, joint_stiffness, modes, armature=armature, damping=damping)
     errors = judged.own_errors
     if (1 + errors < 1e-6).any() or (errors > 1e6).any():
         raise ValueError(

@@ -52,7 +52,7 @@ from beammodes.checks import choice, shown, small_fraction
 from beammodes.exporters.chain_csv import read_chain_csv
 from beammodes.numerics.arrays import Floats
 from beammodes.problem.beam import Beam
-from beammodes.problem.ends import Boundary, BoundaryLike
+from beammodes.problem.ends import Boundary, BoundaryLike, check_no_hub
 from beammodes.problem.loading import Load
 
 __all__ = ["audit_file"]
@@ -156,7 +156,10 @@ def audit_file(
     if not isinstance(beam, Beam):
         raise TypeError(f"beam must be a Beam, got {shown(beam)}")
     small_fraction("tolerance", tolerance)
-    asked = _Request(beam, None if boundary is None else Boundary.of(boundary), chain, plane)
+    pair = None if boundary is None else Boundary.of(boundary)
+    if pair is not None:
+        check_no_hub(pair.left, pair.right)
+    asked = _Request(beam, pair, chain, plane)
     place = Path(path)
     try:
         read = _read(place, asked, None if springs is None else Path(springs))
