@@ -119,3 +119,11 @@ def test_one_rod_on_a_hinge_is_never_pushed_over_and_two_flutter_where_their_roo
         return float(np.trace(pencil) ** 2 - 4 * np.linalg.det(pencil))
 
     assert abs(bm.flutter_load(chain).compression / brentq(meeting, 1.0, 15.0) - 1) < 1e-9
+
+
+def test_one_motion_is_followed_to_its_verge_and_the_free_end_comes_last() -> None:
+    # Two links of L/2 and one spring k = 2 EI/L fall over at 4 k/L.
+    two = bm.flutter_load(bm.Chain(bm.Beam.unit(), "pinned-pinned", 2))
+    assert (two.compression, two.is_flutter) == (pytest.approx(8.0, rel=1e-12), False)
+    with pytest.raises(ValueError, match="name the free end last"):
+        bm.flutter_load(bm.Chain(bm.Beam.unit(), "free-clamped", 6))

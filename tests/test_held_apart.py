@@ -372,3 +372,20 @@ def test_the_figure_of_the_cable_tells_the_catenary_and_irvines_limits() -> None
     a, rise = catenary() / 1962.0, 100.0
     left = 400 - a * math.asinh(rise / (2 * a * math.sinh(400 / a)))
     assert abs(min(rest.values()) - a * (1 - math.cosh(left / a))) < 0.2
+
+
+def test_a_mode_about_a_held_shape_starts_a_motion_whose_ends_stay_held() -> None:
+    chain, load = Chain(Beam(0.9, 31.0, 1.7), "pinned-pinned", 6), Load(gravity=9.81)
+    hung = find_equilibrium(chain, load, span=np.array([0.5, 0.1]))
+    start = mode_start(chain, 1, 0.01, at=hung)
+    motion = simulate(chain, duration=0.01, step=1e-4, initial=start, load=load)
+    assert float(np.abs(motion.x[:, -1] - 0.5).max()) < 1e-12
+
+
+def test_spans_that_no_chain_has_are_named() -> None:
+    beam, load = Beam(0.9, 31.0, 1.7), Load(gravity=9.81)
+    with pytest.raises(ValueError, match=r"shorter than the chain, 0.9 m, got \(0.8, 0.6\), 1 m"):
+        find_equilibrium(Chain(beam, "pinned-pinned", 6), load, span=(0.8, 0.6))
+    for ends in ("pinned-pinned", "clamped-clamped"):
+        with pytest.raises(ValueError, match="span must be left out of a chain that has no hinge"):
+            find_equilibrium(Chain(beam, ends, 1), load, span=0.5)

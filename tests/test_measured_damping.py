@@ -208,3 +208,16 @@ def test_the_accuracy_that_is_said_is_the_scatter() -> None:
 def test_bad_input(call: Any, message: str) -> None:
     with pytest.raises((TypeError, ValueError), match=message):
         call()
+
+
+def test_ratios_in_a_row_are_those_of_the_first_modes_and_percent_is_refused() -> None:
+    chain = bm.Chain(bm.Beam.unit(), "clamped-free", segments=5)
+    row = np.array([0.01, 0.012])
+    assert bm.joint_dampers(chain, row) == bm.joint_dampers(chain, {1: 0.01, 2: 0.012})
+    for damp in (bm.rayleigh_damping, bm.joint_dampers):
+        with pytest.raises(
+            ValueError, match=r"must be less than 1 \(0.01 is 1 % of critical\), got {2: 1.1}"
+        ):
+            damp(chain, {1: 0.8, 2: 1.1})
+    with pytest.raises(ValueError, match="mode must be left out with ratios of several modes, got 2"):
+        bm.joint_dampers(chain, row, mode=2)

@@ -187,7 +187,7 @@ def test_a_table_is_a_value() -> None:
     [
         ((0.0, 1.0), (1.0,), "value must be at least two numbers"),
         ((0.0, 1.0), (1.0, 2.0, 3.0), "value must be as many numbers as x, 2, got 3"),
-        ((0.1, 1.0), (1.0, 2.0), "x must start at 0, the left end of the beam, got 0.1"),
+        ((0.1, 1.0), (1.0, 2.0), "x must start at 0, the left end of the beam (or the first time), got 0.1"),
         ((0.0, 1.0, 0.5), (1.0, 2.0, 3.0), "x must be ascending, got 0.5 after 1.0"),
         ((0.0, 0.0, 1.0), (1.0, 2.0, 3.0), "x must have each position once, or twice inside for a step"),
         ((0.0, 1.0, 1.0), (1.0, 2.0, 3.0), "x must have each position once, or twice inside for a step"),

@@ -111,7 +111,10 @@ class BaseMotion:
 
     def _course(self, name: str, time: Floats) -> Floats:
         course: Course = getattr(self, name)
-        expected = f"{name} must give position, rate and acceleration, finite and one for each time"
+        expected = (
+            f"{name} must give position, rate and acceleration, finite and one for each time, as harmonic, "
+            "spin_up, bang_bang and point_to_point do"
+        )
         try:
             parts = [np.asarray(part) for part in course(time)]
         except TypeError as error:

@@ -75,6 +75,12 @@ _HELD = {
 Start = tuple[Floats, Floats]
 
 
+class _HeldStart(Start):
+    """Coordinates and speeds of a chain whose right end stays held at the end of a `span`."""
+
+    span: Span | None = None
+
+
 def mode_start(
     chain: Chain, mode: int, amplitude: float, *, load: Load | None = None, at: Equilibrium | None = None
 ) -> Start:
@@ -115,12 +121,14 @@ def mode_start(
     start = rest + scale * np.array(q), np.zeros(len(q))
     if not chain.boundary.right.holds_deflection:
         return start
-    return _onto(chain, start, BaseMotion(), None if at is None else at.span)
+    held = _HeldStart(_onto(chain, start, BaseMotion(), None if at is None else at.span))
+    held.span = None if at is None else at.span
+    return held
 
 
 def _held_apart(chain: Chain, initial: Any, span: Any) -> Span | None:
     """Return where the right end is held, as `span` or the shape that the motion starts from says."""
-    known = initial.span if isinstance(initial, Equilibrium) else None
+    known = initial.span if isinstance(initial, Equilibrium | _HeldStart) else None
     if span is None:
         return known
     given = checked_span(chain, span)
@@ -323,7 +331,8 @@ def simulate(
         bring its load: give that too.
     span : float or pair [m], optional
         Where the right end is held, from the left one, as `find_equilibrium` takes it; by default where an
-        Equilibrium to start from holds it. On a base that moves both ends shift with it.
+        Equilibrium to start from, or a mode about one, holds it. On a base that moves both ends shift with
+        it.
     load : Load, PointLoad, LineLoad, TimedLoad, or list of them, optional
         At most one `Load` that is constant (its forces are dead, and have a potential; no spin rate); any
         number of forces and moments at points, of loads along the beam, and of loads that vary in time or

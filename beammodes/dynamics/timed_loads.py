@@ -125,8 +125,9 @@ class TimedLoad:
         expected = "course must give one finite number for each of an array of times"
         try:
             values = np.asarray(course(time))
-        except TypeError as error:
-            raise ValueError(f"{expected}: {error}") from error
+        except (TypeError, ValueError) as error:
+            hint = "np.sin, not math.sin; np.where, not if; or np.vectorize(course)"
+            raise ValueError(f"{expected} ({hint}): {error}") from error
         if values.shape != np.shape(time) or values.dtype.kind not in "fiu" or not np.isfinite(values).all():
             raise ValueError(f"{expected}, got {shown(values)}")
         return np.asarray(values, dtype=np.float64)

@@ -106,7 +106,10 @@ class Equilibrium:
 
     @property
     def tension(self) -> Floats:
-        """Pull along every piece at its centre of mass, compression negative, shape (pieces,) [N]."""
+        """Pull along every piece at its centre of mass, compression negative, shape (pieces,) [N].
+
+        A heavy cable's largest pull is at its upper end: that of the right end is the size of `multipliers`.
+        """
         chain, load, nodes = self.chain, self.load, self.nodes
         along = np.stack([np.cos(self.angle), np.sin(self.angle)], axis=1)
         centre = nodes[:-1] + chain.centre[:, None] * along

@@ -16,12 +16,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
+from numbers import Real
 from types import MappingProxyType
 
 import numpy as np
 
 from beammodes.chains.chain import Chain
-from beammodes.checks import real, shown
+from beammodes.checks import real, real_numbers, shown
 from beammodes.equations.mechanics import Span, unpack
 from beammodes.equations.newton_statics import ChainStatics, StaticState, followed
 from beammodes.numerics.arrays import Floats
@@ -45,20 +46,25 @@ _HEAVY = 100.0
 
 def checked_span(chain: Chain, span: object) -> Span:
     """Return where the right end is held, or raise what is wrong with that."""
-    pair = span if isinstance(span, tuple | list) else (span, 0.0)
+    given = span if isinstance(span, tuple | list | Real) else real_numbers("span", span).tolist()
+    pair = given if isinstance(given, tuple | list) else (given, 0.0)
     if len(pair) != 2:
         raise ValueError(f"span must be a number or a pair (x, y), got {shown(span)}")
-    x, y = (real(f"span[{k}]" if pair is span else "span", value) for k, value in enumerate(pair))
+    x, y = (real(f"span[{k}]" if pair is given else "span", value) for k, value in enumerate(pair))
     # Pieces that ends hold lie along x.
     stubs = float(chain.length[np.array(chain.held_angles)].sum())
     longest = float(chain.length.sum()) - stubs
-    if not math.hypot(x - stubs, y) < longest:
-        reach = f"shorter than the chain, {longest} m"
+    if np.count_nonzero(~np.array(chain.held_angles)) < 2:
+        raise ValueError(f"span must be left out of a chain that has no hinge to bend at, got {shown(span)}")
+    distance = math.hypot(x - stubs, y)
+    if not distance < longest * (1.0 - 1e-12):
+        reach = f"shorter than the chain, {longest:.9g} m"
         if stubs:
             reach = (
                 f"less than {longest:.6g} m from ({stubs:.6g}, 0): clamps hold so much of the chain along x"
             )
-        raise ValueError(f"span must be {reach}, got {shown(span)}")
+        far = f", {distance:.9g} m" if y and not stubs else ""
+        raise ValueError(f"span must be {reach}, got {shown(span)}{far}")
     if not (chain.boundary.left.holds_deflection and chain.boundary.right.holds_deflection):
         raise ValueError(
             "boundary must hold both ends (clamped, pinned or on a rotational spring) with span, got "

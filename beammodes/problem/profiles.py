@@ -415,12 +415,14 @@ def _row(name: str, value: object) -> tuple[float, ...]:
 
 def _check_positions(x: tuple[float, ...]) -> None:
     if x[0] != 0.0:
-        raise ValueError(f"x must start at 0, the left end of the beam, got {x[0]}")
+        raise ValueError(f"x must start at 0, the left end of the beam (or the first time), got {x[0]}")
     for i, (before, after) in enumerate(pairwise(x)):
         if after < before:
             raise ValueError(f"x must be ascending, got {after} after {before}")
         if after == before and (i == 0 or i == len(x) - 2 or x[i - 1] == before):
-            raise ValueError(f"x must have each position once, or twice inside for a step, got {after} again")
+            raise ValueError(
+                f"x must have each position (or time) once, or twice inside for a step, got {after} again"
+            )
 
 
 #: How a property is kept: a number where it is constant, else a table or a function of x [m].

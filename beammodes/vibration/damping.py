@@ -238,7 +238,7 @@ def damped_eigenvalues(omega: Floats, coupling: Floats) -> NDArray[np.complex128
 
 
 def joint_dampers(
-    chain: Chain | AxialChain | SpatialChain, ratio: float | Mapping[int, float], *, mode: int = 1
+    chain: Chain | AxialChain | SpatialChain, ratio: Mapping[int, float] | ArrayLike, *, mode: int = 1
 ) -> Damping:
     """Return joint dampers that give a mode a damping ratio, or several modes a ratio each.
 
@@ -258,7 +258,7 @@ def joint_dampers(
     Parameters
     ----------
     chain : Chain, AxialChain or SpatialChain
-    ratio : float, or mapping of modes to them
+    ratio : float, mapping of modes to ratios, or row of ratios of modes 1, 2, ...
         ζ, 1 for critical damping, such as {1: 0.008, 2: 0.011}; one number in twist, stretch and space.
     mode : int
         Of a single ratio, from 1; rigid-body modes are not counted, bending and twist in space together.
@@ -288,7 +288,9 @@ def joint_dampers(
     >>> bm.damped_modes(chain, both).damping_ratio.values.round(4)
     array([0.008 , 0.0109, 0.0939, 0.0704])
     """
-    if isinstance(ratio, Mapping) and not isinstance(chain, AxialChain | SpatialChain):
+    if (isinstance(ratio, Mapping) or np.ndim(ratio)) and not isinstance(chain, AxialChain | SpatialChain):
+        if mode != 1:
+            raise ValueError(f"mode must be left out with ratios of several modes, got {shown(mode)}")
         return _fitted_joints(chain, ratios_of_modes("ratio", ratio))
     wanted = positive_real("ratio", ratio)
     if isinstance(chain, AxialChain | SpatialChain):
@@ -341,16 +343,19 @@ def ratios_of_modes(name: str, given: object) -> dict[int, float]:
     """
     if isinstance(given, Mapping):
         items = bounded(name, given.items(), most=MAX_DENSE)
-    elif isinstance(given, Sequence | np.ndarray) and not is_text(given):
-        items = [*enumerate(bounded(name, given, most=MAX_DENSE), 1)]
+    elif (isinstance(given, Sequence) or np.ndim(given) == 1) and not is_text(given):  # type: ignore[arg-type]
+        items = [*enumerate(bounded(name, np.asarray(given).tolist(), most=MAX_DENSE), 1)]
     else:
         raise TypeError(f"{name} must be ratios by mode, such as {{1: 0.01, 2: 0.02}}, got {shown(given)}")
     if not items:
         raise ValueError(f"{name} must have one ratio at least, got {shown(given)}")
-    return {
+    found = {
         whole_number(f"mode in {name}", mode): positive_real(f"{name}[{mode}]", value)
         for mode, value in items
     }
+    if wrong := {mode: ratio for mode, ratio in found.items() if ratio >= 1.0}:
+        raise ValueError(f"{name} must be less than 1 (0.01 is 1 % of critical), got {shown(wrong)}")
+    return found
 
 
 def damping_ratios(given: ArrayLike) -> Floats:

@@ -73,7 +73,12 @@ class _Followed:
         """Return λ with a positive imaginary part, or real ones, ascending by size."""
         # Largest roots of the inverse are the lowest modes, with their digits.
         scaled = np.eye(len(self.omega)) - compression * self.push / np.outer(self.omega, self.omega)
-        soft = np.linalg.inv(scaled) / np.outer(self.omega, self.omega)
+        try:
+            soft = np.linalg.inv(scaled) / np.outer(self.omega, self.omega)
+        except np.linalg.LinAlgError:
+            # On the verge of falling over: rounding beside it.
+            beside = scaled + np.finfo(float).eps * np.eye(len(scaled))
+            soft = np.linalg.inv(beside) / np.outer(self.omega, self.omega)
         if not self.drag.any():
             square = np.linalg.eigvals(soft).astype(complex)
             found = np.sqrt(-1 / square)
@@ -207,11 +212,14 @@ def _followed(chain: Chain, damping: Damping | None) -> _Followed:
             f"chain must have at most {MAX_DENSE} hinges here, where all its modes are needed, "
             f"got {len(chain.scaled.joint_stiffness)}"
         )
-    model = linearize(chain)
+    model, ends = linearize(chain), chain.boundary
     if model.rigid_body_modes or not model.elastic_modes:
         raise ValueError(
-            f"boundary must hold the chain and let it vibrate under a follower force, got "
-            f"{chain.boundary.name}"
+            f"boundary must hold the chain and let it vibrate under a follower force, got {ends.name}"
+        )
+    if not ends.left.is_grounded:
+        raise ValueError(
+            f"boundary must name the free end last, as the force follows the right tip, got {ends.name}"
         )
     modes = solve_modes(model)
     turned, tip = modes.rotation, modes.deflection[:, -1]

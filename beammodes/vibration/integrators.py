@@ -232,6 +232,9 @@ def find_integrator(name: str, among: Iterable[str] | None = None) -> Integrator
     first = name.strip().split(" ")[0].lower() if isinstance(name, str) else ""
     engine = first if any(" " in each and each.split(" ")[0].lower() == first for each in known) else ""
     alike = [each for each in known if (each.split(" ")[0].lower() == engine if engine else " " not in each)]
+    if first and not engine:
+        # "Euler" alone may be that of an engine.
+        alike += [each for each in known if " " in each and first in each.lower().split(" ")[1:]]
     return known[choice("integrator", name, alike or known)]
 
 

@@ -199,7 +199,10 @@ def _solved(form: FlexibilityForm, count: int) -> tuple[Floats, Floats]:
 
 def _buckled(load: Load) -> str:
     if load.is_axial:
-        return "axial_force must not compress the chain beyond its buckling load (see buckling_load)"
+        return (
+            "axial_force must not compress the chain beyond its buckling load (see buckling_load), "
+            f"got {float(load.axial_force):g}"
+        )
     return f"load must not buckle the straight chain (see find_equilibrium), got {load}"
 
 
