@@ -288,7 +288,7 @@ def test_whatever_the_ends_the_place_and_the_weight_a_stable_shape_is_found() ->
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        ({"span": 1.0}, "span must be shorter than the chain, 1.0 m, got 1.0"),
+        ({"span": 1.0}, "span must be shorter than the chain, 1 m, got 1.0"),
         ({"span": (0.5, 0.5, 0.0)}, "span must be a number or a pair"),
         ({"chain": Chain(Beam.unit(), "clamped-free", 4)}, "boundary must hold both ends"),
         ({"load": Load(axial_force=1.0)}, "axial_force must be 0 with span"),

@@ -83,12 +83,12 @@ class Driven:
         if not isinstance(system, Beam | Chain):
             raise TypeError(f"system must be a Beam or a Chain, got {shown(system)}")
         pair, length = _boundary(system, boundary), _length(system)
-        reading, one_read = _points(length, {"deflection": deflection_at, "rotation": rotation_at})
         if base is None:
             drive, one_drive = _points(length, {"force": force_at, "moment": moment_at}, or_base=True)
         else:
             _only_base(base, pair, force_at, moment_at)
             drive, one_drive = (base, np.zeros(0)), True
+        reading, one_read = _points(length, {"deflection": deflection_at, "rotation": rotation_at})
         pull, dampers = checked_load(load), damping
         if dampers is not None and not isinstance(dampers, Damping):
             raise TypeError(f"damping must be a Damping or None, got {shown(damping)}")
