@@ -420,9 +420,7 @@ def _check_positions(x: tuple[float, ...]) -> None:
         if after < before:
             raise ValueError(f"x must be ascending, got {after} after {before}")
         if after == before and (i == 0 or i == len(x) - 2 or x[i - 1] == before):
-            raise ValueError(
-                f"x must have each position (or time) once, or twice inside for a step, got {after} again"
-            )
+            raise ValueError(f"x must have each place once, or twice inside for a step, got {after} again")
 
 
 #: How a property is kept: a number where it is constant, else a table or a function of x [m].
