@@ -364,7 +364,10 @@ def test_mismatched_lengths(name: str, change: int) -> None:
             "^mass must be greater than 0 for every piece but",
         ),
         ({"length": [1.0, 1.0, 2.0]}, r"^mass\[0\] must be greater than 0 for a piece that has a length"),
-        ({"mass": [0, 3.0, 0]}, r"^mass\[2\] must be greater than 0 for a piece that has a length"),
+        (
+            {"mass": [0, 3.0, 0], "rotary_inertia": [0, 0.25, 0]},
+            r"^mass\[2\] must be greater than 0 for a piece that has a length",
+        ),
     ],
 )
 def test_impossible_pieces(changes: dict[str, Any], message: str) -> None:

@@ -227,7 +227,7 @@ def test_every_public_function_with_a_load_has_what_says_its_units() -> None:
         parameters = inspect.signature(value).parameters
         if "load" in parameters and "Load" in str(parameters["load"].annotation):
             found.append(name)
-            assert set(parameters) & {"beam", "chain", "structure"}, name
+            assert set(parameters) & {"beam", "chain", "structure", "system"}, name
     assert {"frequency_error", "segments_needed", "error_dataset", "linearize", "axially_corrected"} <= set(
         found
     )

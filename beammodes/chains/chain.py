@@ -297,7 +297,9 @@ class Chain(ChainNumbers):
     @cached_property
     def hinge_position(self) -> Floats:
         """Distance of every hinge from the beam's left end, shape (hinges,) [m]."""
-        return self.node_position[1:-1]
+        position = np.cumsum(self.length)[:-1] - float(self.boundary.left.hub_radius)
+        position.flags.writeable = False
+        return position
 
     @cached_property
     def node_position(self) -> Floats:
