@@ -70,7 +70,9 @@ TAKEN: dict[str, Callable[[Any], Any]] = {
     # Its remarks name the rule; that it answers is all that is asked here.
     "error_remarks": lambda rule: isinstance(bm.error_remarks(ENDS, segments=6, mode=1, rule=rule), tuple),
     "frequency_error": lambda rule: bm.frequency_error(ENDS, segments=6, mode=2, rule=rule),
-    "response_error": lambda rule: bm.response_error(ENDS, segments=6, mode=2, damping_ratio=0.01, rule=rule),
+    "response_error": lambda rule: abs(
+        bm.response_error(ENDS, segments=6, mode=2, damping_ratio=0.01, rule=rule)
+    ),
     "segments_needed": lambda rule: bm.segments_needed(ENDS, tolerance=0.01, modes=2, rule=rule),
     "segments_within_spread": lambda rule: bm.segments_within_spread(spread(), rule).segments,
     "shape_dataset": lambda rule: (
