@@ -60,7 +60,7 @@ def test_unknown_words_are_no_ends(text: str) -> None:
     [
         (
             "free(mas=1)",
-            r'number of an end must be one of .*hub_radius, on_segment, got \'mas\' \(did you mean "mass"\?\)',
+            r'number of an end must be .*hub_radius, on_segment, got \'mas\' \(did you mean "mass"\?\)',
         ),
         ("free(mass)", "mass must be a number, got ''"),
         ("free(mass=heavy)", "mass must be a number, got 'heavy'"),
