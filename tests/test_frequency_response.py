@@ -371,6 +371,12 @@ def test_what_is_refused_says_what_is_allowed() -> None:
             lambda: bm.frequency_response(chain, **good | {"deflection_at": 1.3}),
         ),
         (
+            "and of every mode above 0",
+            lambda: bm.random_response(
+                chain, density=1.0, band=(1, 9), force_at=1.2, deflection_at=1.2, damping_ratio=[0.0, 0.1]
+            ),
+        ),
+        (
             "damping_ratio must be given alone",
             lambda: bm.frequency_response(chain, **good, damping_ratio=0.01, loss_factor=0.1),
         ),

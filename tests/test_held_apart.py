@@ -23,6 +23,7 @@ from beammodes.dynamics.base_motion import BaseMotion, harmonic
 from beammodes.dynamics.simulation import mode_start, simulate
 from beammodes.equations.equilibria import Equilibrium, EquilibriumNotFound, find_equilibrium
 from beammodes.equations.mechanics import Algebra, energies
+from beammodes.exporters.export import export_chain
 from beammodes.problem.beam import Beam
 from beammodes.problem.ends import Boundary, End
 from beammodes.problem.loading import Load
@@ -380,6 +381,13 @@ def test_a_mode_about_a_held_shape_starts_a_motion_whose_ends_stay_held() -> Non
     start = mode_start(chain, 1, 0.01, at=hung)
     motion = simulate(chain, duration=0.01, step=1e-4, initial=start, load=load)
     assert float(np.abs(motion.x[:, -1] - 0.5).max()) < 1e-12
+
+
+def test_a_file_says_that_its_shape_at_rest_is_unstable(tmp_path: Path) -> None:
+    strip = Chain(Beam(0.9, 31.0, 1.7), "pinned-pinned", 6)
+    path = tmp_path / "strip.xml"
+    export_chain(strip, path, at=find_equilibrium(strip, None, span=0.7, branch=2))
+    assert "its shape at rest under Load() is unstable: the chain leaves it" in path.read_text("utf-8")
 
 
 def test_spans_that_no_chain_has_are_named() -> None:

@@ -311,3 +311,5 @@ def test_a_course_of_single_times_is_told_what_to_become() -> None:
     timed = bm.TimedLoad(bm.PointLoad(0.5, force=1.0), lambda t: 1.0 if t < 0.01 else 0.0)
     with pytest.raises(ValueError, match=r"course must give .* \(np.sin, not math.sin; np.where, not if"):
         timed.at(np.array([0.0, 0.1]))
+    with pytest.raises(TypeError, match="course must be a function of time, a Table or None, got <class"):
+        bm.TimedLoad(bm.PointLoad(0.5, force=1.0), bm.Sine)

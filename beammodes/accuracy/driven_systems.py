@@ -177,9 +177,9 @@ class Driven:
 
     @property
     def is_damped(self) -> bool:
-        """Whether anything damps."""
+        """Whether something damps every mode."""
         given = self.damping != Damping() or self.loss_factor > 0.0
-        return given if self.ratios is None else bool(self.ratios[-1] > 0.0)
+        return given if self.ratios is None else bool((self.ratios > 0.0).all())
 
     @property
     def coordinates(self) -> dict[str, Any]:

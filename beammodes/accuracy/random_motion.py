@@ -110,7 +110,8 @@ loss_factor, load
     )
     if not driven.is_damped:
         raise ValueError(
-            "damping_ratio, damping or loss_factor must be given: without any a peak is infinite"
+            "damping_ratio, damping or loss_factor must be given, and of every mode above 0: without any a "
+            "peak is infinite"
         )
     low, high = _band(band)
     driven.check_lowest(low)

@@ -77,7 +77,10 @@ class TimedLoad:
         load, course = self.load, self.course
         if not isinstance(load, Load | PointLoad | LineLoad):
             raise TypeError(f"load must be a Load, a PointLoad or a LineLoad, got {shown(load)}")
-        if course is not None and not isinstance(course, Table) and not callable(course):
+        # A class such as Sine itself is no course.
+        if course is not None and (
+            isinstance(course, type) or not (isinstance(course, Table) or callable(course))
+        ):
             raise TypeError(f"course must be a function of time, a Table or None, got {shown(course)}")
         flag("follower", self.follower)
         if is_text(self.breaks):

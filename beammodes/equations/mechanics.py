@@ -69,8 +69,8 @@ def straight_chain_load(chain: Chain, load: Load) -> Load:
     """Return `load`, or raise ValueError if the straight chain is not in equilibrium under it."""
     if load.bends:
         raise ValueError(
-            f"load must leave the straight chain in equilibrium, got {load}: give linearize the bent shape, "
-            "at=find_equilibrium(chain, load)"
+            f"load must leave the straight chain in equilibrium, got {load}: the bent shape has modes by "
+            "linearize(chain, at=find_equilibrium(chain, load))"
         )
     return held_chain_load(chain, load)
 

@@ -136,6 +136,8 @@ def _under(
     chain: Chain, damping: Damping | None, load: Load | None, at: Equilibrium | None
 ) -> tuple[str, ...]:
     """Return lines on the first modes about the shape at rest under a load."""
+    if at is not None and not at.is_stable:
+        return (f"its shape at rest under {load} is unstable: the chain leaves it, and rings about another",)
     unknown = f"natural frequencies under {load}: others than these, and not known here: "
     if at is None and chain.pieces > _MAX_RESTING:
         return (f"{unknown}the chain has more than {_MAX_RESTING} pieces",)
