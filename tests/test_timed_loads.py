@@ -313,3 +313,11 @@ def test_a_course_of_single_times_is_told_what_to_become() -> None:
         timed.at(np.array([0.0, 0.1]))
     with pytest.raises(TypeError, match="course must be a function of time, a Table or None, got <class"):
         bm.TimedLoad(bm.PointLoad(0.5, force=1.0), bm.Sine)
+
+
+def test_a_jump_that_is_not_told_is_remarked() -> None:
+    chain, tip = bm.Chain(bm.Beam.unit(), "clamped-free", segments=1), bm.PointLoad(1.0, force=1.0)
+    for breaks, words in (((), "load 1 changes by more than half its range"), ((0.5,), "")):
+        load = bm.TimedLoad(tip, lambda t: np.where(t < 0.5, 0.0, 1.0), breaks=breaks)
+        remark = bm.simulate(chain, duration=1.0, step=0.01, load=load).remark
+        assert remark.startswith(words) and bool(remark) == bool(words)

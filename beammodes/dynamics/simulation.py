@@ -17,7 +17,7 @@ from beammodes.checks import bounded, choice, flag, positive_real, real, real_nu
 from beammodes.dynamics.base_motion import BaseMotion, base_vector
 from beammodes.dynamics.forward_dynamics import checked_system
 from beammodes.dynamics.runs import Run, projection, runner
-from beammodes.dynamics.step_choice import OUTPUTS, Chosen, Motion, chosen
+from beammodes.dynamics.step_choice import OUTPUTS, Chosen, Motion, chosen, untold_jumps
 from beammodes.dynamics.time_inputs import TimeInputs
 from beammodes.dynamics.timed_loads import AnyLoad, read_loads
 from beammodes.equations.equilibria import Equilibrium
@@ -361,10 +361,10 @@ def simulate(
         load_work and momenta, q and u. On a hub node 0 is its axis and segment 1 the hub. Attributes
         `integrator` and `step` [s] are those of the run, `reason` says why these, and `step_error` what an
         implicit step does to the modes that it was chosen for, as of a small motion; `remark` says so if
-        nothing moves. Attribute `complete` is 0 if the run was interrupted from
-        the keyboard or left the finite numbers; `stopped` then says why. What came before is kept. Without
-        damping, on a base at rest, `energy` less `load_work` changes by the error of the steps only: it tells
-        whether they were short enough.
+        nothing moves, or a load seems to jump and does not tell where. Attribute `complete` is 0 if the run
+        was interrupted from the keyboard or left the finite numbers; `stopped` then says why. What came
+        before is kept. Without damping, on a base at rest, `energy` less `load_work` changes by the error of
+        the steps only: it tells whether they were short enough.
         Ctrl-C, however often, ends the motion with the step that it came in, and what there is of it is put
         together and written before this function returns. While equations are built there is nothing to
         keep: it is then a KeyboardInterrupt.
@@ -469,9 +469,10 @@ def _taken(motion: Motion, kind: str | None, step: float | None, longest: float)
 
 
 def _remark(motion: Motion) -> str:
-    """Say so if nothing will move."""
-    still = motion.rests and not np.any(motion.start)
-    return "nothing moves: give a start (mode_start makes one), a load or a base that moves" if still else ""
+    """Say so if nothing will move, or a load seems to jump unannounced."""
+    if motion.rests and not np.any(motion.start):
+        return "nothing moves: give a start (mode_start makes one), a load or a base that moves"
+    return untold_jumps(motion)
 
 
 def _errors(run: Run, start: Start, told: Progress, result: xarray.Dataset) -> dict[str, float]:

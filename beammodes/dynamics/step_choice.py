@@ -29,7 +29,7 @@ from beammodes.vibration.linear import LinearModel, linearize
 from beammodes.vibration.modes import solve_modes
 from beammodes.vibration.stability import stable_time_step
 
-__all__ = ["OUTPUTS", "Chosen", "Motion", "chosen"]
+__all__ = ["OUTPUTS", "Chosen", "Motion", "chosen", "untold_jumps"]
 
 #: How many output times a run has unless told otherwise.
 OUTPUTS = 1000
@@ -150,19 +150,37 @@ def _size(timed: TimedLoad, span: float) -> float:
 
 def _load_rates(motion: Motion, most: float) -> dict[str, float]:
     """Return how fast each load varies between its jumps; what is only sampled, `most` at most [rad/s]."""
-    rates, times = {}, np.linspace(0.0, motion.span, 4 * OUTPUTS + 1)
+    rates = {}
     for number, timed in enumerate(motion.drive.loads, start=1):
         rate = timed.fastest
         if rate is None:
-            values = timed.at(times)
-            cell = np.searchsorted(times, timed.jumps)
-            slopes = np.abs(np.diff(values))
-            slopes[cell[(cell > 0) & (cell < len(times))] - 1] = 0.0
             # Of a harmonic course its frequency.
-            swing = float(np.ptp(values)) / 2.0
-            rate = min(float(slopes.max()) / (times[1] * swing), most) if swing else 0.0
+            change, apart = _largest_change(timed, motion.span)
+            rate = min(change / apart, most)
         rates[f"the variation of load {number}"] = float(rate)
     return rates
+
+
+def _largest_change(timed: TimedLoad, span: float) -> tuple[float, float]:
+    """Return how much a course changes from sample to sample, over half its range, and how long that is."""
+    times = np.linspace(0.0, span, 4 * OUTPUTS + 1)
+    values, cell = timed.at(times), np.searchsorted(times, timed.jumps)
+    slopes = np.abs(np.diff(values))
+    slopes[cell[(cell > 0) & (cell < len(times))] - 1] = 0.0
+    swing = float(np.ptp(values)) / 2.0
+    return (float(slopes.max()) / swing if swing else 0.0), float(times[1])
+
+
+def untold_jumps(motion: Motion) -> str:
+    """Say which loads seem to jump where they do not tell it."""
+    for number, timed in enumerate(motion.drive.loads, start=1):
+        change, apart = _largest_change(timed, motion.span) if timed.fastest is None else (0.0, 0.0)
+        if change > 1.0:
+            return (
+                f"load {number} changes by more than half its range within {apart:.3g} s: if it jumps, "
+                "give the TimedLoad its breaks="
+            )
+    return ""
 
 
 def _by_accuracy(motion: Motion, integrator: str, longest: float, stable: float, why: str) -> Chosen:
