@@ -67,6 +67,16 @@ def test_steps_tapers_and_rotary_inertia() -> None:
         np.testing.assert_allclose(found.angular_frequency, judge.angular_frequency, rtol=1e-12)
 
 
+def test_a_step_that_breaks_name_is_seen_from_each_side() -> None:
+    """A function with `breaks` and a table with the same step are one beam, hinge for hinge."""
+    table = bm.Table((0.0, 0.3, 0.3, 1.0), (1.0, 1.0, 2.0, 2.0))
+    wanted = bm.StructureChain(bm.Structure.of_beam(bm.Beam(1.0, table, 1.0), "clamped-free"), 10)
+    for step in (lambda x: np.where(x < 0.3, 1.0, 2.0), lambda x: 1.0 if x <= 0.3 else 2.0):
+        bar = bm.Structure.of_beam(bm.Beam(1.0, step, 1.0, breaks=[0.3]), "clamped-free")
+        found = bm.StructureChain(bar, 10).joint_stiffness
+        assert found == pytest.approx(wanted.joint_stiffness, rel=1e-11)
+
+
 def test_a_rod_that_slides_along_itself_is_a_rigid_motion_more() -> None:
     bar = bm.Structure({"a": bm.Joint(0, 0), "b": bm.Joint(1, 0)}, [bm.Member(UNIT, "a", "b")])
     assert bm.structure_modes(bar, 1).rigid_body_modes == 3

@@ -36,7 +36,7 @@ from beammodes.accuracy.shared_loads import SharedLoads
 from beammodes.accuracy.static_system import StaticSystem
 from beammodes.chains.chain import Chain
 from beammodes.chains.structure_chain import StructureChain
-from beammodes.checks import bounded, real, real_numbers, shown, whole_number
+from beammodes.checks import bounded, is_text, real, real_numbers, shown, whole_number
 from beammodes.numerics.arrays import Floats
 from beammodes.numerics.piecewise import Piecewise
 from beammodes.problem.applied_loads import AppliedLoad, LineLoad, PointLoad
@@ -337,7 +337,11 @@ def loads_listed(load: Loads) -> Load | list[AppliedLoad]:
     """
     if isinstance(load, Load):
         return load
-    return [load] if isinstance(load, PointLoad | LineLoad) else bounded("load", load, most=_MOST_LOADS)
+    if isinstance(load, PointLoad | LineLoad):
+        return [load]
+    if is_text(load) or not isinstance(load, Iterable):
+        raise TypeError(f"load must be a PointLoad, a LineLoad, a sequence of these or a Load, got {shown(load)}")
+    return bounded("load", load, most=_MOST_LOADS)
 
 
 def statics_of(

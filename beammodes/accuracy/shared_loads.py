@@ -5,7 +5,7 @@ from __future__ import annotations
 from itertools import pairwise
 from typing import Any
 
-from beammodes.checks import shown
+from beammodes.checks import choice, shown
 from beammodes.numerics.piecewise import Piecewise, followed, shifted
 from beammodes.problem.applied_loads import AppliedLoad, LineLoad, PointLoad
 from beammodes.problem.loading import Load
@@ -45,8 +45,7 @@ class SharedLoads:
         number = self.number
         if load.joint is not None:
             names = list(self.structure.joints)
-            if load.joint not in names:
-                raise ValueError(f"joint must be one of {', '.join(names)}, got {shown(load.joint)}")
+            choice("joint", load.joint, names)
             pair = load.force if isinstance(load.force, tuple) else (0, 0)
             self._push(names.index(load.joint), pair, load.moment)
             return

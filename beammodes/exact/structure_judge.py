@@ -472,8 +472,9 @@ def _check_counts(model: StructureModel, squares: Floats) -> None:
 
 def _too_unlike(found: str) -> str:
     return (
-        f"{found}: do the stiffnesses or masses of the structure differ by more than about 10 decades? "
-        "What holds has stiffness math.inf"
+        f"{found}: do the stiffnesses (EI/l³ of a short stretch is one) or masses of the structure differ by "
+        "more than about 10 decades? What holds has stiffness math.inf, and what is all but at one place, or "
+        "at an end, may be given there"
     )
 
 
@@ -494,8 +495,8 @@ def _divided(own: list[float], square: float, least: tuple[int, ...]) -> tuple[i
     )
     if sum(many) > _MOST_PARTS:
         raise ValueError(
-            f"modes must be so few that {_MOST_PARTS} parts of stretches suffice, got {sum(many)} for a mode "
-            f"at {math.sqrt(square):g} rad/s"
+            f"modes must be so few, and stations so far apart, that {_MOST_PARTS} parts of stretches suffice, "
+            f"got {sum(many)} for a mode at {math.sqrt(square):g} rad/s"
         )
     return many
 

@@ -23,7 +23,7 @@ import numpy as np
 from beammodes.checks import bounded, choice, is_text, not_negative, real, shown
 from beammodes.problem.beam import Beam
 from beammodes.problem.ends import NUMBERS_OF_END, Boundary, BoundaryLike, End, check_no_hub
-from beammodes.problem.profiles import SAME_PLACE, Profile, Table, table_limit, value_at
+from beammodes.problem.profiles import SAME_PLACE, BrokenFunction, Profile, Table, table_limit, value_at
 
 __all__ = [
     "Joint",
@@ -515,9 +515,10 @@ def _part(profile: Profile, start: float, stop: float, length: float) -> Any:
             return first
         return Table([0.0, *(x[inside] - start).tolist(), stop - start], values)
     if callable(profile):
-        # Where the part ends at a break, what lies beyond it is not seen.
+        # Where the part ends at a break, what lies beyond it is not seen, in a mean of both sides either.
         low, high = start + 4.0 * SAME_PLACE * length, stop - 4.0 * SAME_PLACE * length
-        return lambda x: value_at(profile, np.clip(np.asarray(x) + start, low, high))
+        own = profile.function if isinstance(profile, BrokenFunction) else profile
+        return lambda x: value_at(own, np.clip(np.asarray(x) + start, low, high))
     return profile
 
 
