@@ -340,7 +340,9 @@ def loads_listed(load: Loads) -> Load | list[AppliedLoad]:
     if isinstance(load, PointLoad | LineLoad):
         return [load]
     if is_text(load) or not isinstance(load, Iterable):
-        raise TypeError(f"load must be a PointLoad, a LineLoad, a sequence of these or a Load, got {shown(load)}")
+        raise TypeError(
+            f"load must be a PointLoad, a LineLoad, a sequence of these or a Load, got {shown(load)}"
+        )
     return bounded("load", load, most=_MOST_LOADS)
 
 

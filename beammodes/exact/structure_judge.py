@@ -495,8 +495,8 @@ def _divided(own: list[float], square: float, least: tuple[int, ...]) -> tuple[i
     )
     if sum(many) > _MOST_PARTS:
         raise ValueError(
-            f"modes must be so few, and stations so far apart, that {_MOST_PARTS} parts of stretches suffice, "
-            f"got {sum(many)} for a mode at {math.sqrt(square):g} rad/s"
+            f"modes must be so few, and stations so far apart, that {_MOST_PARTS} parts of stretches do, got "
+            f"{sum(many)} for a mode at {math.sqrt(square):g} rad/s"
         )
     return many
 
