@@ -294,6 +294,18 @@ def test_a_roller_on_a_slope() -> None:
     assert found.deflection(0.5) == pytest.approx(-1 / 48, rel=1e-12)
 
 
+def test_walls_do_not_tell_how_they_share_a_pull_along_a_bar() -> None:
+    """On any slope; a force across tells all: F/2 and F L/8 of a beam between walls."""
+    for x, y in ((1.0, 0.0), (0.8, 0.6)):
+        joints = {"a": bm.Joint(0, 0, "clamped"), "b": bm.Joint(x, y, "clamped")}
+        bar = bm.Structure.of_bars(joints, [("a", "b")], bending_stiffness=1.0, mass_per_length=1.0)
+        across, both = (bm.structure_statics(bar, bm.PointLoad(0.5, f)).reactions for f in (-1, (x, y - 1)))
+        assert across["b"] == pytest.approx((-0.5 * y, 0.5 * x, -0.125), abs=1e-12)
+        assert math.isnan(both["a"].force_x) and math.isnan(both["b"].force_x)
+        assert math.isnan(both["b"].force_y) == bool(y)
+        assert both["b"].moment == pytest.approx(-0.125 * x, rel=1e-12)
+
+
 def test_what_statics_refuse() -> None:
     bar = of("clamped-pinned")
     cases: list[tuple[Callable[[], object], str]] = [
@@ -305,6 +317,7 @@ def test_what_statics_refuse() -> None:
             lambda: bm.structure_statics(portal(), bm.PointLoad(0.5, 1.0)),
             "member must be one of a-b, b-c, c-d",
         ),
+        (lambda: bm.structure_statics(GERBER, bm.PointLoad(0.5, moment=1.0)), "which side of it bears"),
         (lambda: bm.PointLoad(force=1.0), "x or a joint"),
         (lambda: bm.PointLoad(joint="a", force=3.0), "two components"),
     ]

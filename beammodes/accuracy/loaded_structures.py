@@ -159,7 +159,7 @@ class StructureStatics:
         """Of each support, by the name of its joint or station ("left-right at 0.5").
 
         Where several supports hold one straight line of members along itself, members that do not stretch do
-        not tell how these share a force along it.
+        not tell how these share a force along it: nan.
         """
         return {name: Reaction(*map(float, given)) for name, given in self._reactions.items()}
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from itertools import pairwise
 from typing import Any
 
@@ -66,6 +67,7 @@ class SharedLoads:
                 node for node, end in zip(stretch.nodes, (start, stop), strict=True) if abs(x - end) <= small
             ]
             if at:
+                self._check_turns_as_one(load, member.name, at[0])
                 self._push(at[0], pair, load.moment)
                 return
             across, along = self._resolved(stretch, pair)
@@ -73,6 +75,17 @@ class SharedLoads:
             self.pulls[i].append((x - start, along))
             self._push_along(stretch, along)
             return
+
+    def _check_turns_as_one(self, load: PointLoad, member: str, node: int) -> None:
+        """Refuse a moment where a member has a kink: which side of it bears it?"""
+        for _, stretch in self._stretches(member):
+            for end, hinge in zip(stretch.nodes, stretch.hinges, strict=True):
+                if load.moment and end == node and hinge < math.inf:
+                    raise ValueError(
+                        f"moment must be where a member has no hinge, got one at x = {load.x} of {member} on "
+                        f"a hinge of stiffness {hinge:g}: which side of it bears the moment? Put it on the "
+                        "joint, or a little beside"
+                    )
 
     def _resolved(self, stretch: Stretch, force: tuple[Any, Any]) -> tuple[Any, Any]:
         """Return what a force has across a stretch, and along it."""

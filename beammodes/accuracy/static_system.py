@@ -202,8 +202,12 @@ class StaticSystem:
         )
 
     def read(self, values: dict[str, Any]) -> tuple[Any, Any, Any]:
-        """Return m₀, m₁, v₀, v₁, N of every stretch; reactions; displacements of nodes."""
-        number, ends, untold = self.number, list[tuple[Any, ...]](), self._untold()
+        """Return m₀, m₁, v₀, v₁, N of every stretch; reactions; displacements of nodes.
+
+        What nothing tells is None as N, and nan as a reaction.
+        """
+        number, ends = self.number, list[tuple[Any, ...]]()
+        untold, unshared = self._untold(values)
         for s, one in enumerate(self.stretches):
             across = tuple(
                 sum(
@@ -219,28 +223,46 @@ class StaticSystem:
             moved[node.name] = (values[f"dx{i}"], values[f"dy{i}"], turn)
             if not node.supports and not node.rotational_stiffness:
                 continue
-            push = [values[f"R{i}.{r}"] for r in range(len(node.supports))]
+            names = [f"R{i}.{r}" for r in range(len(node.supports))]
+            push = [math.nan if name in unshared else values[name] for name in names]
             force = tuple(
-                sum((p * number(d[k]) for p, (d, _) in zip(push, node.supports, strict=True)), number(0))
+                sum(
+                    (p * number(d[k]) for p, (d, _) in zip(push, node.supports, strict=True) if d[k]),
+                    number(0),
+                )
                 for k in (0, 1)
             )
             reactions[node.name] = (*force, values[f"C{i}"] if node.rotational_stiffness else number(0))
         return tuple(ends), reactions, moved
 
-    def _untold(self) -> list[bool]:
-        """Return whether each stretch may have an axial force without any load: one that nothing tells."""
-        pulls = []
+    def _untold(self, values: dict[str, Any]) -> tuple[list[bool], set[str]]:
+        """Return whether each stretch may have an axial force without any load, and reactions that may.
+
+        Of the reactions only those to a pull along what holds itself so: without one they are zero there.
+        """
+        pulls, names = [], [f"N{s}" for s in range(len(self.stretches))]
+        owner = [-1 - s for s in range(len(self.stretches))]
         for one in self.parts.stretches:
             pull = np.zeros((len(self.parts.nodes), 2))
             for node, sign in zip(one.nodes, (1.0, -1.0), strict=True):
                 pull[node] += sign * np.array(one.axis)
             pulls.append(pull.ravel())
         for i, supported in enumerate(self.parts.nodes):
-            for unit, stiffness in supported.supports:
+            for r, (unit, stiffness) in enumerate(supported.supports):
                 if stiffness == math.inf:
                     push = np.zeros((len(self.parts.nodes), 2))
                     push[i] = unit
                     pulls.append(push.ravel())
+                    names.append(f"R{i}.{r}")
+                    owner.append(i)
         _, size, right = np.linalg.svd(np.array(pulls).T)
-        free = right[int(np.sum(size > 1e-9)) :, : len(self.stretches)]
-        return [bool(largest > 1e-9) for largest in np.abs(free).max(axis=0, initial=0.0)]
+        free = right[int(np.sum(size > 1e-9)) :]
+        shared = free.T @ free
+        together = np.abs(shared) > 1e-9
+        force = np.array([float(values[name]) for name in names])
+        own = np.equal.outer(owner, owner)
+        pulled = np.abs((shared * own) @ force) > 1e-9 * max(abs(float(values[name])) for name in self.forces)
+        told = ~(together & pulled).any(axis=1)
+        count = len(self.stretches)
+        unshared = {name for name, is_told in zip(names[count:], told[count:], strict=True) if not is_told}
+        return together.diagonal()[:count].tolist(), unshared

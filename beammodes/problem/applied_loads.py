@@ -26,7 +26,7 @@ class PointLoad:
         Across the member, to the left of one who goes along it: up on a beam that lies along x. Or components
         (F_x, F_y) along the axes of the plane, which a load at a joint needs.
     moment : float [N m]
-        Counter-clockwise.
+        Counter-clockwise; inside a member not on a hinge, where it would be ambiguous.
     member : str, optional
         Name of the member, such as "foot-corner", where there are several.
     joint : str, optional
