@@ -321,7 +321,7 @@ def test_a_chain_that_cannot_move_takes_any_step() -> None:
 CHAIN = Chain(UNIT, "clamped-free", 2)
 bad = st.one_of(
     st.text(), st.none(), st.booleans(), st.complex_numbers(), st.floats(max_value=0.0),
-    st.sampled_from([math.nan, math.inf, 0, -1, 10**400, [0.1], b"1"]),
+    st.sampled_from([math.nan, math.inf, 0, -1, 10**400, {0.1}, b"1"]),
 )  # fmt: skip
 
 

@@ -288,7 +288,8 @@ def joint_dampers(
     >>> bm.damped_modes(chain, both).damping_ratio.values.round(4)
     array([0.008 , 0.0109, 0.0939, 0.0704])
     """
-    if (isinstance(ratio, Mapping) or np.ndim(ratio)) and not isinstance(chain, AxialChain | SpatialChain):
+    several = isinstance(ratio, Mapping | list | tuple) or getattr(ratio, "ndim", 0) > 0
+    if several and not isinstance(chain, AxialChain | SpatialChain):
         if mode != 1:
             raise ValueError(f"mode must be left out with ratios of several modes, got {shown(mode)}")
         return _fitted_joints(chain, ratios_of_modes("ratio", ratio))
@@ -343,8 +344,10 @@ def ratios_of_modes(name: str, given: object) -> dict[int, float]:
     """
     if isinstance(given, Mapping):
         items = bounded(name, given.items(), most=MAX_DENSE)
-    elif (isinstance(given, Sequence) or np.ndim(given) == 1) and not is_text(given):  # type: ignore[arg-type]
-        items = [*enumerate(bounded(name, np.asarray(given).tolist(), most=MAX_DENSE), 1)]
+    elif isinstance(given, Sequence | np.ndarray) and not is_text(given):
+        items = [*enumerate(bounded(name, given, most=MAX_DENSE), 1)]
+    elif getattr(given, "ndim", 0) == 1:
+        items = [*enumerate(bounded(name, real_numbers(name, given).tolist(), most=MAX_DENSE), 1)]
     else:
         raise TypeError(f"{name} must be ratios by mode, such as {{1: 0.01, 2: 0.02}}, got {shown(given)}")
     if not items:
