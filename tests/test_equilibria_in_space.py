@@ -194,6 +194,12 @@ def test_bad_input_is_named() -> None:
         bm.spatial_equilibrium(chain, joints="yyzx")
     with pytest.raises(ValueError, match="chain must hold its end at s = 0 in place"):
         bm.spatial_equilibrium(bm.SpatialChain(BEND, "free-clamped", 3))
+    held = bm.SpatialChain(BEND, "clamped-clamped", 4)
+    for axes in (np.ones((3, 3)), 2 * np.eye(3), np.diag([1.0, 1.0, -1.0])):
+        with pytest.raises(ValueError, match="end_frame must be a rotation"):
+            bm.spatial_equilibrium(held, end_frame=axes)
+    with pytest.raises(ValueError, match=r"end_place must be within the rod's length .* got \(900, 0, 0\)"):
+        bm.spatial_equilibrium(held, end_place=(900, 0, 0))
     with pytest.raises(ValueError, match=r"guess must have shape \(4, 3\)"):
         bm.spatial_equilibrium(chain, guess=[1.0, 2.0])
     with pytest.raises(ValueError, match="load must lose its stability below most"):

@@ -279,6 +279,22 @@ def test_a_long_chain_keeps_its_digits() -> None:
     np.testing.assert_allclose(straight.angular_frequency, np.repeat(planar, 2), rtol=1e-11)
 
 
+def test_pieces_of_many_coils_have_the_mass_of_their_coils() -> None:
+    # A circle of radius R followed through the angle a has its centre at R ((1 - cos a)/a, 1 - sin a/a),
+    # d from the circle's centre, and about its axis the inertia m (R² - d²). Given as a function, too.
+    for a, curvature in ((50.0, (0, 0, 50.0)), (200.0, (0, 0, 200.0)), (60.0, lambda _: (0, 0, 60.0))):
+        tree = bm.SpatialChain(bm.Rod(1.0, **ROUND, curvature=curvature), "free-free", 1, "naive").tree
+        place = np.array([(1 - math.cos(a)) / a, 1 - math.sin(a) / a, 0.0]) / a
+        np.testing.assert_allclose(tree.centre[0], place, atol=1e-11 / a)
+        assert tree.inertia[0][2, 2] == pytest.approx(
+            (1 - (a * place[0]) ** 2 - (1 - a * place[1]) ** 2) / a**2
+        )
+    with pytest.raises(ValueError, match=r"rod must turn by at most 200,000 radians .* got 1,000,000"):
+        bm.SpatialChain(bm.Rod(1.0, **ROUND, curvature=(0, 0, 1e6)), "clamped-free", 5)
+    with pytest.raises(TypeError, match=r"curvature must be three numbers .* or a function of s .* got 5"):
+        bm.Rod(1.0, **ROUND, curvature=5)
+
+
 def test_a_tree_with_a_fork_against_its_assembled_matrices() -> None:
     # Two branches on a trunk, sprung to the ground at three points: M and K summed piece by piece, dense.
     draw = np.random.default_rng(2)
@@ -335,7 +351,7 @@ def test_a_tree_with_a_fork_against_its_assembled_matrices() -> None:
 
 
 def test_bad_input_is_named() -> None:
-    with pytest.raises(ValueError, match="curvature must be three numbers"):
+    with pytest.raises(ValueError, match=r"curvature must be three numbers"):
         bm.Rod(1.0, **ROUND, curvature=(1.0, 2.0))
     with pytest.raises(TypeError, match="curvature must be a function of s that returns three numbers"):
         bm.Rod(1.0, **ROUND, curvature=lambda s: s)

@@ -65,7 +65,7 @@ def rod_errors(chain: SpatialChain, modes: int = 3) -> Floats:
         raise TypeError(f"chain must be a SpatialChain, got {shown(chain)}{hint}")
     count = whole_number("modes", modes, most=MOST_ROD_MODES)
     found = spatial_modes(chain, count).angular_frequency
-    return ratios_less_one(found, _exact(chain.rod, chain.ends, count), count)
+    return ratios_less_one(found, _exact(chain.rod, chain.ends, max(len(found), 1)), count)
 
 
 def _exact(rod: Rod, ends: RodEnds, count: int) -> Floats:

@@ -16,6 +16,10 @@ __all__ = ["curved_pieces"]
 
 #: Gauss points of each piece: for pieces that bend by radians, and of more than so many pieces.
 _POINTS, _FEW, _MANY = 12, 4, 1000
+#: What so many points integrate to rounding turns by so much at most [rad]; a piece that turns more is cut.
+_TURNING = {_POINTS: 4.0, _FEW: 0.5}
+#: Such cuts in a whole rod.
+_MOST_CUTS = 50_000
 
 
 def curved_pieces(rod: Rod, edges: Floats) -> tuple[Floats, Floats, Floats, Floats]:
@@ -32,6 +36,11 @@ def curved_pieces(rod: Rod, edges: Floats) -> tuple[Floats, Floats, Floats, Floa
     ndarray, shapes (pieces,), (pieces, 3), (pieces, 3, 3) and (pieces, 3, 3) [kg], [m], [kg m²]
         The inertias are about the centre of mass; what is about the section's own centre line stands apart.
 
+    Raises
+    ------
+    ValueError
+        If the rod turns by so many radians that its coils cannot be integrated.
+
     Examples
     --------
     >>> half = Rod.arc(np.pi, length=np.pi, bending_stiffness=1, torsional_stiffness=1, mass_per_length=1)
@@ -42,6 +51,7 @@ def curved_pieces(rod: Rod, edges: Floats) -> tuple[Floats, Floats, Floats, Floa
     stations = np.unique(np.concatenate([edges, breaks]))
     points = _POINTS if len(stations) <= _MANY else _FEW
     node, weight = np.polynomial.legendre.leggauss(points)
+    stations = _cut_where_coiled(rod, stations, node)
     width = np.diff(stations)
     ahead = 0.5 * width[:, None] * (1.0 + node)
     place = stations[:-1, None] + ahead
@@ -70,6 +80,28 @@ def curved_pieces(rod: Rod, edges: Floats) -> tuple[Floats, Floats, Floats, Floa
         about = share[..., None] * density.reshape(*place.shape, 3)
         section_inertia = summed((section * about[..., None, :]) @ np.swapaxes(section, -1, -2))
     return mass, centre, spread, section_inertia
+
+
+def _cut_where_coiled(rod: Rod, stations: Floats, node: Floats) -> Floats:
+    """Return the stations and those between them where a stretch turns by more than its points integrate."""
+    width = np.diff(stations)
+    if isinstance(rod.curvature, tuple):
+        rate = np.full(len(width), np.linalg.norm(rod.curvature))
+    elif len(stations) <= _MANY:
+        place = stations[:-1, None] + 0.5 * width[:, None] * (1.0 + node)
+        rate = np.linalg.norm(rod.curvature_at(place.ravel()), axis=1).reshape(place.shape).max(axis=1)
+    else:
+        return stations
+    parts = np.maximum(np.ceil(width * rate / _TURNING[len(node)] - 1e-9), 1.0)
+    if parts.sum() - len(parts) > _MOST_CUTS:
+        raise ValueError(
+            f"rod must turn by at most {_MOST_CUTS * _TURNING[len(node)]:,.0f} radians in a chain of so many "
+            f"segments, got {float(width @ rate):,.0f}"
+        )
+    count = parts.astype(int)
+    within = np.arange(count.sum()) - np.repeat(np.cumsum(count) - count, count)
+    inner = np.repeat(stations[:-1], count) + within * np.repeat(width / parts, count)
+    return np.append(inner, stations[-1])
 
 
 def _onward(rod: Rod, start: Floats, ahead: Floats) -> tuple[Floats, Floats]:

@@ -280,8 +280,8 @@ _OF_MOTIONS: tuple[tuple[tuple[str, ...], Option], ...] = (
         option(
             "--shape",
             "at rest: straight, pretwisted(angle=1.57), arc(angle=1.57), helix(radius=0.1, pitch=0.05, "
-            "turns=3), hook(straight=1, radius=0.1, angle=3.1), or curved(x=0, y=0, z=2) in 1/m; a helix and "
-            "a hook have their own length (default: straight)",
+            "turns=3), hook(straight=1, radius=0.1, angle=3.1), or curved(x=0, y=0, z=2) in 1/m; angles in "
+            "radians; a helix and a hook have their own length (default: straight)",
             metavar="NAME",
         ),
     ),

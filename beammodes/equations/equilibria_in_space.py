@@ -35,6 +35,8 @@ _STEPS, _NEWTON, _SMALLEST = 400, 30, 1e-4
 
 #: Multiples of a load that are tried on the way to one that buckles.
 _MOST_TRIED = 1600
+#: How far from a rotation `end_frame`, and beyond the length `end_place`, may be by rounding.
+_SAME_AXES = 1e-8
 
 
 class NoEquilibriumInSpace(ArithmeticError):
@@ -254,6 +256,17 @@ class _Statics:
         axes = end.frame if end_frame is None else real_numbers("end_frame", end_frame)
         if place.shape != (3,) or axes.shape != (3, 3):
             raise ValueError("end_place must be three numbers and end_frame three rows of three")
+        if abs(axes @ axes.T - np.eye(3)).max() > _SAME_AXES or np.linalg.det(axes) < 0.0:
+            raise ValueError(
+                "end_frame must be a rotation, its columns right-handed axes of length one, got "
+                + shown(end_frame)
+            )
+        reach, apart = chain.rod.length, float(np.linalg.norm(place - tree.supports[0].place))
+        if all(map(math.isinf, right.translational_stiffness)) and apart > reach * (1.0 + _SAME_AXES):
+            raise ValueError(
+                f"end_place must be within the rod's length {reach:g} of its start, got {shown(end_place)}, "
+                f"{apart:g} from it: the chain does not stretch"
+            )
         self._tangent = end.frame[:, 0]
         self._far = FarEnd(right, end.frame, place, axes)
         self.held = self._far.held

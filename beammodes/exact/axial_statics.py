@@ -56,13 +56,13 @@ def axial_displacement(
 
     Examples
     --------
-    >>> shaft = Beam(1.2, 1.0, 1.0, torsional_stiffness=30e3, polar_inertia_per_length=1.0)
+    >>> shaft = Beam(1.2, 1.0, 1.0, torsional_stiffness=30e3)
     >>> torques = {0.0: 100.0, 0.4: -220.0, 0.7: -60.0}                                    # N m
     >>> axial_displacement(shaft, "free-fixed", torques, [0.0, 0.4, 0.7]).round(9)           # rad
     array([-0.00286667, -0.0042    , -0.003     ])
     """
     pair = AxialBoundary.of(boundary, motion)
-    stiffness, _ = MOTIONS[pair.motion].numbers(beam)
+    stiffness = MOTIONS[pair.motion].stiffness_of(beam)
     position = positions_on(beam, x)
     if not isinstance(loads, Mapping):
         raise TypeError(f"loads must map positions to loads, got {shown(loads)}")

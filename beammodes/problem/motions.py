@@ -82,22 +82,24 @@ class Motion:
         >>> MOTIONS["stretch"].numbers(Beam(1.0, 2.0, 3.0, axial_stiffness=4.0))
         (4.0, 3.0)
         """
+        inertia = self.inertia, self.inertia_symbol, self.inertia_unit
+        return self.stiffness_of(beam), self._number(beam, *inertia)
+
+    def stiffness_of(self, beam: Beam) -> Profile:
+        """Return the beam's stiffness in this motion, all that its rest needs; errors as of `numbers`."""
+        return self._number(beam, self.stiffness, self.stiffness_symbol, self.stiffness_unit)
+
+    def _number(self, beam: Beam, name: str, symbol: str, unit: str) -> Profile:
         if not isinstance(beam, Beam):
             raise TypeError(f"beam must be a Beam, got {shown(beam)}")
-        found: list[Profile] = []
-        for name, symbol, unit in (
-            (self.stiffness, self.stiffness_symbol, self.stiffness_unit),
-            (self.inertia, self.inertia_symbol, self.inertia_unit),
-        ):
-            value = getattr(beam, name)
-            if value is None:
-                raise ValueError(
-                    f"beam must have its {name} for motion {self.name}, got None: give "
-                    f"Beam(..., {name}={symbol}) [{unit}], or take Beam.from_section"
-                    + (" of a section with torsion_constant and weak_second_moment" * (self.name == "twist"))
-                )
-            found.append(value)
-        return found[0], found[1]
+        value: Profile | None = getattr(beam, name)
+        if value is None:
+            raise ValueError(
+                f"beam must have its {name} for motion {self.name}, got None: give "
+                f"Beam(..., {name}={symbol}) [{unit}], or take Beam.from_section"
+                + (" of a section with torsion_constant and weak_second_moment" * (self.name == "twist"))
+            )
+        return value
 
     def mean_numbers(self, beam: Beam) -> tuple[float, float]:
         """Return the means of both along the beam: the numbers themselves where it is uniform."""

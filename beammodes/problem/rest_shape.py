@@ -10,7 +10,7 @@ the line about y and z. All that is known of a rest shape is κ of s, the distan
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from functools import cache, cached_property
 from typing import Any, TypeAlias
@@ -39,6 +39,7 @@ __all__ = [
 _MOST_PARTS, _GRID = 10_000, 65
 #: Radians over the length of a rod.
 _MOST_TURNING = 1e9
+_WANTED = "three numbers (κx, κy, κz), or such a triple for each of several equal parts"
 
 #: Cells of a measured line from point to point on which its frames are kept.
 _CELLS = 64
@@ -239,15 +240,16 @@ def kept_curvature(given: CurvatureLike, length: float, breaks: tuple[float, ...
         return _tried(BendsAlong(given.function, given.breaks or breaks), length)
     if callable(given):
         return _tried(BendsAlong(given, breaks), length)
+    if not isinstance(given, Iterable) or isinstance(given, (str, bytes)):
+        raise TypeError(
+            f"curvature must be {_WANTED}, or a function of s that returns three, got {shown(given)}"
+        )
     rows = real_numbers("curvature", bounded("curvature", given, most=_MOST_PARTS))
     if rows.shape == (3,):
         _check_turning(rows, length)
         return _three(rows)
     if rows.ndim != 2 or rows.shape[1] != 3 or not len(rows):
-        raise ValueError(
-            "curvature must be three numbers (κx, κy, κz), or such a triple for each of several equal parts, "
-            f"got {shown(given)}"
-        )
+        raise ValueError(f"curvature must be {_WANTED}, got {shown(given)}")
     _check_turning(rows, length)
     edges = tuple(length * (part + 1) / len(rows) for part in range(len(rows)))
     return CurvatureSteps(edges, tuple(_three(row) for row in rows))
