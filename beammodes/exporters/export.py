@@ -176,7 +176,8 @@ def export_chain(
     loads = SpatialLoad if isinstance(chain, SpatialChain) else Load
     for what, known in (("second", Chain), ("damping", Damping), ("load", loads), ("at", Equilibrium)):
         if not isinstance(given[what], known | None):
-            raise TypeError(f"{what} must be a {known.__name__} or None, got {shown(given[what])}")
+            article = "an" if known is Equilibrium else "a"
+            raise TypeError(f"{what} must be {article} {known.__name__} or None, got {shown(given[what])}")
     if not isinstance(name, str) or not re.fullmatch(r"[A-Za-z_][A-Za-z0-9_]{0,59}", name):
         raise ValueError(f'name must be a word of letters, digits and _ such as "beam", got {shown(name)}')
     paths = kind.paths(place)
