@@ -294,6 +294,14 @@ def test_a_roller_on_a_slope() -> None:
     assert found.deflection(0.5) == pytest.approx(-1 / 48, rel=1e-12)
 
 
+def test_supports_that_six_digits_do_not_tell_apart() -> None:
+    supports = [bm.Station(x, INF) for x in (0.5, 0.5000001, 0.5000002)]
+    bar = bm.Structure.of_beam(UNIT, "pinned-pinned", supports)
+    found = bm.structure_statics(bar, bm.LineLoad(-1.0)).reactions
+    assert list(found)[2:] == [f"left-right at {station.x}" for station in supports]
+    assert sum(force.force_y for force in found.values()) == pytest.approx(1.0, rel=1e-9)
+
+
 def test_walls_do_not_tell_how_they_share_a_pull_along_a_bar() -> None:
     """On any slope; a force across tells all: F/2 and F L/8 of a beam between walls."""
     for x, y in ((1.0, 0.0), (0.8, 0.6)):

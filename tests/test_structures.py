@@ -496,11 +496,14 @@ def test_laws_of_structures_are_what_chains_tend_to() -> None:
 
 def test_what_a_structure_refuses() -> None:
     joints = {"a": bm.Joint(0, 0), "b": bm.Joint(2, 0)}
+    twice = {name: bm.Joint(x, 0) for x, name in enumerate(("a", "b-c", "a-b", "c"))}
+    bars = [("a", "b-c"), ("b-c", "a-b"), ("a-b", "c")]
     cases: list[tuple[Callable[[], object], str]] = [
         (lambda: bm.Structure({}, []), r"^joints must be one or more, got \{\}"),
         (lambda: bm.Structure(joints, [bm.Member(UNIT, "a", "b")]), "1.0 between joints 2.0 apart"),
         (lambda: bm.Structure(joints, [bm.Member(UNIT, "a", "c")]), "joint of a member must be one of a, b"),
         (lambda: bm.Structure.of_beam(UNIT, "free-free", [bm.Station(1.0, INF)]), "what is at an end"),
+        (lambda: bm.Structure.of_bars(twice, bars, bending_stiffness=1, mass_per_length=1), "members a-b-c"),
         (lambda: bm.Station(0.5, rotary_inertia=1.0, hinge=2.0), "which side of the kink"),
         (lambda: bm.Joint(0, 0, "pined"), 'did you mean "pinned"'),
         (lambda: bm.StructureChain(ell(), 1), "segments must be at least 2, for 2 stretches"),

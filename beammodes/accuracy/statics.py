@@ -31,7 +31,7 @@ from beammodes.chains.pieces import MAX_PIECES, Number
 from beammodes.chains.rules import AnyRule
 from beammodes.chains.structure_chain import StructureChain
 from beammodes.chains.units import Units
-from beammodes.checks import choice, shown
+from beammodes.checks import choice, instead, shown
 from beammodes.numerics.arrays import Floats
 from beammodes.problem.applied_loads import LineLoad, PointLoad
 from beammodes.problem.beam import Beam
@@ -190,7 +190,8 @@ def beam_statics(beam: Beam, boundary: BoundaryLike, load: str | Loads) -> Stati
     15.111111
     """
     if not isinstance(beam, Beam):
-        raise TypeError(f"beam must be a Beam, got {shown(beam)}")
+        hint = instead(beam, Structure="structure_statics takes a Structure")
+        raise TypeError(f"beam must be a Beam, got {shown(beam)}{hint}")
     _check_load(load)
     if not isinstance(load, str):
         from beammodes.accuracy.loaded_structures import beam_under

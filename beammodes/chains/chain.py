@@ -180,7 +180,8 @@ class Chain(ChainNumbers):
     def __init__(self, beam: Beam, boundary: BoundaryLike, segments: int, rule: AnyRule = "mitiguy") -> None:
         if not isinstance(beam, Beam):
             raise TypeError(
-                f"beam must be a Beam, got {shown(beam)}{instead(beam, Rod='SpatialChain takes a Rod')}"
+                f"beam must be a Beam, got {shown(beam)}"
+                + instead(beam, Rod="SpatialChain takes a Rod", Structure="StructureChain takes a Structure")
             )
         boundary, record = Boundary.of(boundary), layout_of(rule)
         count = whole_number("segments", segments, most=MAX_PIECES)

@@ -68,7 +68,8 @@ def euler_bernoulli(
     array([ 9.705, 34.976, 86.607])
     """
     if not isinstance(beam, Beam):
-        raise TypeError(f"beam must be a Beam, got {shown(beam)}{instead(beam, Rod='rod_modes takes a Rod')}")
+        hint = instead(beam, Rod="rod_modes takes a Rod", Structure="structure_modes takes a Structure")
+        raise TypeError(f"beam must be a Beam, got {shown(beam)}{hint}")
     pair, pull = Boundary.of(boundary), checked_load(load)
     count = whole_number("modes", modes, most=10**6)
     check_range(beam, pair, pull)

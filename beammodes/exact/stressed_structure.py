@@ -168,6 +168,6 @@ def _geometric(
 def _disagreement() -> ArithmeticError:
     return ArithmeticError(
         f"results do not agree to {_AGREEMENT:g} between polynomials of growing degree: does a property vary "
-        "too much between the breaks of its beam, or is a member under so much tension that it bends next to "
-        "its ends only?"
+        "too much between the breaks of its beam, is a member under so much tension that it bends next to "
+        "its ends only, or is the load within a millionth of that at which the structure buckles?"
     )

@@ -354,6 +354,10 @@ class Structure:
         for i, pair in enumerate(pairs):
             if pair in pairs[:i]:
                 raise ValueError(f"members must join different pairs of joints, got {kept[i].name} twice")
+        names = [member.name for member in kept]
+        for i, name in enumerate(names):
+            if name in names[:i]:
+                raise ValueError(f"joints must have names that name members apart, got two members {name}")
         alone = set(joints).difference(*pairs)
         if alone or not kept:
             raise ValueError(f"joints must each be an end of a member, got {shown(sorted(alone))} alone")
@@ -546,7 +550,9 @@ def _cut_member(
         else:
             last, station = len(nodes), at.get(stop)
             place = (origin[0] + axis[0] * stop, origin[1] + axis[1] * stop)
-            nodes.append(_station_node(f"{member.name} at {stop:g}", place, axis, station))
+            short = f"{stop:g}"
+            at_stop = short if short != f"{start:g}" else repr(float(stop))
+            nodes.append(_station_node(f"{member.name} at {at_stop}", place, axis, station))
             following = math.inf if station is None else station.hinge
             after = (hinge, math.inf)
         beam = part_of_beam(member.beam, start, stop)
