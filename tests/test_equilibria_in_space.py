@@ -9,7 +9,9 @@ from typing import Any
 
 import numpy as np
 import pytest
-from shared_cases import BEND, INF
+from scipy.optimize import brentq
+from scipy.special import ellipe, ellipeinc, ellipk, ellipkinc
+from shared_cases import BEND, INF, ROUND
 
 import beammodes as bm
 from beammodes.equations.equilibria_in_space import _Statics
@@ -85,6 +87,25 @@ def test_the_bend_of_45_degrees() -> None:
         assert 100 * errors[case] == pytest.approx(percent, rel=5e-3)
     richardson = tips[-1] + (tips[-1] - tips[-2]) / 3
     assert np.abs(richardson - BEND_TIP).max() < 1e-4
+
+
+def test_a_tip_force_grows_to_a_hundred_on_the_branch_of_the_elastica() -> None:
+    # Bisshopp and Drucker 1945: √α = K(m) - F(φ, m), m = (1 + sin θ)/2 of the tip's slope θ, sin²φ = 1/2m.
+    # A chain of many joints may jump to a looped branch though each joint turns little.
+    chain = bm.SpatialChain(bm.Rod(1.0, **ROUND), "clamped-free", 40, "double_wall")
+    for alpha in (15.0, 30.0, 100.0):
+
+        def missed(m: float, root: float = math.sqrt(alpha)) -> float:
+            return float(ellipk(m) - ellipkinc(math.asin(1.0 / math.sqrt(2.0 * m)), m) - root)
+
+        m = brentq(missed, 0.5 + 1e-9, 1.0 - 1e-13, xtol=1e-15)
+        phi, root = math.asin(1.0 / math.sqrt(2.0 * m)), math.sqrt(alpha)
+        down = 1.0 - 2.0 / root * (ellipe(m) - ellipeinc(phi, m))
+        found = bm.spatial_equilibrium(chain, bm.SpatialLoad(force=(0.0, 0.6 * alpha, 0.8 * alpha)))
+        assert found.is_stable
+        assert found.tip == pytest.approx(
+            [math.sqrt((4 * m - 2) / alpha), 0.6 * down, 0.8 * down], abs=1.5e-3
+        )
 
 
 def test_what_the_order_of_hinges_costs_stands_on_the_page() -> None:

@@ -31,7 +31,10 @@ __all__ = ["NoEquilibriumInSpace", "SpatialEquilibrium", "critical_factor", "spa
 #: Joints of a chain whose shape is solved for: the tangent is a full matrix.
 _MOST_JOINTS = 600
 
-_STEPS, _NEWTON, _SMALLEST = 400, 30, 1e-4
+_STEPS, _NEWTON, _SMALLEST = 1000, 30, 1e-4
+
+#: How far a piece turns from one load to the next at most [rad], unless they are so little apart.
+_TURN, _APART = 1.0, 0.003
 
 #: Multiples of a load that are tried on the way to one that buckles.
 _MOST_TRIED = 1600
@@ -354,7 +357,7 @@ class _Statics:
         for _ in range(_STEPS):
             found = self.newton(*state, load.times(min(1.0, done + step)))
             # A jump to another branch is as bad as no answer.
-            if found is None or (step > 0.05 and np.abs(found[0] - state[0]).max() > 0.5):
+            if found is None or (step > _APART and self._turned_between(state, found) > _TURN):
                 step *= 0.5
                 if step < _SMALLEST:
                     break
@@ -364,6 +367,12 @@ class _Statics:
                 return state
             step *= 1.5
         raise NoEquilibriumInSpace(f"no shape at rest was found beyond {done:.3g} of the load")
+
+    def _turned_between(self, before: State, after: State) -> float:
+        """Return the largest angle by which a piece, or a joint, turns from one state to another."""
+        first, then = self._shape(before[0])[0], self._shape(after[0])[0]
+        cosine = 0.5 * (np.einsum("nij,nij->n", first, then).min() - 1.0)
+        return max(math.acos(max(-1.0, min(1.0, cosine))), float(np.abs(after[0] - before[0]).max()))
 
     def answer(self, state: State, load: SpatialLoad) -> SpatialEquilibrium:
         """Return what is known of a state at rest."""
