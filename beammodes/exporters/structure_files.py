@@ -222,8 +222,8 @@ def _checked(tree: StructureTree, format: str, *, closures: bool) -> list[TreeBo
         names = ", ".join(tie.name for tie in tree.ties[:_REPORTED])
         raise ValueError(
             f"chain must have joints that are held along x and y or not at all, and no three hinges about a "
-            f"joint without rotary_inertia, in {format} files, got {names}: take half_stub_corrected, whose "
-            "hinges are off the joints, or mjcf, whose tendons hold any"
+            f"joint without rotary_inertia, in {format} files, got {names}: take mjcf, whose tendons hold "
+            "any, or against three hinges half_stub_corrected, whose hinges are off the joints"
         )
     if tree.closures and not closures:
         names = ", ".join("-".join(closure.bodies) for closure in tree.closures[:_REPORTED])
