@@ -9,12 +9,14 @@ from typing import Any
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 from scipy.special import ellipe, ellipeinc, ellipk, ellipkinc
 from shared_cases import BEND, INF, ROUND
 
 import beammodes as bm
 from beammodes.equations.equilibria_in_space import _Statics
+from beammodes.numerics.arrays import Floats
 from beammodes.numerics.rotations import rotation, rotation_vector
 
 THEORY = (Path(bm.__file__).parent / "pages" / "theory.md").read_text(encoding="utf-8")
@@ -106,6 +108,22 @@ def test_a_tip_force_grows_to_a_hundred_on_the_branch_of_the_elastica() -> None:
         assert found.tip == pytest.approx(
             [math.sqrt((4 * m - 2) / alpha), 0.6 * down, 0.8 * down], abs=1.5e-3
         )
+
+
+def test_a_slanting_push_beyond_eulers_load_bends_the_way_it_slants() -> None:
+    # EI θ'' = -(P sin θ + Q cos θ), θ(0) = 0 and θ'(1) = 0, shot from the clamp; Newton alone finds the
+    # pushed branch that hardly bends, the wrong way, and falls.
+    def shot(start: float) -> Floats:
+        def rate(_: float, y: Floats) -> list[float]:
+            return [y[1], -10.0 * math.sin(y[0]) - 0.1 * math.cos(y[0]), math.cos(y[0]), math.sin(y[0])]
+
+        return np.asarray(solve_ivp(rate, (0.0, 1.0), [0.0, start, 0.0, 0.0], rtol=1e-9, atol=1e-11).y[:, -1])
+
+    start = brentq(lambda value: float(shot(value)[1]), 2.0, 7.0)
+    chain = bm.SpatialChain(bm.Rod(1.0, **ROUND), "clamped-free", 20, "double_wall")
+    found = bm.spatial_equilibrium(chain, bm.SpatialLoad(force=(-10.0, 0.1, 0.0)))
+    assert found.is_stable
+    assert found.tip == pytest.approx([*shot(start)[2:], 0.0], abs=4e-3)
 
 
 def test_what_the_order_of_hinges_costs_stands_on_the_page() -> None:

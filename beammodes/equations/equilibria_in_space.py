@@ -355,9 +355,10 @@ class _Statics:
         state: State = (np.zeros((self.count, 3)), np.zeros(self.held))
         done, step = 0.0, 1.0
         for _ in range(_STEPS):
-            found = self.newton(*state, load.times(min(1.0, done + step)))
+            now = load.times(min(1.0, done + step))
+            found = self.newton(*state, now)
             # A jump to another branch is as bad as no answer.
-            if found is None or (step > _APART and self._turned_between(state, found) > _TURN):
+            if found is None or (step > _APART and self._leaps(state, found, load.times(done), now)):
                 step *= 0.5
                 if step < _SMALLEST:
                     break
@@ -367,6 +368,21 @@ class _Statics:
                 return state
             step *= 1.5
         raise NoEquilibriumInSpace(f"no shape at rest was found beyond {done:.3g} of the load")
+
+    def _leaps(self, before: State, after: State, less: SpatialLoad, more: SpatialLoad) -> bool:
+        """Return True if pieces turn far between states, or a firm one is followed by one that falls."""
+        if self._turned_between(before, after) > _TURN:
+            return True
+        return not self.held and self._firm(before, less) and not self._firm(after, more)
+
+    def _firm(self, state: State, load: SpatialLoad) -> bool:
+        """Return True if the tangent's symmetric part is positive: no motion falls."""
+        tangent = self.residual(*state, load)[2]
+        try:
+            np.linalg.cholesky(tangent + tangent.T)
+        except np.linalg.LinAlgError:
+            return False
+        return True
 
     def _turned_between(self, before: State, after: State) -> float:
         """Return the largest angle by which a piece, or a joint, turns from one state to another."""
