@@ -31,10 +31,10 @@ __all__ = ["NoEquilibriumInSpace", "SpatialEquilibrium", "critical_factor", "spa
 #: Joints of a chain whose shape is solved for: the tangent is a full matrix.
 _MOST_JOINTS = 600
 
-_STEPS, _NEWTON, _SMALLEST = 1000, 30, 1e-4
+_STEPS, _NEWTON, _SMALLEST = 1000, 30, 1e-6
 
 #: How far a piece turns from one load to the next at most [rad], unless they are so little apart.
-_TURN, _APART = 1.0, 0.003
+_TURN, _APART = 1.0, 3e-5
 
 #: Multiples of a load that are tried on the way to one that buckles.
 _MOST_TRIED = 1600
