@@ -250,7 +250,9 @@ def _errors_of_roots(
     from beammodes.accuracy.rooted_errors import check_ratios, rooted_errors
 
     pairs, which = _pairs(boundary)
-    hubs = np.array([isinstance(pairs, list) and pairs[p].has_hub for p in range(len(pairs))])
+    hubs = np.zeros(len(pairs), dtype=np.bool_)
+    if isinstance(pairs, list):
+        hubs[:] = [pair.has_hub for pair in pairs]
     records, chosen = distinct("rule", rule, (str, Layout), layout_of)
     counts = whole_numbers("segments", segments, most=MAX_SEGMENTS)
     plain = load == NO_LOAD and isinstance(pairs, list) and all(pair.is_plain for pair in pairs)

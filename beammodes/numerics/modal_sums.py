@@ -88,10 +88,13 @@ def damped_sum(
 def _by_modes(omega: Floats, natural: Floats, shares: Floats, ratios: Floats) -> Complex:
     """Return the odd parts, and what modes with a ratio of their own have beyond the common one."""
     last = ratios[-1]
+    # Beyond these a mode answers with nothing, and squares are beyond all floats.
+    natural = np.minimum(natural, 1e150)
     gap = natural**2 - omega[:, None] ** 2
     width = 2.0 * last * natural * omega[:, None]
-    size = gap**2 + width**2
-    terms = -1j * np.divide(width, size, out=np.zeros_like(size), where=width > 0.0)
+    size = np.hypot(gap, width)
+    part = np.divide(width, size, out=np.zeros_like(size), where=width > 0.0)
+    terms = -1j * np.divide(part, size, out=np.zeros_like(size), where=width > 0.0)
     own = min(len(ratios) - 1, len(natural))
     if own:
         known = ratios[:own] * 2.0 * natural[:own] * omega[:, None]

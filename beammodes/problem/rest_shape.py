@@ -29,6 +29,7 @@ __all__ = [
     "CurvatureLike",
     "CurvatureSteps",
     "LineThroughPoints",
+    "check_turns",
     "curvature_at",
     "even_parts",
     "kept_curvature",
@@ -274,6 +275,19 @@ def _tried(bends: BendsAlong, length: float) -> BendsAlong:
             raise ValueError(f"curvature must have three components, got {len(values)} at s = {s}")
         _check_turning(np.array(values), length)
     return bends
+
+
+def check_turns(name: str, given: float, angle: float) -> None:
+    """Raise ValueError if a number makes a rod turn by an angle beyond that of any rod.
+
+    Examples
+    --------
+    >>> check_turns("turns", 3.0, 6 * np.pi)
+    """
+    if not abs(angle) <= _MOST_TURNING:
+        raise ValueError(
+            f"{name} must turn a rod by at most {_MOST_TURNING:g} radians, got {given:g}, {angle:g} radians"
+        )
 
 
 def _check_turning(values: Floats, length: float) -> None:

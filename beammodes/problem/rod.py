@@ -19,6 +19,7 @@ from beammodes.problem.rest_shape import (
     CurvatureLike,
     CurvatureSteps,
     LineThroughPoints,
+    check_turns,
     curvature_at,
     even_parts,
     kept_curvature,
@@ -154,7 +155,9 @@ class Rod:
         >>> Rod.pretwisted(1.0, length=2.0, **wire).curvature
         (0.5, 0.0, 0.0)
         """
-        rate = real("angle", angle) / positive_real("length", length)
+        turn = real("angle", angle)
+        check_turns("angle", turn, turn)
+        rate = turn / positive_real("length", length)
         return cls(length, curvature=(rate, 0.0, 0.0), **properties)
 
     @classmethod
@@ -168,7 +171,9 @@ class Rod:
         >>> bool(abs(ring.frames([1.0])[1]).max() < 1e-15)                           # it closes
         True
         """
-        rate = real("angle", angle) / positive_real("length", length)
+        turn = real("angle", angle)
+        check_turns("angle", turn, turn)
+        rate = turn / positive_real("length", length)
         return cls(length, curvature=(0.0, 0.0, rate), **properties)
 
     @classmethod
@@ -185,6 +190,7 @@ class Rod:
         1.88591
         """
         wide, number = positive_real("radius", radius), positive_real("turns", turns)
+        check_turns("turns", number, 2.0 * math.pi * number)
         rise = real("pitch", pitch) / (2.0 * math.pi)
         slant = math.hypot(wide, rise)
         turning = (rise / slant / slant, 0.0, wide / slant / slant)
@@ -202,8 +208,9 @@ class Rod:
         [[1.0, 0.2, 0.0]]
         """
         first, wide = positive_real("straight", straight), positive_real("radius", radius)
-        length = first + wide * abs(real("angle", angle))
-        bend = math.copysign(1.0 / wide, angle)
+        turn = real("angle", angle)
+        check_turns("angle", turn, turn)
+        length, bend = first + wide * abs(turn), math.copysign(1.0 / wide, turn)
         if not SAME_PLACE * length < first < (1.0 - SAME_PLACE) * length:
             raise ValueError(
                 "straight must not vanish beside the arc, radius times angle, nor it beside that, got "

@@ -290,7 +290,7 @@ def joint_dampers(
     """
     several = isinstance(ratio, Mapping | list | tuple) or getattr(ratio, "ndim", 0) > 0
     if several and not isinstance(chain, AxialChain | SpatialChain):
-        if mode != 1:
+        if whole_number("mode", mode) != 1:
             raise ValueError(f"mode must be left out with ratios of several modes, got {shown(mode)}")
         return _fitted_joints(chain, ratios_of_modes("ratio", ratio))
     wanted = positive_real("ratio", ratio)

@@ -96,7 +96,7 @@ class DrivenChain:
         """
         units = self.chain.units
         highest = _HIGHEST * units.angular_frequency
-        if np.max(np.abs(square), initial=0.0) > highest**2:
+        if np.sqrt(np.max(np.abs(square), initial=0.0)) > highest:
             raise ValueError(
                 f"frequency or band must be at most {highest / 2 / np.pi:.3g} Hz, far beyond this chain's "
                 f"motions, got {np.sqrt(np.max(np.abs(square))) / 2 / np.pi:.3g} Hz"
