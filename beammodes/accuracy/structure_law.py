@@ -152,6 +152,6 @@ def _krylov(wavenumber: float, x: Floats, order: int) -> Floats:
             power, factor = power + 4, factor * wavenumber**4
         columns.append(np.zeros_like(x))
         for i in range(_TERMS):
-            term = (wavenumber * x) ** (4 * i) * x**power / math.factorial(4 * i + power)
+            term = (wavenumber * x) ** (4 * i) * x**power / float(math.factorial(4 * i + power))
             columns[-1] += factor * term
     return np.array(columns).T
