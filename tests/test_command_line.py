@@ -1094,7 +1094,7 @@ def test_bad_rods_are_told_in_one_line(capsys: pytest.CaptureFixture[str], tmp_p
         (["--length=1", "--shape=arc(angle=1, angle=2)"], ("angle of --shape must be given once",)),
         (["--length=1", "--shape=arc(angel=1)"], ('did you mean "angle"?',)),
         (["--length=1", "--shape=arc(1)"], ("--shape must be arc(angle=...)",)),
-        (["--length=1", "--shape=arc(angle=1e308)"], ("curvature must turn a rod by at most 1e+09 radians",)),
+        (["--length=1", "--shape=arc(angle=1e308)"], ("angle must turn a rod by at most 1e+09 radians",)),
         (["--points", str(tmp_path / "no.csv")], ("no such file",)),
         (["--points", str(line)], ("line 3 must have three numbers",)),
         (["--points", str(line), "--length=2"], ("--length must be left out with --points",)),
