@@ -13,7 +13,7 @@ from typing import BinaryIO
 
 from beammodes.checks import shown
 
-__all__ = ["file_target", "named_path", "ordinary_bytes", "write_atomically"]
+__all__ = ["file_target", "named_path", "ordinary_bytes", "ordinary_text", "write_atomically"]
 
 _KINDS = {
     stat.S_IFDIR: "folder",
@@ -163,6 +163,31 @@ def ordinary_bytes(path: str | os.PathLike[str], most: int) -> bytes:
     if len(data) > most:
         raise ValueError(f"must have at most {most // 2**20} MiB")
     return data
+
+
+def ordinary_text(path: str | os.PathLike[str], most: int) -> str:
+    """Return the text of an ordinary file in UTF-8 of at most so many bytes.
+
+    Raises
+    ------
+    ValueError
+        If it is a device or a pipe, larger, or no text in UTF-8; the message names the file.
+    OSError
+        If it cannot be read.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> with tempfile.NamedTemporaryFile() as file:
+    ...     ordinary_text(file.name, 10)
+    ''
+    """
+    try:
+        return ordinary_bytes(path, most).decode("utf-8-sig")
+    except UnicodeDecodeError:
+        raise ValueError(f"{os.fspath(path)} must be a text file in UTF-8") from None
+    except ValueError as error:
+        raise ValueError(f"{os.fspath(path)} {error}") from None
 
 
 def _mode(place: Path) -> int | None:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import xarray
 from matplotlib.axes import Axes
@@ -85,9 +87,9 @@ def data(progress: Progress) -> xarray.Dataset:
     )
 
 
-def _receptance(given: dict[str, object], frequency: Floats, ratio: float) -> Floats:
+def _receptance(given: dict[str, Any], frequency: Floats, ratio: float) -> Floats:
     """Return the tip's receptance [m/N], complex."""
-    found = bm.frequency_response(**given, frequency=frequency, damping_ratio=ratio, **AT_TIP)  # type: ignore[arg-type]
+    found = bm.frequency_response(**given, frequency=frequency, damping_ratio=ratio, **AT_TIP)
     return np.asarray(found.receptance.values)
 
 

@@ -158,8 +158,8 @@ loss_factor, load
     )
 
 
-def _band(given: object) -> tuple[float, float]:
-    ends = [not_negative("band", each) for each in bounded("band", given, most=2)]  # type: ignore[arg-type]
+def _band(given: Any) -> tuple[float, float]:
+    ends = [not_negative("band", each) for each in bounded("band", given, most=2)]
     if len(ends) != 2 or not ends[0] < ends[1] <= HIGHEST:
         raise ValueError(
             f"band must be two frequencies up to {HIGHEST:g} Hz, the lower first, got {shown(given)}"

@@ -13,7 +13,7 @@ from typing import Any
 
 from beammodes.checks import choice, shown
 from beammodes.command_line.text_tables import DECLARED, UNITS, declared
-from beammodes.files import ordinary_bytes
+from beammodes.files import ordinary_text
 from beammodes.problem.rod import Rod
 from beammodes.problem.rod_ends import RodEnds
 
@@ -164,12 +164,7 @@ def _shape(text: str) -> tuple[str, dict[str, Any]]:
 def _points(path: str) -> list[list[float]]:
     """Return the points of a file: a line each of x, y and z, after a heading or none; # begins a remark."""
     place = Path(path)
-    try:
-        text = ordinary_bytes(place, _MOST_BYTES).decode("utf-8-sig")
-    except UnicodeDecodeError:
-        raise ValueError(f"{place} must be a text file in UTF-8") from None
-    except ValueError as error:
-        raise ValueError(f"{place} {error}") from None
+    text = ordinary_text(place, _MOST_BYTES)
     rows: list[list[float]] = []
     for number, line in enumerate(text.splitlines(), start=1):
         words = [word for word in re.split(r"[,;\s]+", line[:_LONGEST_LINE].partition("#")[0]) if word]

@@ -289,6 +289,7 @@ def _along(shapes: ExactModes) -> _Point:
         mass, inertia = whole * weight, mean_over(beam.rotary_inertia_per_length, length) * length * weight
         moment, beyond = whole / length * (length**2 - x**2) / 2, whole / length * (length - x)
     else:
+        # Only SpectralBeamModes are of beams that vary; their class is not imported here, it loads SciPy.
         grid = shapes.shapes.grid  # type: ignore[union-attr]
         x, weight = length * grid.x, grid.weight
         mass, inertia = whole * weight * grid.mass, whole * length**2 * weight * grid.rotary

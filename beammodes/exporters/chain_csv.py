@@ -11,7 +11,7 @@ from pathlib import Path
 
 from beammodes.chains.chain import Chain
 from beammodes.checks import shown
-from beammodes.files import ordinary_bytes
+from beammodes.files import ordinary_text
 from beammodes.problem.ends import Boundary, End
 
 __all__ = ["csv_lines", "read_chain_csv"]
@@ -92,12 +92,7 @@ def read_chain_csv(path: str | os.PathLike[str]) -> Chain:
     if not isinstance(path, str | os.PathLike) or isinstance(os.fspath(path), bytes):
         raise TypeError(f"path must be a str or a Path, got {shown(path)}")
     place = Path(path)
-    try:
-        text = ordinary_bytes(place, _MOST_BYTES).decode("utf-8-sig")
-    except UnicodeDecodeError:
-        raise ValueError(f"{place} must be a text file in UTF-8") from None
-    except ValueError as error:
-        raise ValueError(f"{place} {error}") from None
+    text = ordinary_text(place, _MOST_BYTES)
     rows = list(enumerate(text.splitlines(), start=1))
     if len(rows) > _MOST_ROWS:
         raise ValueError(f"{place} must have at most {_MOST_ROWS} lines, got {len(rows)}")
