@@ -1,6 +1,6 @@
 """Time this project beside other people's tools:  python -m studies.benchmarks [--write].
 
-Prints Markdown tables measured in one run; --write puts them into README.md. Needs the extra `benchmark`.
+Print Markdown tables measured in one run; --write puts them into their page. Needs the extra `benchmark`.
 """
 
 from __future__ import annotations
@@ -341,15 +341,15 @@ def _say(text: str) -> None:
 def main(arguments: Sequence[str] | None = None) -> int:
     """Measure, print, and write if asked to; return the exit code."""
     parser = argparse.ArgumentParser(prog="python -m studies.benchmarks", description=__doc__)
-    parser.add_argument("--write", action="store_true", help="put the tables into README.md, too")
+    parser.add_argument("--write", action="store_true", help="put the tables into the page, too")
     options = parser.parse_args(arguments)
     try:
         from threadpoolctl import threadpool_limits
     except ImportError:
         parser.error("threadpoolctl is needed: pip install -e '.[benchmark]'")
-    readme = ROOT / "README.md"
-    # A README that cannot take the tables is found out before, not after, the minutes of measuring.
-    replaced(readme.read_text("utf-8"), "")
+    page = ROOT / "beammodes" / "pages" / "benchmarks.md"
+    # A page that cannot take the tables is found out before, not after, the minutes of measuring.
+    replaced(page.read_text("utf-8"), "")
     tables = ""
     with threadpool_limits(1):
         for part in (environment, deriving, solving, unequal, moving, spinning, growing, lookups, batches):
@@ -358,8 +358,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
             tables += text + "\n"
     if options.write:
         # Read again: it may have been edited while this ran.
-        whole = replaced(readme.read_text("utf-8"), tables).encode()
-        write_atomically(readme, lambda file: file.write(whole))
+        whole = replaced(page.read_text("utf-8"), tables).encode()
+        write_atomically(page, lambda file: file.write(whole))
     return 0
 
 

@@ -194,10 +194,11 @@ def test_one_lookup_by_matrices_is_the_same_error() -> None:
     assert benchmarks._one_by_matrices() == pytest.approx(expected, rel=1e-2)
 
 
-def test_readme_takes_the_tables(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_page_takes_the_tables(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     pytest.importorskip("threadpoolctl")
-    readme = tmp_path / "README.md"
-    readme.write_text(f"above\n{benchmarks.BEGIN}\nold\n{benchmarks.END}\nbelow · ω\n", "utf-8")
+    page = tmp_path / "beammodes" / "pages" / "benchmarks.md"
+    page.parent.mkdir(parents=True)
+    page.write_text(f"above\n{benchmarks.BEGIN}\nold\n{benchmarks.END}\nbelow · ω\n", "utf-8")
     monkeypatch.setattr(benchmarks, "ROOT", tmp_path)
     parts_in_order = (
         "environment",
@@ -213,10 +214,10 @@ def test_readme_takes_the_tables(tmp_path: Path, monkeypatch: pytest.MonkeyPatch
     for part in parts_in_order:
         monkeypatch.setattr(benchmarks, part, lambda part=part: f"the {part}\n")
     assert benchmarks.main([]) == 0
-    assert "old" in readme.read_text("utf-8")
+    assert "old" in page.read_text("utf-8")
     for _ in range(2):
         assert benchmarks.main(["--write"]) == 0
-    text = readme.read_text("utf-8")
+    text = page.read_text("utf-8")
     parts = "\n\n".join(f"the {part}" for part in parts_in_order)
     assert text == f"above\n{benchmarks.BEGIN}\n{parts}\n{benchmarks.END}\nbelow · ω\n"
     with pytest.raises(ValueError, match="once"):

@@ -21,7 +21,7 @@ import beammodes as bm
 from beammodes.accuracy.uncertainty import EnoughSegments
 from studies import uncertainty
 
-README = Path(__file__).parent.parent / "README.md"
+PAGE = Path(__file__).parent.parent / "beammodes" / "pages" / "rules.md"
 BAR = bm.Rectangle(width=0.06, height=0.02)
 STEEL: dict[str, Any] = {"elastic_modulus": 207e9, "density": 7850.0, "length": 1.0}
 
@@ -297,8 +297,8 @@ def test_the_study_marks_where_the_error_is_hidden(table: xarray.Dataset) -> Non
     ]
 
 
-def test_readme_says_what_the_study_found(table: xarray.Dataset) -> None:
-    (part,) = re.findall(r"### Fewer segments.*?!\[", README.read_text(encoding="utf-8"), flags=re.DOTALL)
+def test_the_page_says_what_the_study_found(table: xarray.Dataset) -> None:
+    (part,) = re.findall(r"## Fewer segments.*?!\[", PAGE.read_text(encoding="utf-8"), flags=re.DOTALL)
     cantilever = table.sel(boundary="clamped-free")
     for beam in table.beam.values:
         one = cantilever.sel(beam=beam)
