@@ -326,7 +326,7 @@ def test_any_springs_file_is_read_or_refused(
     except ValueError as error:
         refusal = str(error)
     else:
-        assert all(math.isfinite(value) for value in found.values())
+        assert all(math.isfinite(spring.stiffness) for spring in found.values())
     assert "\n" not in refusal
 
 

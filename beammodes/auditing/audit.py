@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from beammodes.accuracy.chain_against_beam import stout_remark
+from beammodes.auditing.body_tree import SpringPlace
 from beammodes.auditing.judged_pieces import SOLVED, UNKNOWN, Columns, JudgedPieces
 from beammodes.chains.chain import Chain
 from beammodes.chains.rules import RULES
@@ -150,6 +151,8 @@ class Audit:
         less on the theory; else empty.
     other_readings : tuple of str
         Sentences on what else the file may mean, and what is found then.
+    spring_places : tuple of SpringPlace or None
+        Where the file has each spring, None where it has no number of its own; empty for arrays.
     """
 
     boundary: Boundary
@@ -176,6 +179,7 @@ class Audit:
     step: StepVerdict | None = None
     theory: str = ""
     other_readings: tuple[str, ...] = ()
+    spring_places: tuple[SpringPlace | None, ...] = ()
 
     @property
     def meets(self) -> bool:

@@ -242,6 +242,7 @@ def _audited(beam: Beam, read: _Read, found: EndedChain, modes: int, tolerance: 
     return replace(
         audit,
         hinge_names=tuple(spring.name for spring in found.springs),
+        spring_places=tuple(spring.place for spring in found.springs),
         given=(*read.given, *([ends] if found.said else [])),
         assumed=tuple(assumed),
         step=step,
@@ -303,7 +304,7 @@ def _from_csv(place: Path, length: float) -> _Read:
     springs = tuple(Spring(f"hinge {i}", value) for i, value in enumerate(chain.joint_stiffness.tolist()))
     near, far = (tuple(map(float, end)) for end in chain.support_stiffness)
     planar = PlanarChain(pieces, springs, (near[0], near[1]), (far[0], far[1]), Spring("left end", near[1]))
-    return _Read((with_wall_hinges(planar, "right end", length),))
+    return _Read((with_wall_hinges(planar, Spring("right end", 0.0), length),))
 
 
 def _model(place: Path, springs: Path | None) -> Model:

@@ -22,6 +22,7 @@ __all__ = [
     "ModelJoint",
     "ModelTie",
     "Solid",
+    "SpringPlace",
     "about",
     "ends_of",
     "from_euler",
@@ -212,6 +213,36 @@ _SOLIDS: dict[str, Callable[..., tuple[float, list[float]]]] = {
 }
 
 
+@dataclass(frozen=True)
+class SpringPlace:
+    """Where a file has the number of a spring, and what the number comes to in the chain.
+
+    `kind` is "attribute" for the attribute stiffness of the XML element whose tag begins at byte `start`,
+    "text" for the text of that element, "scalar" for a number of YAML at character `start`. `file` is the
+    file's name if it is not the model's own. The chain's spring is `scale` times the number, less what is in
+    series with it. `note` is what else a change of the number does; `refusal` why it cannot be changed.
+    """
+
+    kind: str
+    start: int
+    file: str = ""
+    scale: float = 1.0
+    in_series: float = math.inf
+    note: str = ""
+    refusal: str = ""
+
+    def number(self, stiffness: float) -> float:
+        """Return what the file must have there for the chain's hinge to have this stiffness.
+
+        Examples
+        --------
+        >>> SpringPlace("text", 0, scale=4.0, in_series=3.0).number(6.0)       # 1/(1/6 + 1/3) = 2, by 4
+        0.5
+        """
+        whole = stiffness if self.in_series == math.inf else 1 / (1 / stiffness + 1 / self.in_series)
+        return whole / self.scale
+
+
 @dataclass(frozen=True, eq=False)
 class ModelJoint:
     """One coordinate of a body relative to its parent, in the world's frame at rest.
@@ -219,7 +250,7 @@ class ModelJoint:
     `kind` is "hinge", "slide", "free", "ball", or another word, which only messages use. `stiffness` is in
     N m/rad or N/m, `damping` in N m s/rad or N s/m; `armature` [kg m² or kg] is inertia of the relative
     motion, as a motor's rotor behind its gear has. `refusal` says why a chain must not have this joint, empty
-    if it may.
+    if it may; `place` where the file has the stiffness.
     """
 
     name: str
@@ -230,6 +261,7 @@ class ModelJoint:
     refusal: str = ""
     damping: float = 0.0
     armature: float = 0.0
+    place: SpringPlace | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -273,6 +305,7 @@ class ModelTie:
     stiffness: float
     refusal: str = ""
     damping: float = 0.0
+    place: SpringPlace | None = None
 
 
 @dataclass(frozen=True)

@@ -45,7 +45,7 @@ class BadModel(ValueError):
 
 @dataclass(slots=True)
 class XmlElement:
-    """One element: attributes, own text, children, the line that it starts on, the file if included."""
+    """One element: attributes, own text, children, the line and the byte of its tag, the file if included."""
 
     tag: str
     attributes: dict[str, str]
@@ -53,6 +53,7 @@ class XmlElement:
     text: str = ""
     children: list[XmlElement] = field(default_factory=list)
     file: str = ""
+    start: int = 0
 
     def all(self, *tags: str) -> Iterator[XmlElement]:
         """Yield the children of these tags, in their order."""
@@ -219,7 +220,7 @@ class _Builder:
             raise BadModel(f"line {line}: must have at most {MAX_ELEMENTS} elements")
         if len(self.open) > MAX_DEPTH:
             raise BadModel(f"line {line}: must have elements nested at most {MAX_DEPTH} deep")
-        element = XmlElement(tag, attributes, line, file=self.file)
+        element = XmlElement(tag, attributes, line, file=self.file, start=self.parser.CurrentByteIndex)
         name = attributes.get("name", "")
         if len(name) > _LONGEST_NAME or not name.isprintable():
             element.refuse(f"must have a printable name of at most {_LONGEST_NAME} characters")

@@ -134,7 +134,8 @@ def _take_support_out(pieces: list[Piece], springs: list[Spring], at: int, suppo
         # Nothing but the support: the rule puts no hinge there.
         del pieces[at], springs[at]
     elif spring < support:
-        springs[at] = replace(hinge, stiffness=1 / (1 / spring - 1 / support))
+        place = replace(hinge.place, in_series=support) if hinge.place else None
+        springs[at] = replace(hinge, stiffness=1 / (1 / spring - 1 / support), place=place)
     else:
         raise ValueError(
             f"boundary must have a rotational_stiffness above {spring:.6g}, the spring of {hinge.name}, "

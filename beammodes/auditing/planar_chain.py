@@ -17,11 +17,11 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from beammodes.auditing.body_tree import Group, Inertial, ModelJoint, ModelTie
+from beammodes.auditing.body_tree import Group, Inertial, ModelJoint, ModelTie, SpringPlace
 from beammodes.auditing.bounded_xml import BadModel
 from beammodes.auditing.serial_chains import (
     OFF_LINE,
@@ -70,12 +70,13 @@ class Piece:
 
 @dataclass(frozen=True)
 class Spring:
-    """One hinge: its name, stiffness [N m/rad], damping [N m s/rad] and armature [kg m²]."""
+    """One hinge: name, stiffness [N m/rad], damping [N m s/rad], armature [kg m²], place of its stiffness."""
 
     name: str
     stiffness: float
     damping: float = 0.0
     armature: float = 0.0
+    place: SpringPlace | None = None
 
 
 @dataclass(frozen=True)
@@ -103,12 +104,12 @@ def held_piece(length: float, others: Sequence[Piece] = ()) -> Piece:
     return Piece(length, mass, length / 2, mass * length**2 / 12)
 
 
-def with_wall_hinges(chain: PlanarChain, far: str, length: float) -> PlanarChain:
+def with_wall_hinges(chain: PlanarChain, far: Spring, length: float) -> PlanarChain:
     """Return a chain whose springs to the ground are hinges to pieces of their own, as wall springs are.
 
     A body of no length at an end keeps the spring as its support: the rule's own spring follows it. `far` is
-    the name of the far spring; what the beam has of its length [m] beyond that hinge is a piece that the
-    ground holds.
+    the far spring but for its stiffness; what the beam has of its length [m] beyond that hinge is a piece
+    that the ground holds.
     """
     pieces = [_without_traces(piece, chain.pieces) for piece in chain.pieces]
     springs, near, far_support, assumed = list(chain.springs), chain.near, chain.far, chain.assumed
@@ -131,7 +132,7 @@ def with_wall_hinges(chain: PlanarChain, far: str, length: float) -> PlanarChain
         missing = length - sum(piece.length for piece in pieces)
         typical = max(piece.length for piece in pieces)
         pieces.append(held_piece(missing if 1e-9 * length < missing < 1.05 * typical else 0.0, pieces))
-        springs.append(Spring(far, far_support[1]))
+        springs.append(replace(far, stiffness=far_support[1]))
         far_support = (far_support[0], math.inf)
     own = (tuple(pieces), tuple(springs))
     return PlanarChain(*own, near, far_support, chain.near_hinge, assumed, chain.segment)
@@ -153,12 +154,12 @@ def _without_traces(piece: Piece, others: Sequence[Piece]) -> Piece:
 
 @dataclass(frozen=True)
 class FarEnd:
-    """Stiffnesses under the tip, its place if a tie says it, and the name of the tie that resists turning."""
+    """Stiffnesses under the tip, its place if a tie says it, and the spring that resists turning."""
 
     across: float = 0.0
     turning: float = 0.0
     place: float | None = None
-    spring: str = ""
+    spring: Spring = field(default_factory=lambda: Spring("", 0.0))
 
 
 def far_end(ties: Sequence[ModelTie], line: HingeLine, support: RootSupport | None) -> FarEnd:
@@ -200,7 +201,10 @@ def _with_tie(end: FarEnd, tie: ModelTie, turns: list[tuple[float, float]], shif
     # Of one hinge alone a number cannot tell; 1 is its rotation, anything else a distance.
     several = len(turns) > 1 or shift is not None
     if alike and (several or (abs(lead) == 1 and tie.stiffness < math.inf)):
-        return replace(end, turning=end.turning + times(lead), spring=tie.name)
+        # Of two such ties neither is the spring.
+        at = replace(tie.place, scale=lead**2) if tie.place and not end.turning else None
+        turning = end.turning + times(lead)
+        return replace(end, turning=turning, spring=Spring(tie.name, turning, place=at))
     scale = shift or (1.0 if last == first else (lead - rest) / (last - first))
     place = first + lead / scale if scale else math.nan
     fits = all(abs(value - scale * (place - at)) <= _SAME * max(abs(lead), abs(scale)) for at, value in turns)
@@ -262,7 +266,7 @@ def planar_chain(path: HingePath, line: HingeLine, far: FarEnd, length: float, w
 
 
 def _spring(hinge: ModelJoint) -> Spring:
-    return Spring(hinge.name, hinge.stiffness, hinge.damping, hinge.armature)
+    return Spring(hinge.name, hinge.stiffness, hinge.damping, hinge.armature, hinge.place)
 
 
 def _assumed(does: str, where: str, hinge: ModelJoint, lengths: _Lengths, taken: float) -> str:

@@ -21,6 +21,7 @@ from beammodes.auditing.body_tree import (
     ModelJoint,
     ModelTie,
     Solid,
+    SpringPlace,
     about,
     ends_of,
     from_euler,
@@ -449,6 +450,7 @@ class _Reader:
             self._why_not(own, kind, stiffness) or self.acted_joints.get(name, ""),
             _linear(own, "damping", "damper") + self.dampers.get(name, 0.0),
             child.at_least_0("armature", own.number("armature", "0")),
+            _place(child, kind, copied=bool(suffix + more)),
         )
 
     def _why_not(self, joint: XmlElement, kind: str, stiffness: float) -> str:
@@ -565,7 +567,9 @@ class _Reader:
                     refusal = f"{tendon.where} must have no armature and no frictionloss, which no beam has"
                 elif not refusal and 0 < stiffness < math.inf and any(rest) and rest != [-1.0]:
                     refusal = f"{tendon.where} must be slack at rest: springlength 0"
-                yield ModelTie(name, terms, stiffness, refusal, _linear(tendon, "damping", "damper"))
+                yield ModelTie(
+                    name, terms, stiffness, refusal, _linear(tendon, "damping", "damper"), _place(element)
+                )
 
     def _held_ends(self) -> Iterator[tuple[str, str]]:
         """Yield the bodies and joints that other constraints act on, and what to say of these."""
@@ -579,6 +583,15 @@ class _Reader:
             for end in ("site1", "site2"):
                 if given.get(end) in self.homes:
                     yield self.homes[given[end]], element.where
+
+
+def _place(element: XmlElement, kind: str = "hinge", *, copied: bool = False) -> SpringPlace:
+    """Return where a joint or a tendon has its stiffness, or may have one of its own beside its class's."""
+    notes = [
+        "a ball's spring resists bending in every plane" if kind == "ball" else "",
+        f"all copies of {element.where} have that spring" if copied else "",
+    ]
+    return SpringPlace("attribute", element.start, element.file, note="; ".join(filter(None, notes)))
 
 
 def _linear(element: XmlElement, name: str, part: str) -> float:

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from beammodes.auditing.body_tree import Frame, Inertial, Model, ModelBody, ModelJoint
+from beammodes.auditing.body_tree import Frame, Inertial, Model, ModelBody, ModelJoint, SpringPlace
 from beammodes.auditing.bounded_xml import XmlElement
 from beammodes.auditing.read_urdf import (
     MOMENTS,
@@ -179,7 +179,10 @@ def _coordinate(joint: XmlElement, axis: XmlElement, name: str, frame: Frame, fr
     ]
     refusal = next(filter(None, refusals), "")
     kind = _KINDS[joint.attributes["type"]]
-    return ModelJoint(name, kind, turned @ direction, frame.position, stiffness, refusal, damping)
+    spring = dynamics.first("spring_stiffness")
+    place = None if spring is None else SpringPlace("text", spring.start, spring.file)
+    at = frame.position
+    return ModelJoint(name, kind, turned @ direction, at, stiffness, refusal, damping, place=place)
 
 
 def _limit(limit: XmlElement, tag: str, unlimited: float) -> float:

@@ -4,16 +4,27 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, NoReturn
 
-from beammodes.auditing.body_tree import Frame, Inertial, Model, ModelBody, ModelJoint, ends_of, joined
+from beammodes.auditing.body_tree import (
+    Frame,
+    Inertial,
+    Model,
+    ModelBody,
+    ModelJoint,
+    SpringPlace,
+    ends_of,
+    joined,
+)
 from beammodes.auditing.bounded_xml import BadModel, XmlElement, bounded_bytes, finite_number
 from beammodes.checks import choice, shown
 from beammodes.numerics.arrays import Floats
 
 __all__ = [
     "MOMENTS",
+    "PlacedSpring",
     "by_name",
     "check_added",
     "links_of",
@@ -129,7 +140,7 @@ def why_driven(parent: XmlElement, joint: XmlElement) -> str:
 # URDF.
 
 
-def read_urdf(root: XmlElement, springs: Mapping[str, float]) -> Model:
+def read_urdf(root: XmlElement, springs: Mapping[str, PlacedSpring]) -> Model:
     """Return the links and joints of a URDF robot, its root link fixed to the ground.
 
     Springs, for which URDF has no place, are those given, and the `springStiffness` of Gazebo's extension.
@@ -177,7 +188,7 @@ def _pose(element: XmlElement) -> Frame:
 
 
 def _joint(
-    joint: XmlElement, frame: Frame, springs: Mapping[str, float], driven: Mapping[str, str]
+    joint: XmlElement, frame: Frame, springs: Mapping[str, PlacedSpring], driven: Mapping[str, str]
 ) -> tuple[ModelJoint, ...]:
     kind, name = _type(joint), joint.attributes["name"]
     if kind == "fixed":
@@ -194,7 +205,8 @@ def _joint(
         driven.get(name, ""),
         why_not_free(joint, limits, dynamics.number("friction", "0")),
     ]
-    stiffness = joint.at_least_0("stiffness", springs.get(name, 0.0))
+    spring = springs.get(name)
+    stiffness = joint.at_least_0("stiffness", spring.stiffness if spring else 0.0)
     return (
         ModelJoint(
             name,
@@ -204,6 +216,7 @@ def _joint(
             stiffness,
             next(filter(None, refusals), ""),
             joint.at_least_0("damping", dynamics.number("damping", "0")),
+            place=spring.place if spring else None,
         ),
     )
 
@@ -239,25 +252,34 @@ def _driven(root: XmlElement, joints: Mapping[str, XmlElement]) -> dict[str, str
     return found
 
 
-def _gazebo_springs(root: XmlElement) -> dict[str, float]:
+def _gazebo_springs(root: XmlElement) -> dict[str, PlacedSpring]:
     found = {}
     for element in root.all("gazebo"):
-        if element.first("springStiffness") is not None and "reference" in element.attributes:
-            (found[element.attributes["reference"]],) = element.child_numbers("springStiffness", 1, "0")
+        spring = element.first("springStiffness")
+        if spring is not None and "reference" in element.attributes:
+            (stiffness,) = spring.read("springStiffness", spring.text, 1)
+            place = SpringPlace("text", spring.start, spring.file)
+            found[element.attributes["reference"]] = PlacedSpring(stiffness, place)
             rest = element.first("springReference")
             if rest is not None and rest.read("springReference", rest.text, 1)[0]:
                 rest.refuse("must be 0: the chain must be straight at rest")
     return found
 
 
-def _both_springs(gazebo: Mapping[str, float], beside: Mapping[str, float]) -> dict[str, float]:
+def _both_springs(
+    gazebo: Mapping[str, PlacedSpring], beside: Mapping[str, PlacedSpring]
+) -> dict[str, PlacedSpring]:
+    found = {**gazebo, **beside}
     for name in sorted(gazebo.keys() & beside.keys()):
-        if gazebo[name] != beside[name]:
+        one, other = gazebo[name].stiffness, beside[name].stiffness
+        if one != other:
             raise BadModel(
-                f"springs must be the same in both places, got {gazebo[name]:g} in <gazebo> and "
-                f"{beside[name]:g} in the file beside for joint {shown(name)}"
+                f"springs must be the same in both places, got {one:g} in <gazebo> and "
+                f"{other:g} in the file beside for joint {shown(name)}"
             )
-    return {**gazebo, **beside}
+        why = f"joint {shown(name)} has its spring both in <gazebo> and in the file beside"
+        found[name] = PlacedSpring(one, replace(beside[name].place, refusal=why))
+    return found
 
 
 # The springs in a YAML file: only parsed into nodes, never turned into objects.
@@ -268,7 +290,15 @@ _MAX_EVENTS = 120_000
 _MAX_DEPTH = 6
 
 
-def read_springs(path: Path) -> dict[str, float]:
+@dataclass(frozen=True)
+class PlacedSpring:
+    """The stiffness of a spring, and where a file has it."""
+
+    stiffness: float
+    place: SpringPlace
+
+
+def read_springs(path: Path) -> dict[str, PlacedSpring]:
     """Return the springs of a file as `export_chain` writes it beside a URDF file, by joint.
 
     The file may have been rewritten by any YAML tool: in blocks, in braces, quoted, in another order. Below
@@ -289,23 +319,24 @@ def read_springs(path: Path) -> dict[str, float]:
     keys = top.keys("must have the key springs, with a list of springs", ("model", "springs"), {"springs"})
     if "model" in keys:
         keys["model"].text("model must be a name")
-    found: dict[str, float] = {}
+    found: dict[str, PlacedSpring] = {}
     for row in keys["springs"].items("springs must be a list of springs, [] if there are none"):
         name, stiffness = _spring(row)
         if name in found:
             row.refuse(f"must not give joint {shown(name)} a second spring")
-        found[name] = stiffness
+        place = SpringPlace("scalar", stiffness.node.start_mark.index, str(path))
+        found[name] = PlacedSpring(stiffness.number("stiffness"), place)
     return found
 
 
-def _spring(row: _YamlNode) -> tuple[str, float]:
+def _spring(row: _YamlNode) -> tuple[str, _YamlNode]:
     wanted = "must be a spring with the keys joint and stiffness, and no other but type and rest"
     keys = row.keys(wanted, ("joint", "type", "stiffness", "rest"), {"joint", "stiffness"})
     if "type" in keys:
         keys["type"].one_of("type", keys["type"].text("type must be a word"), ("hinge", "slide"))
     if "rest" in keys and keys["rest"].number("rest"):
         keys["rest"].refuse("must have rest 0: the chain must be straight at rest")
-    return keys["joint"].text("joint must be a name"), keys["stiffness"].number("stiffness")
+    return keys["joint"].text("joint must be a name"), keys["stiffness"]
 
 
 class _YamlNode:
