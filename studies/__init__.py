@@ -13,10 +13,12 @@ from pkgutil import iter_modules
 
 from studies.study import Study
 
-__all__ = ["PAGE", "every_study"]
+__all__ = ["PAGE", "SITE", "every_study"]
 
 #: The name of the page that is made of all studies' files.
 PAGE = "report"
+#: The name of the documentation site, which is written when it is asked for by name.
+SITE = "site"
 
 
 @cache

@@ -80,8 +80,8 @@ loss_factor, load
     ArithmeticError
         If the integral does not settle, as of a motion that is nothing but rounding, by symmetry, say.
 
-    Source
-    ------
+    References
+    ----------
     S. H. Crandall and W. D. Mark, Random Vibration in Mechanical Systems (1963), chapter 2.
 
     Examples

@@ -58,8 +58,8 @@ def response_error(
     TypeError, ValueError
         As `frequency_error`, or if a damping ratio is out of range.
 
-    Source
-    ------
+    References
+    ----------
     The receptance of one mode, 1/(ω_c² - ω² + 2iζ ω_c ω), at ω = ω_b, against the same with ω_c = ω_b:
     D. J. Ewins, Modal Testing (2000), chapter 2.
 

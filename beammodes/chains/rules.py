@@ -899,8 +899,8 @@ def axially_corrected(rule: AnyRule, load: Load, beam: Beam | None = None) -> Ax
     TypeError, ValueError
         If an argument is not of its kind, the beam is not uniform, or a load comes without one.
 
-    Source
-    ------
+    References
+    ----------
     The dispersion relation of a chain under tension; derived here (module's note).
 
     Examples

@@ -190,8 +190,8 @@ def spin_up(rate: float, duration: float) -> Course:
     TypeError, ValueError
         If a number is not real and finite, or the duration not positive.
 
-    Source
-    ------
+    References
+    ----------
     J. C. Simo and L. Vu-Quoc, On the dynamics of flexible beams under large overall motions, Journal of
     Applied Mechanics 53 (1986), 855-863.
 
@@ -271,8 +271,8 @@ def point_to_point(distance: float, duration: float, start: float = 0.0) -> Cour
     TypeError, ValueError
         If a number is not real and finite, the duration not positive, or the start negative.
 
-    Source
-    ------
+    References
+    ----------
     T. Flash and N. Hogan, The coordination of arm movements, Journal of Neuroscience 5 (1985), 1688-1703.
 
     Examples

@@ -135,8 +135,8 @@ def carried(rate: Callable[[Floats], Floats], start: Floats, stop: Floats) -> tu
     ndarray, ndarray
         Rotation and displacement in the axes at the start, shape (n, 3, 3) and (n, 3).
 
-    Source
-    ------
+    References
+    ----------
     S. Blanes, F. Casas, J. A. Oteo, J. Ros, Physics Reports 470 (2009), 151-238, equation 254.
 
     Examples

@@ -75,13 +75,13 @@ class AxialEnd:
 
         With T the torque or axial force, f = T² is what a rule's quadrature has to integrate:
 
-        =======  ==================================  =========================================
-        word     what the beam feels                 what a chain has there
-        =======  ==================================  =========================================
-        free     T = 0 (a free end)                  no hinge at the end
+        =======  ====================================  ===============================================
+        word     what the beam feels                   what a chain has there
+        =======  ====================================  ===============================================
+        free     T = 0 (a free end)                    no hinge at the end
         guided   T' = 0 (a fixed end: -k T' = ω² m u)  the rule's guided weights
-        clamped  T and T' (a spring, a disc or mass) a hinge at the end, the rule's clamped weights
-        =======  ==================================  =========================================
+        clamped  T and T' (a spring, a disc or mass)   a hinge at the end, the rule's clamped weights
+        =======  ====================================  ===============================================
         """
         return "guided" if self.is_fixed else "free" if self.is_free else "clamped"
 

@@ -119,8 +119,8 @@ def elastic_modulus(material: str, *, unit: str = "Pa", at: float | None = None)
         If the material or the unit is unknown, or `at` is missing for a range, given for a single number,
         or not within 0..1.
 
-    Source
-    ------
+    References
+    ----------
     P. Mitiguy, Flexible beams in Working Model, "Elastic Modulus Examples".
 
     Examples

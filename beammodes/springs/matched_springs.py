@@ -403,8 +403,8 @@ def match_springs(
     NoPositiveSprings
         A ValueError: if no springs were found; its `nearest` has the least-squares ones.
 
-    Source
-    ------
+    References
+    ----------
     An inverse eigenvalue problem, solved by Newton's method in ln k (see `inverse_eigenvalue`).
 
     Examples
@@ -496,8 +496,8 @@ def matched(modes: int, *, motion: str = "bending") -> Matched | AxialMatched:
     TypeError, ValueError
         If `modes` is not a whole number in 1..200, or `motion` unknown.
 
-    Source
-    ------
+    References
+    ----------
     As `match_springs`.
 
     Examples

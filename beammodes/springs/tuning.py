@@ -98,8 +98,8 @@ def mode_tuned(mode: int, *, motion: str = "bending") -> ModeTuned | AxialTuned:
     TypeError, ValueError
         If `mode` is not a whole number in 1..10000, or `motion` unknown.
 
-    Source
-    ------
+    References
+    ----------
     The quadrature law: hinge flexibilities are the weights of a trapezoidal rule for ∫ M²/EI, whose end
     error at a clamped end is proportional to (M²)'; the weight's 1/N term takes it away for one mode.
 

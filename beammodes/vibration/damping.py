@@ -273,8 +273,8 @@ def joint_dampers(
     DampingFitWarning
         If no dampers but negative ones give these ratios: it says what those nearest to them give.
 
-    Source
-    ------
+    References
+    ----------
     Rayleigh, The Theory of Sound, vol. 1 (1877), on dissipation functions.
 
     Examples

@@ -171,8 +171,8 @@ def flutter_load(chain: Chain, *, damping: Damping | None = None) -> FlutterLoad
     TypeError, ValueError
         As `follower_modes`; or if no compression makes the chain unstable.
 
-    Source
-    ------
+    References
+    ----------
     M. Beck, Die Knicklast des einseitig eingespannten, tangential gedrückten Stabes, ZAMP 3 (1952), 225-228.
 
     Examples

@@ -86,8 +86,8 @@ def ratio_from_decay(peaks: ArrayLike, *, periods: ArrayLike | None = None) -> D
         If peaks are fewer than two or not positive, the last is not smaller than the first, or `periods` do
         not ascend.
 
-    Source
-    ------
+    References
+    ----------
     L. Meirovitch, Elements of Vibration Analysis (1986), § 1.7.
 
     Examples
@@ -166,8 +166,8 @@ def rayleigh_damping(of: Any, ratios: Mapping[int, float] | ArrayLike) -> Dampin
         If α or β would be negative, so that some modes would gain energy: it says which, and what the fit
         without it gives, which is returned.
 
-    Source
-    ------
+    References
+    ----------
     Rayleigh, The Theory of Sound, vol. 1 (1877), on dissipation functions.
 
     Examples

@@ -153,8 +153,8 @@ def stable_time_step(
         If an argument is not of its kind, the integrator is unknown or chooses its steps itself, `joint` of
         the damping does not suit the chain, or an axial force buckles it.
 
-    Source
-    ------
+    References
+    ----------
     E. Hairer and G. Wanner, Solving Ordinary Differential Equations II, § IV.2. The second and third
     condition: the step's matrix has the eigenvalue -1. All its eigenvalues obey quadratic equations of real
     coefficients, since Ω² and G are symmetric, and leave the unit circle nowhere else.

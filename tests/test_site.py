@@ -1,0 +1,25 @@
+"""The documentation site: every page and every public name has its place, and equations are no markup."""
+
+from __future__ import annotations
+
+import doctest
+from pathlib import Path
+
+import beammodes as bm
+from studies.site import build, docstrings
+
+PAGES = Path(__file__).parent.parent / "beammodes" / "pages"
+
+
+def test_every_page_stands_in_one_chapter() -> None:
+    listed = [name for names in build.TOPICS.values() for name in names]
+    assert sorted(listed) == sorted({*(path.stem for path in PAGES.glob("*.md")), "contributing"})
+
+
+def test_every_public_name_stands_in_one_topic_of_the_reference() -> None:
+    listed = [name for _, names in build.chapters().values() for name in names]
+    assert sorted(listed) == sorted(set(bm.__all__) - build.UNLISTED)
+
+
+def test_equations_of_docstrings_are_no_markup() -> None:
+    assert doctest.testmod(docstrings, optionflags=doctest.NORMALIZE_WHITESPACE) == (0, 1)
