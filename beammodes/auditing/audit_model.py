@@ -197,13 +197,18 @@ def _as_the_file_says(beam: Beam, read: _Read, modes: int, tolerance: float) -> 
 
 
 def _fitting(chains: Sequence[PlanarChain], given: Boundary) -> list[EndedChain]:
-    """Return the chain's first reading that `given` fits, with these ends."""
+    """Return the chain's first reading that `given` fits, with these ends.
+
+    Readings in which the file itself has such ends come before one whose far end only the word holds: of a
+    free root, "clamped-free" means that the root is held.
+    """
     refusals = []
-    for chain in chains:
-        try:
-            return ended_chains(chain, given)
-        except ValueError as error:
-            refusals.append(error)
+    for by_word in (False, True):
+        for chain in chains:
+            try:
+                return ended_chains(chain, given, far_by_word=by_word)
+            except ValueError as error:
+                refusals.append(error)
     raise refusals[0]
 
 
@@ -380,7 +385,9 @@ def _of_path(model: Model, path: HingePath, asked: _Request) -> _Read:
         label = min(planes, key=lambda each: _distance(planes[each], beam))
     line = planes[label]
     names = {hinge.name for hinge in line.hinges}
-    held = [why for body, why in model.held if path.has_body(body) or body in names]
+    root = path.root
+    tied = {joint.name for joint in root.joints} | {body.name for body in root.bodies if root.joints}
+    held = [why for name, why in model.held if path.has_body(name) or name in names | tied]
     if given is None:
         if held:
             raise BadModel(f"{held[0]} holds the chain: say by boundary what its ends are")

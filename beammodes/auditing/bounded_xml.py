@@ -183,8 +183,9 @@ def read_xml(path: str | os.PathLike[str], file: str = "") -> XmlElement:
 def _tolerated(data: bytes) -> bytes:
     """Return a text without what engines read though XML forbids it: "--" in comments, blanks at its head.
 
-    Lines keep their numbers.
+    A mark of UTF-8 at its head goes too. Lines keep their numbers.
     """
+    data = data.removeprefix(b"\xef\xbb\xbf")
     declaration = data.lstrip(b" \t\r\n")
     if declaration.startswith(b"<?xml") and len(declaration) < len(data) and b"?>" in declaration:
         end = declaration.index(b"?>") + 2

@@ -38,13 +38,14 @@ class EndedChain:
         return off
 
 
-def ended_chains(chain: PlanarChain, given: Boundary | None) -> list[EndedChain]:
+def ended_chains(chain: PlanarChain, given: Boundary | None, *, far_by_word: bool = True) -> list[EndedChain]:
     """Return a chain with its ends; more than one reading if `given` fits in both orders.
 
     Without `given`, a spring between ground and beam is the rule's wall spring at an end that the ground
     holds, and what an outer piece has beyond a rod like its neighbour's is a body at that end. With it, the
     bodies and springs of `given` are taken out of the outer pieces; ends that hold what the file lets move,
-    and bodies heavier than the pieces, are refused by ValueError.
+    and bodies heavier than the pieces, are refused by ValueError. `far_by_word` says whether the user's word
+    may hold a far end that is free in the file.
     """
     if given is None:
         return [_inferred(chain)]
@@ -62,7 +63,7 @@ def ended_chains(chain: PlanarChain, given: Boundary | None) -> list[EndedChain]
     if refusals:
         raise refusals[-1]
     # URDF cannot support the far end, and other constraints are not read: there the user's word counts.
-    for pair in orders:
+    for pair in orders if far_by_word else ():
         if _fits(chain.near, pair.left) and chain.far == (0.0, 0.0):
             said = f"the far end is {pair.right} because you say so"
             assumed = (*chain.assumed, said)

@@ -327,7 +327,9 @@ def _piece(group: Group, line: HingeLine, start: float, end: float) -> Piece:
     own, inertia = group.inertial, line.moment(group.inertial)
     if inertia < 0:
         raise BadModel(f"body {group.name} must have an inertia of at least 0, got {inertia:.3g}")
-    return Piece(end - start, own.mass, line.place(own.centre) - start, inertia)
+    # A mass without rotary inertia, as files have it, gets a trace of it: its coordinate may have none else.
+    trace = _TRACE * own.mass * (end - start) ** 2
+    return Piece(end - start, own.mass, line.place(own.centre) - start, max(inertia, trace))
 
 
 def _near_lengths(path: HingePath, line: HingeLine, root: RootSupport | None) -> _Lengths:

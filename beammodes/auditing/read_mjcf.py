@@ -57,6 +57,8 @@ _TURNS = {"euler": 3, "quat": 4, "axisangle": 4, "zaxis": 3, "xyaxes": 6}
 _SIZES = {"sphere": 1, "capsule": 2, "cylinder": 2, "box": 3, "ellipsoid": 3}
 _MASSLESS = ("plane", "hfield")
 
+#: What a servo of velocity damps.
+_DAMPED = ("joint", "tendon")
 _PLAIN_ACTUATORS = ("motor", "damper", "plugin", "adhesion")
 #: Shortcuts that make a servo of every <general> of their class.
 _SERVO_DEFAULTS = {"position", "velocity", "intvelocity", "muscle", "cylinder", "dcmotor"}
@@ -108,7 +110,7 @@ def _include(root: XmlElement, folder: Path) -> None:
             try:
                 found += read_xml(place, name).children[::-1]
             except OSError as error:
-                child.refuse(f"must name a file that can be read: {error.strerror or error}")
+                child.refuse(f"must name a file that can be read: {shown(name)}: {error.strerror or error}")
             except BadModel as error:
                 child.refuse(f"must name a file that can be read: {shown(name)}: {error}")
         element.children = children
@@ -172,10 +174,13 @@ class _Reader:
         self.bodies: list[ModelBody] = []
         self.notes: list[str] = []
         self.held_tendons = self._held_tendons()
-        self.dampers: dict[str, float] = {}
+        #: Damping by servos, of joints and tendons by name.
+        self.dampers: dict[tuple[str, str], float] = {}
         self.servos: list[XmlElement] = []
         self._sort_actuators()
         self.acted_joints = dict(self._acted_joints())
+        #: Joints that an equality constraint holds where they are, and that constraint.
+        self.locked = dict(self._locked_joints())
         self.acted_sites = dict(self._acted_sites())
         #: The body of each site.
         self.homes: dict[str, str] = {}
@@ -328,7 +333,10 @@ class _Reader:
                 self._inside(element, class_name, "joint", "freejoint"), start=1
             )
         )
-        return replace(found.placed(frame), joints=joints)
+        self.notes += [
+            f"joint {j.name} is held by {self.locked[j.name]}" for j in joints if j.name in self.locked
+        ]
+        return replace(found.placed(frame), joints=tuple(j for j in joints if j.name not in self.locked))
 
     def _matter(self, element: XmlElement, class_name: str) -> ModelBody:
         """Return a body by its <inertial> or its solids, in its own frame."""
@@ -448,7 +456,7 @@ class _Reader:
             position,
             stiffness,
             self._why_not(own, kind, stiffness) or self.acted_joints.get(name, ""),
-            _linear(own, "damping", "damper") + self.dampers.get(name, 0.0),
+            _linear(own, "damping", "damper") + self.dampers.get(("joint", name), 0.0),
             child.at_least_0("armature", own.number("armature", "0")),
             _place(child, kind, copied=bool(suffix + more)),
         )
@@ -463,9 +471,7 @@ class _Reader:
         if min(joint.numbers("springdamper", 2, "0 0")) > 0:
             return f"{joint.where} must have its stiffness said, not left to springdamper"
         reference = joint.number("ref", "0")
-        limited = joint.attributes.get("limited", "auto")
-        by_range = limited == "auto" and self.automatic_limits and "range" in joint.attributes
-        if kind != "free" and (limited == "true" or by_range):
+        if kind != "free" and self._is_limited(joint):
             low, high = joint.numbers("range", 2, "0 0")
             # The range of a ball is its largest angle; what is said as the least is not used.
             if not (-1.0 if kind == "ball" else low) < reference < high:
@@ -484,8 +490,8 @@ class _Reader:
                 own = self._with_defaults(element, element.tag)
                 damping = self._damping(own)
                 if damping is not None:
-                    name = own.attributes["joint"]
-                    self.dampers[name] = self.dampers.get(name, 0.0) + damping
+                    which, name = next((key, own.attributes[key]) for key in _DAMPED if key in own.attributes)
+                    self.dampers[which, name] = self.dampers.get((which, name), 0.0) + damping
                     continue
                 tags = self.classes[element.attributes.get("class", "main")].keys()
                 inherited = "affine" if tags & _SERVO_DEFAULTS else "none"
@@ -495,8 +501,8 @@ class _Reader:
                 self.servos.append(element)
 
     def _damping(self, own: XmlElement) -> float | None:
-        """Return kv gear² of a servo with a force of one joint's velocity only; None of any other."""
-        if "joint" not in own.attributes:
+        """Return kv gear² of a servo whose force is one of velocity only, at a joint or tendon; else None."""
+        if not any(key in own.attributes for key in _DAMPED):
             return None
         if own.tag == "velocity":
             gain = own.number("kv", "1")
@@ -533,6 +539,7 @@ class _Reader:
             why = ["stiffness"] if _linear(own, "stiffness", "spring") else []
             why += [key for key in ("armature", "frictionloss") if own.number(key, "0")]
             why += ["an actuator"] if name and name in pulling else []
+            why += ["a limit of its length"] if self._is_limited(own) else []
             why += ["an equality constraint"] if name and name in self.held_tendons else []
             for site in tendon.all("site") if why else ():
                 refusal = f"{tendon.where} must not act on the chain, as it does by {' and '.join(why)}"
@@ -567,16 +574,35 @@ class _Reader:
                     refusal = f"{tendon.where} must have no armature and no frictionloss, which no beam has"
                 elif not refusal and 0 < stiffness < math.inf and any(rest) and rest != [-1.0]:
                     refusal = f"{tendon.where} must be slack at rest: springlength 0"
-                yield ModelTie(
-                    name, terms, stiffness, refusal, _linear(tendon, "damping", "damper"), _place(element)
-                )
+                elif not refusal and not self._is_slack(tendon):
+                    refusal = f"{tendon.where} must be at rest within its range, not at a stop or beyond"
+                damping = _linear(tendon, "damping", "damper") + self.dampers.get(("tendon", name), 0.0)
+                yield ModelTie(name, terms, stiffness, refusal, damping, _place(element))
+
+    def _is_slack(self, tendon: XmlElement) -> bool:
+        """Return True if no limit of a fixed tendon acts at rest, where its length is 0."""
+        low, high = tendon.numbers("range", 2, "0 0")
+        return not self._is_limited(tendon) or low < 0 < high
+
+    def _is_limited(self, element: XmlElement) -> bool:
+        limited = element.attributes.get("limited", "auto")
+        by_range = limited == "auto" and self.automatic_limits and "range" in element.attributes
+        return limited == "true" or by_range
+
+    def _locked_joints(self) -> Iterator[tuple[str, str]]:
+        """Yield the joints that an equality constraint holds where they are, and what to say of it."""
+        for element in self._within("equality", "joint"):
+            given = element.attributes
+            offset = element.numbers("polycoef", (1, 2, 3, 4, 5), "0")[0]
+            if given.get("active") != "false" and "joint2" not in given and not offset:
+                yield given.get("joint1", ""), element.where
 
     def _held_ends(self) -> Iterator[tuple[str, str]]:
         """Yield the bodies and joints that other constraints act on, and what to say of these."""
         for element in self._within("equality", "connect", "weld", "joint"):
-            if element.attributes.get("active") == "false":
-                continue
             given = element.attributes
+            if given.get("active") == "false" or given.get("joint1") in self.locked:
+                continue
             for end in ("body1", "body2", "joint1", "joint2"):
                 if end in given:
                     yield given[end], element.where

@@ -13,6 +13,7 @@ from beammodes.auditing.read_urdf import (
     MOMENTS,
     by_name,
     check_added,
+    limit_number,
     links_of,
     reach_of,
     shapes_of,
@@ -25,8 +26,6 @@ from beammodes.numerics.arrays import Floats
 __all__ = ["read_sdf"]
 
 _KINDS = {"revolute": "hinge", "continuous": "hinge", "prismatic": "slide", "universal": "hinge"}
-#: SDFormat takes a limit of this size for none; Gazebo writes the largest double.
-_NO_LIMIT = 1e16
 
 
 def read_sdf(root: XmlElement) -> Model:
@@ -170,7 +169,10 @@ def _coordinate(joint: XmlElement, axis: XmlElement, name: str, frame: Frame, fr
     limit = axis.first("limit")
     limits = None
     if limit is not None:
-        limits = (_limit(limit, "lower", -math.inf), _limit(limit, "upper", math.inf))
+        limits = (
+            limit_number(limit, "lower", limit.child_text("lower"), -math.inf),
+            limit_number(limit, "upper", limit.child_text("upper"), math.inf),
+        )
     refusals = [
         f"{joint.where} must have spring_reference 0: straight at rest" if stiffness and rest else "",
         why_driven(joint, joint),
@@ -183,16 +185,6 @@ def _coordinate(joint: XmlElement, axis: XmlElement, name: str, frame: Frame, fr
     place = None if spring is None else SpringPlace("text", spring.start, spring.file)
     at = frame.position
     return ModelJoint(name, kind, turned @ direction, at, stiffness, refusal, damping, place=place)
-
-
-def _limit(limit: XmlElement, tag: str, unlimited: float) -> float:
-    # The one place where SDFormat writes infinite numbers.
-    text = limit.child_text(tag)
-    try:
-        none = not text or math.fabs(float(text[:100])) >= _NO_LIMIT
-    except ValueError:
-        none = False
-    return unlimited if none else limit.child_numbers(tag, 1, "0")[0]
 
 
 def _matter(link: XmlElement) -> tuple[Inertial, list[Floats]]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -27,6 +28,7 @@ __all__ = [
     "PlacedSpring",
     "by_name",
     "check_added",
+    "limit_number",
     "links_of",
     "reach_of",
     "read_springs",
@@ -46,6 +48,8 @@ _KINDS = {
     "floating": "free",
     "fixed": "fixed",
 }
+#: Engines take a limit of this size for none; Gazebo writes the largest double, others infinity.
+_NO_LIMIT = 1e16
 MOMENTS = ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")
 
 
@@ -127,6 +131,15 @@ def why_not_free(joint: XmlElement, limits: tuple[float, float] | None, friction
     return ""
 
 
+def limit_number(limit: XmlElement, name: str, text: str, unlimited: float) -> float:
+    """Return a limit; `unlimited` where the text is empty, or a number that stands for none."""
+    try:
+        none = not text or abs(float(text[:100])) >= _NO_LIMIT
+    except ValueError:
+        none = False
+    return unlimited if none else limit.read(name, text, 1)[0]
+
+
 def why_driven(parent: XmlElement, joint: XmlElement) -> str:
     """Return why a joint is no plain hinge by Drake's elements below `parent`, empty if it is."""
     for element in (inner for child in parent.children for inner in (child, *child.children)):
@@ -198,7 +211,11 @@ def _joint(
     direction = joint.direction([1.0, 0, 0] if axis is None else axis.numbers("xyz", 3))
     limits = None
     if limit is not None and kind in ("revolute", "prismatic"):
-        limits = (limit.number("lower", "0"), limit.number("upper", "0"))
+        lower, upper = (limit.attributes.get(key, "0") for key in ("lower", "upper"))
+        limits = (
+            limit_number(limit, "lower", lower, -math.inf),
+            limit_number(limit, "upper", upper, math.inf),
+        )
     refusals = [
         f"{joint.where} must not mimic another joint" if joint.first("mimic") is not None else "",
         "" if kind in _KINDS else f"{joint.where} must be revolute, got type {shown(kind)}",

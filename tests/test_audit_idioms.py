@@ -1,0 +1,157 @@
+"""One chain in the words of many files: what changes nothing changes nothing, what cannot be read is named.
+
+Every file here is the same five rods, so that the truth is one chain, made without any reader.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from beammodes.auditing.audit_model import audit_file
+from beammodes.chains.chain import Chain
+from beammodes.problem.beam import Beam
+from beammodes.vibration.linear import linearize
+from beammodes.vibration.modes import solve_modes
+
+COUNT, ELL, MASS, SPRING = 5, 0.2, 0.1, 10.0
+ABOUT = MASS * ELL**2 / 12
+BEAM = Beam(COUNT * ELL, SPRING * ELL, MASS / ELL)
+
+
+def truth(ends: str, *, inertia: float = ABOUT, springs: int = COUNT) -> list[float]:
+    """Frequencies of the five rods [Hz], on a spring at the held end or on none."""
+    chain = Chain.from_pieces(
+        length=[0.0] * (springs == COUNT) + [ELL] * COUNT,
+        mass=[0.0] * (springs == COUNT) + [MASS] * COUNT,
+        rotary_inertia=[0.0] * (springs == COUNT) + [inertia] * COUNT,
+        joint_stiffness=[SPRING] * springs,
+        boundary=ends,
+    )
+    return (solve_modes(linearize(chain), 3).angular_frequency / (2 * math.pi)).tolist()
+
+
+INERTIAL = f'<inertial pos="{ELL / 2} 0 0" mass="{MASS}" diaginertia="1e-6 {ABOUT!r} {ABOUT!r}"/>'
+
+
+def mjcf(first: str = f'stiffness="{SPRING}"', tail: str = "", head: str = "", root: str = "{}") -> str:
+    """The rods as nested bodies, the first on a hinge with these attributes."""
+    text = ""
+    for i in reversed(range(COUNT)):
+        own = first if i == 0 else f'stiffness="{SPRING}"'
+        text = (
+            f'<body name="s{i}" pos="{ELL * (i > 0)} 0 0"><joint name="j{i}" axis="0 1 0" {own}/>'
+            f"{INERTIAL}{text}</body>"
+        )
+    world = f"<worldbody>{root.format(text)}</worldbody>"
+    return f'<mujoco>{head}<option gravity="0 0 0"/>{world}{tail}</mujoco>'
+
+
+def urdf(more: str = "", kind: str = "revolute", about: float = ABOUT) -> str:
+    """The rods as URDF; `more` is said of every joint."""
+    text = '<link name="world"/>'
+    for i in range(COUNT):
+        text += (
+            f'<link name="s{i}"><inertial><origin xyz="{ELL / 2} 0 0"/><mass value="{MASS}"/>'
+            f'<inertia ixx="0" iyy="{about!r}" izz="{about!r}" ixy="0" ixz="0" iyz="0"/></inertial></link>'
+            f'<joint name="j{i}" type="{kind}"><parent link="{f"s{i - 1}" if i else "world"}"/>'
+            f'<child link="s{i}"/><origin xyz="{ELL * (i > 0)} 0 0"/><axis xyz="0 1 0"/>{more}</joint>'
+            f'<gazebo reference="j{i}"><springStiffness>{SPRING}</springStiffness></gazebo>'
+        )
+    return f'<robot name="arm">{text}</robot>'
+
+
+LIMIT = '<limit lower="{}" upper="{}" effort="1" velocity="1"/>'
+TIE = '<tendon><fixed name="t" {}><joint joint="j1" coef="1"/><joint joint="j2" coef="1"/></fixed></tendon>'
+
+#: Name: content, ending, and what the audit must say.
+ALIKE: dict[str, tuple[str, str, str]] = {
+    "a mark of UTF-8 and blanks": ("\ufeff\n<?xml version='1.0'?>" + mjcf(), ".xml", ""),
+    "a motor that an equality holds": (
+        mjcf(tail='<equality><joint joint1="elbow"/></equality>').replace(
+            '<joint name="j2"', '<joint name="elbow" axis="0 0 1"/><joint name="j2"'
+        ),
+        ".xml",
+        "joint elbow is held by line 1: <joint>",
+    ),
+    "a damper on a tendon": (
+        mjcf(tail=TIE.format("") + '<actuator><velocity tendon="t" kv="0.1"/></actuator>'),
+        ".xml",
+        "damping of tendon t is left out",
+    ),
+    "a tendon at rest within its range": (mjcf(tail=TIE.format('range="-1 1"')), ".xml", ""),
+    "limits of the largest double": (urdf(LIMIT.format("-1.79769e+308", "1e308")), ".urdf", ""),
+    "limits without end": (urdf(LIMIT.format("-inf", "inf")), ".urdf", ""),
+}
+
+
+@pytest.mark.parametrize("case", ALIKE)
+def test_the_same_chain_in_other_words(case: str, tmp_path: Path) -> None:
+    text, ending, says = ALIKE[case]
+    path = tmp_path / f"model{ending}"
+    path.write_text(text)
+    found = audit_file(path, BEAM)
+    assert (found.boundary.name, found.layout, found.segments) == ("clamped-free", "naive", COUNT)
+    np.testing.assert_allclose(found.angular_frequency / (2 * math.pi), truth("clamped-free"), rtol=1e-9)
+    np.testing.assert_allclose([found.length_mismatch, found.mass_mismatch], 0, atol=1e-9)
+    assert says in found.text
+
+
+SPATIAL = '<tendon><spatial name="t" {}><site site="a"/><site site="b"/></spatial></tendon>'
+SITES = mjcf(tail=SPATIAL.format('limited="true" range="0 0.2"')).replace(
+    INERTIAL, f'{INERTIAL}<site name="@"/>'
+)
+
+REFUSED: dict[str, tuple[str, str]] = {
+    "a tendon at its stop": (mjcf(tail=TIE.format('range="0 1"')), "fixed name='t'.*within its range"),
+    "a spatial tendon with a limit": (
+        SITES.replace("@", "a", 1).replace("@", "b", 1).replace("@", ""),
+        "spatial name='t'.*a limit of its length",
+    ),
+    "an include that is not there": (
+        mjcf(head='<include file="missing.xml"/>'),
+        "<include>.*'missing.xml': No such file",
+    ),
+    "a root that a weld holds, without word": (
+        mjcf('type="free"', tail='<equality><weld body1="s0"/></equality>').replace(
+            ' axis="0 1 0" type', " type"
+        ),
+        "<weld> holds the chain: say by boundary",
+    ),
+}
+
+
+@pytest.mark.parametrize("case", REFUSED)
+def test_what_is_in_the_way_is_named(case: str, tmp_path: Path) -> None:
+    text, says = REFUSED[case]
+    (tmp_path / "model.xml").write_text(text)
+    with pytest.raises(ValueError, match=says):
+        audit_file(tmp_path / "model.xml", BEAM)
+
+
+@pytest.mark.parametrize("joint", ["<freejoint/>", '<joint type="ball"/>', '<joint axis="0 1 0"/>'])
+def test_the_word_clamped_holds_the_root_before_it_holds_a_free_tip(joint: str, tmp_path: Path) -> None:
+    """A hub of 2 kg that moves, with one chain on it: "clamped-free" is not "free-clamped"."""
+    hub = f'<body name="hub">{joint}<geom type="box" size=".05 .05 .05" mass="2"/>{{}}</body>'
+    path = tmp_path / "model.xml"
+    path.write_text(mjcf(root=hub))
+    for word in ("clamped-free", "free-clamped"):
+        found = audit_file(path, BEAM, word)
+        assert {str(found.boundary.left.word), str(found.boundary.right.word)} == {"clamped", "free"}
+        np.testing.assert_allclose(found.angular_frequency / (2 * math.pi), truth("clamped-free"), rtol=1e-9)
+        assert any("held, because you say so" in line for line in found.assumed)
+
+
+def test_links_without_rotary_inertia_are_judged_and_blamed(tmp_path: Path) -> None:
+    """A mass at its link's middle has none about itself: what MuJoCo refuses URDF and SDFormat may say."""
+    path = tmp_path / "model.urdf"
+    path.write_text(urdf(about=0.0, kind="continuous"))
+    found = audit_file(path, BEAM)
+    due = truth("clamped-free", inertia=1e-12)
+    np.testing.assert_allclose(found.angular_frequency / (2 * math.pi), due, rtol=1e-7)
+    assert found.rotary_inertia_mismatch == pytest.approx(-1, abs=1e-6)
+    assert re.search(r"rotary inertia of the segments is -100 % off", found.text)
