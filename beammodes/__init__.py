@@ -88,6 +88,7 @@ _NAMES = {
     "accuracy.uncertainty": "Tolerance frequency_spread segments_within_spread",
     "auditing.audit": "Audit audit_chain",
     "auditing.audit_model": "audit_file",
+    "auditing.mended_files": "MendedFile mend_file",
     "batch.cases": "Case",
     "batch.study": "Study open_study",
     "chains.axial_chain": "AxialChain",
@@ -193,6 +194,8 @@ if TYPE_CHECKING:
     from beammodes.auditing.audit import Audit as Audit
     from beammodes.auditing.audit import audit_chain as audit_chain
     from beammodes.auditing.audit_model import audit_file as audit_file
+    from beammodes.auditing.mended_files import MendedFile as MendedFile
+    from beammodes.auditing.mended_files import mend_file as mend_file
     from beammodes.batch.cases import Case as Case
     from beammodes.batch.study import Study as Study
     from beammodes.batch.study import open_study as open_study

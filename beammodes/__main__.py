@@ -48,7 +48,7 @@ def _answered(arguments: Sequence[str]) -> int:
         answer, text = options.command(options)
         if shell.INTERRUPTS.count:
             return shell.interrupted()
-        code = 0 if answer.get("meets", True) else shell.NOT_MET
+        code = 0 if (answer.get("written") or answer).get("meets", True) else shell.NOT_MET
         if options.json:
             import json
 

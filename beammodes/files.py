@@ -80,7 +80,13 @@ def file_target(path: object, *, new: bool = False) -> Path:
     return place
 
 
-def write_atomically(path: str | Path, write: Callable[[BinaryIO], object], *, new: bool = False) -> None:
+def write_atomically(
+    path: str | Path,
+    write: Callable[[BinaryIO], object],
+    *,
+    new: bool = False,
+    check: Callable[[Path], object] | None = None,
+) -> None:
     """Let `write` fill a temporary file beside `path`, then move it there in one step.
 
     Interrupted or failed writing leaves what was at `path` untouched, and no temporary file. A file that is
@@ -93,6 +99,8 @@ def write_atomically(path: str | Path, write: Callable[[BinaryIO], object], *, n
     path, new
         As `file_target` takes them; it is called again here.
     write : function of an open binary file
+    check : function of a path, optional
+        It is given the temporary file, beside `path`, when that is whole; if it raises, nothing is written.
 
     Examples
     --------
@@ -107,6 +115,8 @@ def write_atomically(path: str | Path, write: Callable[[BinaryIO], object], *, n
     try:
         with os.fdopen(descriptor, "wb") as file:
             write(file)
+        if check is not None:
+            check(temporary)
         # Asked again: what is there now must not be a special file that came meanwhile.
         there = _mode(file_target(path, new=new))
         if new:

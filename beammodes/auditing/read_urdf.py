@@ -341,7 +341,7 @@ def read_springs(path: Path) -> dict[str, PlacedSpring]:
         name, stiffness = _spring(row)
         if name in found:
             row.refuse(f"must not give joint {shown(name)} a second spring")
-        place = SpringPlace("scalar", stiffness.node.start_mark.index, str(path))
+        place = SpringPlace("scalar", stiffness.node.start_mark.index, str(path.absolute()))
         found[name] = PlacedSpring(stiffness.number("stiffness"), place)
     return found
 

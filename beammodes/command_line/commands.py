@@ -57,6 +57,7 @@ from beammodes.command_line.text_tables import (
 
 if TYPE_CHECKING:
     from beammodes.auditing.audit import Audit, Suggestion
+    from beammodes.auditing.mended_files import MendedFile
 
 __all__ = ["COMMANDS"]
 
@@ -670,20 +671,24 @@ def _export(options: argparse.Namespace) -> Answer:
     option("--chain", "a body of the chain to judge (default: the longest)", metavar="NAME"),
     option("--plane", "x, y or z, along which it deflects (default: by the springs)"),
     option("--springs", "springs of a URDF file (default: .springs.yaml beside it)", metavar="FILE"),
+    option("--write", "write the file (of URDF: its springs) with better springs", metavar="FILE"),
+    option("--suggestion", "whose springs to write (default: the first for the same hinges)", metavar="NAME"),
+    option("--force", "overwrite an existing file", action="store_true"),
 )
 def _audit(options: argparse.Namespace) -> Answer:
     from beammodes.auditing.audit_model import audit_file
+    from beammodes.auditing.mended_files import mend_file
 
-    found = audit_file(
-        options.file,
-        _beam(options),
-        options.boundary,
-        modes=options.modes,
-        tolerance=options.tolerance,
-        chain=options.chain,
-        plane=options.plane,
-        springs=options.springs,
-    )
+    beam = _beam(options)
+    asked = {name: getattr(options, name) for name in ("modes", "tolerance", "chain", "plane", "springs")}
+    mended = None
+    if options.write is not None:
+        how = {"suggestion": options.suggestion, "force": options.force}
+        mended = mend_file(options.file, options.write, beam, options.boundary, **how, **asked)
+    elif options.suggestion is not None or options.force:
+        flag = "--force" if options.suggestion is None else "--suggestion"
+        raise ValueError(f"{flag} must be left out without --write")
+    found = mended.before if mended else audit_file(options.file, beam, options.boundary, **asked)
     rows = _audited_modes(found)
     answer: dict[str, Any] = {"file": str(options.file)}
     answer |= {name: list(getattr(found, name)) for name in ("given", "assumed", "found")}
@@ -702,7 +707,29 @@ def _audit(options: argparse.Namespace) -> Answer:
             "with_weight": found.step.with_weight,
             "stable": found.step.is_stable,
         }
-    return answer, "\n".join([*_verdict(found), frequency_table(rows), *_changes(found, _units(options))])
+    lines = [*_verdict(found), frequency_table(rows), *_changes(found, _units(options))]
+    if mended is not None:
+        answer["written"] = _written(mended)
+        lines += ["", "written", *(f"  {line}" for line in mended.text.splitlines())]
+    return answer, "\n".join(lines)
+
+
+def _written(mended: MendedFile) -> dict[str, Any]:
+    return {
+        "file": str(mended.path),
+        "suggestion": mended.suggestion.name,
+        "meets": mended.audit.meets,
+        "promise": mended.promise,
+        "not_mended": mended.not_mended,
+        "notes": list(mended.notes),
+        "modes": _audited_modes(mended.audit),
+        "numbers": [
+            {"hinge": name, "old": old, "new": new}
+            for name, old, new in zip(
+                mended.hinge_names, mended.old_number.tolist(), mended.new_number.tolist(), strict=True
+            )
+        ],
+    }
 
 
 _AUDITED = (

@@ -37,7 +37,7 @@ NOT_MET, NO_ANSWER, FAULT, INTERRUPTED = 1, 2, 3, 130
 EXIT_CODES = MappingProxyType(
     {
         0: "done",
-        NOT_MET: "audit: the tolerance is not met",
+        NOT_MET: "audit: the tolerance is not met, by the file that is written if there is one",
         NO_ANSWER: "no answer: bad input, or an answer that cannot be written, told in one line",
         FAULT: "a fault of this program, not of the input",
         INTERRUPTED: "interrupted by Ctrl-C",
