@@ -103,6 +103,13 @@ def csv() -> str:
 
 
 @functools.cache
+def boom() -> str:
+    path = Path(tempfile.mkdtemp()) / "boom.xml"
+    bm.export_chain(bm.Chain(beam(), "clamped-free", 3, "naive"), path)
+    return str(path)
+
+
+@functools.cache
 def study() -> str:
     folder = tempfile.mkdtemp()
     bm.Study.grid(boundary="clamped-free", segments=4, mode=1, compute="relative_error").run(store=folder)
@@ -400,6 +407,15 @@ CALLS: dict[str, Arguments] = {
         "tolerance": 0.01,
     },
     "audit_file": lambda: {"path": csv(), "beam": beam(), "boundary": "clamped-free", "modes": 1},
+    "mend_file": lambda: {
+        "path": boom(),
+        "written": str(Path(boom()).with_name("mended.xml")),
+        "beam": beam(),
+        "boundary": "clamped-free",
+        "modes": 1,
+        "suggestion": None,
+        "force": True,
+    },
     "axially_corrected": lambda: {"rule": "gregory", "load": bm.Load(axial_force=0.5), "beam": beam()},
     "beam_statics": lambda: {"beam": beam(), "boundary": "clamped-free", "load": "tip_force"},
     "buckling_dataset": lambda: {
@@ -701,6 +717,7 @@ ANSWERS = {
     "Integrator",
     "Layout",
     "LinearModel",
+    "MendedFile",
     "Modes",
     "RodModes",
     "SpatialEquilibrium",
@@ -826,7 +843,7 @@ HOSTILE: dict[str, Callable[[], Any]] = {
 }
 
 #: What docstrings promise beside TypeError and ValueError; OSError of what reads or writes files.
-FILES = ("animate", "audit_file", "export_chain", "open_study", "read_chain_csv", "simulate")
+FILES = ("animate", "audit_file", "export_chain", "mend_file", "open_study", "read_chain_csv", "simulate")
 PROMISED: dict[str, tuple[type[BaseException], ...]] = dict.fromkeys(FILES, (OSError,))
 ARITHMETIC = (
     "critical_factor",

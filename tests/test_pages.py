@@ -49,11 +49,12 @@ def blocks(source: str, language: str) -> list[str]:
     return re.findall(rf"```{language}\n(.*?)```", source, flags=re.DOTALL)
 
 
+#: Pages that tell one story from the first block to the last.
+STORIES = ("audit", "cables")
 PYTHON = [
-    (page.stem, block) for page in EVERY for block in blocks(text(page), "python") if page.stem != "cables"
+    (page.stem, block) for page in EVERY for block in blocks(text(page), "python") if page.stem not in STORIES
 ]
-# One story from the first block to the last.
-PYTHON.append(("cables", "\n".join(blocks(named("cables"), "python"))))
+PYTHON += [(stem, "\n".join(blocks(named(stem), "python"))) for stem in STORIES]
 SHELL = [
     (page.stem, line)
     for page in PAGES
