@@ -5,9 +5,10 @@ from __future__ import annotations
 import difflib
 import math
 import numbers
-from collections.abc import Callable, Iterable, Mapping, Set, Sized
+from collections.abc import Callable, Iterable, Iterator, Mapping, Set, Sized
+from dataclasses import MISSING, Field, fields
 from itertools import islice
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -16,7 +17,10 @@ from beammodes.numerics.arrays import Floats
 
 __all__ = [
     "MAX_ITEMS",
+    "Catalogue",
+    "Shown",
     "bounded",
+    "brief",
     "choice",
     "distinct",
     "flag",
@@ -40,6 +44,7 @@ MAX_ITEMS = 10**7
 
 _SHOWN_CHARACTERS = 60
 _SHOWN_NUMBERS = 6
+_LINE = 120
 
 
 def shown(value: object) -> str:
@@ -94,6 +99,102 @@ def percent(fraction: float, digits: int = 3, unit: str = " %", *, rounding: flo
     if math.isnan(fraction):
         return "nan"
     return ("0" if abs(fraction) <= rounding else f"{100 * fraction:+.{digits}g}") + unit
+
+
+class Shown:
+    """What is shown of an object: one line at a prompt.
+
+    The line of a dataclass is what a user would type: its fields that are not at their defaults.
+
+    Examples
+    --------
+    >>> import beammodes as bm
+    >>> bm.Load(tip_force=2.0, plane="lag"), bm.Load()
+    (Load(plane='lag', tip_force=(0.0, 2.0)), Load())
+    """
+
+    __slots__ = ()
+
+    def __repr__(self) -> str:
+        return brief(self._line())
+
+    def _line(self) -> str:
+        """Return the line, of any length."""
+        told = (f"{name}={_part_shown(value)}" for name, value in told_fields(self))
+        return f"{type(self).__name__}({', '.join(told)})"
+
+
+def brief(text: str) -> str:
+    """Return the line that a prompt shows of an object, cut at a comma where it is longer than a screen line.
+
+    Examples
+    --------
+    >>> brief("Table(" + ", ".join(["1.25"] * 100) + ")")[-22:]
+    '1.25, 1.25, 1.25, ...)'
+    """
+    if len(text) <= _LINE:
+        return text
+    return f"{text[: _LINE - 6].rpartition(', ')[0] or text[: _LINE - 6]}, ...{text[-1]}"
+
+
+def told_fields(record: Any) -> list[tuple[str, Any]]:
+    """Return names and values of a dataclass's public fields, without those at their defaults.
+
+    Examples
+    --------
+    >>> import beammodes as bm
+    >>> told_fields(bm.Station(0.5, mass=2.0))
+    [('x', 0.5), ('mass', 2.0)]
+    """
+    given = [(each, getattr(record, each.name)) for each in fields(record) if each.name[0] != "_"]
+    return [(each.name, value) for each, value in given if each.repr and not _is_usual(each, value)]
+
+
+def _is_usual(field: Field[Any], value: Any) -> bool:
+    usual = field.default if field.default_factory is MISSING else field.default_factory()
+    return usual is value or (
+        type(usual) is type(value) and not isinstance(usual, np.ndarray) and usual == value
+    )
+
+
+def _part_shown(value: Any) -> str:
+    if isinstance(value, np.ndarray | tuple | list) and np.size(value) > _SHOWN_NUMBERS:
+        listed = list(value)
+        return f"[{_part_shown(listed[0])}, {_part_shown(listed[1])}, ... {len(listed)} in all]"
+    # A function's place in memory tells nobody anything.
+    own = getattr(value, "__name__", None) if callable(value) else None
+    return own if isinstance(own, str) else repr(value)
+
+
+_V = TypeVar("_V")
+
+
+class Catalogue(Shown, Mapping[str, _V]):
+    """Records by name that nobody can change; its line has the names.
+
+    Examples
+    --------
+    >>> numbers = Catalogue("numbers", {"one": 1, "two": 2})
+    >>> numbers, numbers["one"]
+    (<2 numbers: one, two>, 1)
+    """
+
+    __slots__ = ("_records", "what")
+
+    def __init__(self, what: str, records: Mapping[str, _V]) -> None:
+        self.what, self._records = what, dict(records)
+
+    def __getitem__(self, name: str) -> _V:
+        return self._records[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._records)
+
+    def __len__(self) -> int:
+        return len(self._records)
+
+    def _line(self) -> str:
+        return f"<{len(self)} {self.what}: {', '.join(self)}>"
 
 
 def real(name: str, value: object) -> float:

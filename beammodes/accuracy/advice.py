@@ -23,7 +23,7 @@ from beammodes.chains.chain import Chain
 from beammodes.chains.rules import RULES, Layout, layout_of
 from beammodes.chains.spatial_chain import SpatialChain
 from beammodes.chains.structure_chain import StructureChain
-from beammodes.checks import bounded, percent, shown, small_fraction, whole_number
+from beammodes.checks import Shown, bounded, percent, shown, small_fraction, whole_number
 from beammodes.exact.structure_judge import MOST_MODES, structure_modes
 from beammodes.numerics.arrays import Floats, ratios_less_one
 from beammodes.numerics.blas import one_thread
@@ -51,7 +51,7 @@ MOST_SEGMENTS = 10_000
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Recommendation:
+class Recommendation(Shown):
     """One way to reach an accuracy, and what it costs.
 
     Attributes
@@ -103,7 +103,7 @@ class Recommendation:
     segments_set_by: str = "bending"
     step_set_by: str = "bending"
 
-    def __repr__(self) -> str:
+    def _line(self) -> str:
         static = max(self.static_error.values(), key=abs, default=math.nan)
         told = [f"frequency error {100 * self.largest_error:.3g} %"]
         if self.stretches:

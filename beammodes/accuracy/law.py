@@ -54,7 +54,7 @@ from beammodes.chains.rules import (
     is_closed,
     rule_named,
 )
-from beammodes.checks import positive_real, shown, whole_number, whole_numbers
+from beammodes.checks import Shown, positive_real, shown, whole_number, whole_numbers
 from beammodes.closed_form.uniform_chains import MAX_SEGMENTS
 from beammodes.exact.exact_beam import BeamModes, plain_modes
 from beammodes.numerics.arrays import Floats
@@ -69,7 +69,7 @@ __all__ = ["ErrorLaw", "error_law", "interior_coefficient", "law_holds_from"]
 
 
 @dataclass(frozen=True, slots=True, repr=False)
-class ErrorLaw:
+class ErrorLaw(Shown):
     """The leading term of a frequency error,  e ~ coefficient / N**order.
 
     Attributes
@@ -94,7 +94,7 @@ class ErrorLaw:
         counts = whole_numbers("segments", segments, most=MAX_SEGMENTS)
         return np.asarray(self.coefficient / counts.astype(np.float64) ** self.order)
 
-    def __repr__(self) -> str:
+    def _line(self) -> str:
         return f"ErrorLaw(e ~ {self.coefficient:.6g} / N**{self.order})"
 
 

@@ -36,7 +36,7 @@ from beammodes.accuracy.shared_loads import SharedLoads
 from beammodes.accuracy.static_system import StaticSystem
 from beammodes.chains.chain import Chain
 from beammodes.chains.structure_chain import StructureChain
-from beammodes.checks import bounded, is_text, real, real_numbers, shown, whole_number
+from beammodes.checks import Shown, bounded, is_text, real, real_numbers, shown, whole_number
 from beammodes.numerics.arrays import Floats
 from beammodes.numerics.piecewise import Piecewise
 from beammodes.problem.applied_loads import AppliedLoad, LineLoad, PointLoad
@@ -73,7 +73,7 @@ class Reaction(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class StructureStatics:
+class StructureStatics(Shown):
     """Small static deflection under loads; `structure_statics` and `structure_chain_statics` make it.
 
     Where x is a `Fraction`, so are the answers, if all numbers of the problem are exact: those of uniform
@@ -202,12 +202,12 @@ class StructureStatics:
         place = min(max(x - starts[k], 0 * x), one.length)
         return function(one, place if self.exact else float(place), ends, side)
 
-    def __repr__(self) -> str:
+    def _line(self) -> str:
         told = ", ".join(
             f"{name}: ({', '.join(f'{value:.6g}' for value in given)})"
             for name, given in self.reactions.items()
         )
-        return f"StructureStatics({self.structure!r}; reactions (F_x N, F_y N, M N m) {told})"
+        return f"StructureStatics(reactions (F_x N, F_y N, M N m) {told}; {self.structure!r})"
 
 
 def structure_statics(structure: Structure, load: Loads) -> StructureStatics:
@@ -333,7 +333,7 @@ def loads_listed(load: Loads) -> Load | list[AppliedLoad]:
     Examples
     --------
     >>> loads_listed(PointLoad(0.5))
-    [PointLoad(x=0.5, force=0.0, moment=0.0, member=None, joint=None)]
+    [PointLoad(x=0.5)]
     """
     if isinstance(load, Load):
         return load

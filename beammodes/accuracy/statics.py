@@ -31,7 +31,7 @@ from beammodes.chains.pieces import MAX_PIECES, Number
 from beammodes.chains.rules import AnyRule
 from beammodes.chains.structure_chain import StructureChain
 from beammodes.chains.units import Units
-from beammodes.checks import choice, instead, shown
+from beammodes.checks import Shown, choice, instead, shown
 from beammodes.numerics.arrays import Floats
 from beammodes.problem.applied_loads import LineLoad, PointLoad
 from beammodes.problem.beam import Beam
@@ -77,7 +77,7 @@ class Response(NamedTuple):
 
 
 @dataclass(frozen=True, slots=True, repr=False)
-class Statics:
+class Statics(Shown):
     """Response to a load of unit size, 1 N, 1 N m or 1 N/m; `beam_statics` and `chain_statics` make it.
 
     Parameters
@@ -119,7 +119,7 @@ class Statics:
         """Deflection half way between the ends [m]."""
         return self._physical(self.own.midspan_deflection, 1)
 
-    def __repr__(self) -> str:
+    def _line(self) -> str:
         one = {"tip_force": "1 N", "tip_moment": "1 N m", "uniform_load": "1 N/m"}[self.load]
         values = (
             ("deflection", self.deflection, "m"),

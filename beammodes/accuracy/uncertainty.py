@@ -17,7 +17,7 @@ from beammodes.accuracy.beam_units import in_beam_units
 from beammodes.accuracy.errors import frequency_error
 from beammodes.accuracy.segments import segments_needed
 from beammodes.chains.rules import AnyRule, layout_of
-from beammodes.checks import bounded, choice, positive_real, real, shown, whole_number
+from beammodes.checks import Shown, bounded, choice, positive_real, real, shown, whole_number
 from beammodes.exact.beam_theory import euler_bernoulli
 from beammodes.numerics.arrays import Floats
 from beammodes.numerics.distributions import MAX_SEED, Distribution, Normal, Uniform, draw
@@ -45,8 +45,8 @@ _BAND = (0.025, 0.975)
 _MATERIAL = ("elastic_modulus", "density", "length")
 
 
-@dataclass(frozen=True, slots=True)
-class Tolerance:
+@dataclass(frozen=True, slots=True, repr=False)
+class Tolerance(Shown):
     """Tolerance of a number, as a fraction of its nominal value.
 
     Parameters
@@ -276,8 +276,8 @@ def _estimates(
     )
 
 
-@dataclass(frozen=True)
-class EnoughSegments:
+@dataclass(frozen=True, repr=False)
+class EnoughSegments(Shown):
     """Number of segments that keeps a chain's error inside the spread of its beam; `str` says it.
 
     Attributes
@@ -299,6 +299,12 @@ class EnoughSegments:
     largest_error: float
     half_width: float
     fraction: float
+
+    def _line(self) -> str:
+        return (
+            f"EnoughSegments({self.segments} by rule {self.rule}: error {100 * self.largest_error:.2g} % at "
+            f"most, the beam's own spread ±{100 * self.half_width:.2g} %)"
+        )
 
     def __str__(self) -> str:
         which = "mode 1" if self.modes == 1 else f"modes 1 to {self.modes}"

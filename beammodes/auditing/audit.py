@@ -13,7 +13,7 @@ from beammodes.auditing.body_tree import SpringPlace
 from beammodes.auditing.judged_pieces import SOLVED, UNKNOWN, Columns, JudgedPieces
 from beammodes.chains.chain import Chain
 from beammodes.chains.rules import RULES
-from beammodes.checks import percent, row_shown, shown, small_fraction
+from beammodes.checks import Shown, percent, row_shown, shown, small_fraction
 from beammodes.numerics.arrays import Floats
 from beammodes.problem.beam import Beam
 from beammodes.problem.ends import Boundary, BoundaryLike, check_no_hub
@@ -34,8 +34,8 @@ _SAME = 1e-6
 _EXACT = 1e-9
 
 
-@dataclass(frozen=True, eq=False)
-class Suggestion:
+@dataclass(frozen=True, eq=False, repr=False)
+class Suggestion(Shown):
     """Other springs, for the same hinges or for hinges elsewhere.
 
     Attributes
@@ -57,6 +57,9 @@ class Suggestion:
     joint_stiffness: Floats
     errors: Floats
 
+    def _line(self) -> str:
+        return f"Suggestion({self})"
+
     def __str__(self) -> str:
         few = [f"{value:.5g}" for value in self.joint_stiffness[:4]] + ["..."]
         where = ""
@@ -67,8 +70,8 @@ class Suggestion:
         return f"{self.name}: {where}springs {springs}: {listed_errors(self.errors)}"
 
 
-@dataclass(frozen=True, eq=False)
-class StepVerdict:
+@dataclass(frozen=True, eq=False, repr=False)
+class StepVerdict(Shown):
     """The file's time step beside the longest stable one.
 
     Attributes
@@ -90,6 +93,9 @@ class StepVerdict:
         """True if the file's step is below the limit."""
         return self.timestep < self.limit
 
+    def _line(self) -> str:
+        return f"StepVerdict({self})"
+
     def __str__(self) -> str:
         under = ", its damping and its weight" if self.with_weight else " and its damping"
         verdict = "is stable" if self.is_stable else "is NOT STABLE: the motion grows without bounds"
@@ -101,7 +107,7 @@ class StepVerdict:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Audit:
+class Audit(Shown):
     """The result of `audit_chain` or `audit_file`: what is given, what is assumed, and what is found.
 
     Attributes
@@ -246,9 +252,17 @@ class Audit:
         lines = [f"given: {line}" for line in self.given] + [f"assumed: {line}" for line in self.assumed]
         return "\n".join([*lines, *self.found, *(f"  {suggestion}" for suggestion in self.suggestions)])
 
-    def __repr__(self) -> str:
+    @property
+    def frequency(self) -> Floats:
+        """ω/(2π) of the chain, shape (modes,) [Hz]."""
+        return self.angular_frequency / (2.0 * math.pi)
+
+    def _line(self) -> str:
         errors = row_shown(100 * self.errors, "{:+.3g}", "%")
-        return f"Audit({self.boundary}, {self.layout}: chain against beam {errors})"
+        frequency = row_shown(self.frequency, "{:.4g}", "Hz")
+        meets = "meets" if self.meets else "does not meet"
+        told = f"chain against beam {errors}; {meets} {100 * self.tolerance:.3g} %"
+        return f"Audit({frequency}, {self.boundary}, {self.layout}: {told})"
 
 
 def listed_errors(errors: Floats) -> str:

@@ -19,7 +19,7 @@ from beammodes.chains.axial_chain import AnyAxialRule, AxialChain
 from beammodes.chains.chain import Chain
 from beammodes.chains.rules import Rule
 from beammodes.chains.structure_chain import StructureChain
-from beammodes.checks import shown
+from beammodes.checks import Shown, shown
 from beammodes.exact.structure_judge import structure_modes
 from beammodes.numerics.arrays import Floats, ratios_less_one
 from beammodes.problem.axial_ends import AxialBoundary
@@ -48,8 +48,8 @@ MATERIAL = ("elastic_modulus", "density", "length")
 MOVING_ALONG = ("torsional_stiffness", "polar_inertia_per_length", "axial_stiffness")
 
 
-@dataclass(frozen=True)
-class Case:
+@dataclass(frozen=True, repr=False)
+class Case(Shown):
     """One point of a study, as a user's own function sees it.
 
     Attributes
@@ -71,6 +71,9 @@ class Case:
     def __hash__(self) -> int:
         # The values may be of any kind; equal cases have the same axes.
         return hash(frozenset(self.values))
+
+    def _line(self) -> str:
+        return f"Case({self})"
 
     def __str__(self) -> str:
         named = {name: getattr(value, "name", value) for name, value in self.values.items()}

@@ -31,7 +31,7 @@ from beammodes.batch.study_axes import (
     number_units,
 )
 from beammodes.chains.rules import is_closed
-from beammodes.checks import shown, whole_number
+from beammodes.checks import Shown, shown, whole_number
 from beammodes.numerics.distributions import MAX_SEED, Normal, Uniform
 from beammodes.problem.axial_ends import AxialBoundary
 from beammodes.problem.sections import SECTIONS
@@ -57,8 +57,8 @@ _MAX_CASES = 10**12
 _MAX_REASONS = 3
 
 
-@dataclass(frozen=True)
-class Study:
+@dataclass(frozen=True, repr=False)
+class Study(Shown):
     """A set of chains and what to compute of them: as a grid, a list of points, or samples.
 
     `Study.grid`, `Study.points` and `Study.sampled` make one; `run` computes it. Axes are "boundary",
@@ -109,7 +109,7 @@ class Study:
     quantities: tuple[Quantity, ...]
     chunk: int
 
-    def __repr__(self) -> str:
+    def _line(self) -> str:
         # An axis may have a million values.
         sizes = ", ".join(f"{name}: {size}" for name, size in self.shape.items())
         names = ", ".join(quantity.name for quantity in self.quantities)

@@ -7,7 +7,7 @@ import inspect
 import math
 import sys
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, fields, is_dataclass
 from functools import cached_property, partial
 from types import MappingProxyType
 from typing import Any
@@ -326,13 +326,30 @@ def axis_values(name: str, value: Any, *, own: bool = False) -> tuple[tuple[Any,
     return tuple(map(kind.read, listed(name, plain, kind.single))), several
 
 
+def _in_full(value: object) -> str:
+    """Return a record with all its numbers, where its line at a prompt leaves out what is usual.
+
+    Examples
+    --------
+    >>> from beammodes.chains.rules import Weight
+    >>> _in_full(Weight("1/3")), Weight("1/3")
+    ('Weight(constant=Fraction(1, 3), per_segment=Fraction(0, 1))', Weight('1/3'))
+    """
+    if is_dataclass(value) and not isinstance(value, type):
+        told = ", ".join(f"{f.name}={_in_full(getattr(value, f.name))}" for f in fields(value) if f.repr)
+        return f"{type(value).__qualname__}({told})"
+    if type(value) is tuple:
+        return f"({', '.join(map(_in_full, value))}{',' * (len(value) == 1)})"
+    return repr(value)
+
+
 def _written(rule: Layout | AxialLayout) -> str:
     """Return a digest of a rule of the user's own, "" for a registered one."""
     if RULES.get(rule.name) == rule:
         return ""
     # Arrays with all their numbers and digits: by default long ones are cut short.
     with np.printoptions(threshold=sys.maxsize, floatmode="unique"):
-        text = repr(rule)
+        text = _in_full(rule)
     if " at 0x" in text:
         raise TypeError(f"rule must be a record that can be written down, got {shown(rule)}")
     return hashlib.sha256(text.encode()).hexdigest()

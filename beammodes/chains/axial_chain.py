@@ -31,7 +31,7 @@ from beammodes.chains.rules import (
     hinges_at_nodes,
     layout_of,
 )
-from beammodes.checks import real, shown, whole_number
+from beammodes.checks import Shown, real, shown, whole_number
 from beammodes.numerics.arrays import Floats
 from beammodes.problem.axial_ends import AxialBoundary, AxialBoundaryLike
 from beammodes.problem.beam import Beam
@@ -100,7 +100,7 @@ def laid_out(
 
 
 @dataclass(frozen=True, init=False, repr=False)
-class AxialChain:
+class AxialChain(Shown):
     """A chain of rigid pieces and springs in twist or stretch, by a rule.
 
     Parameters
@@ -296,7 +296,7 @@ class AxialChain:
                 found.append((outer, inner, spring / whole, 1.0 / whole))
         return found
 
-    def __repr__(self) -> str:
+    def _line(self) -> str:
         return (
             f"<AxialChain {self.boundary.name} in {self.boundary.motion}: {self.pieces} pieces, "
             f"segments={self.segments}, rule={self.rule.name!r}>"

@@ -51,7 +51,7 @@ from beammodes.chains.rods import (
 )
 from beammodes.chains.rules import AnyRule, Layout, Rule, layout_of
 from beammodes.chains.units import ExactUnits, Units
-from beammodes.checks import instead, shown, whole_number
+from beammodes.checks import Shown, instead, shown, whole_number
 from beammodes.numerics.arrays import Floats
 from beammodes.problem.beam import Beam
 from beammodes.problem.ends import Boundary, BoundaryLike
@@ -135,8 +135,8 @@ def _in_si(values: Floats, unit: float) -> Floats:
     return array
 
 
-@dataclass(frozen=True, init=False)
-class Chain(ChainNumbers):
+@dataclass(frozen=True, init=False, repr=False)
+class Chain(Shown, ChainNumbers):
     """A beam of rigid segments and rotational springs, by a rule.
 
     Parameters
@@ -317,7 +317,7 @@ class Chain(ChainNumbers):
         position.flags.writeable = False
         return position
 
-    def __repr__(self) -> str:
+    def _line(self) -> str:
         by = f", segments={self.segments}, rule={self.rule.name!r}" if self.rule else ""
         return f"<Chain {self.boundary.name}: {self.pieces} pieces{by}>"
 

@@ -22,7 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from beammodes.chains.pieces import MAX_PIECES
-from beammodes.checks import choice, is_text, real, shown, whole_number
+from beammodes.checks import Catalogue, Shown, choice, is_text, real, shown, told_fields, whole_number
 from beammodes.problem.beam import Beam
 from beammodes.problem.ends import Boundary, BoundaryLike, End
 from beammodes.problem.loading import Load, checked_load, load_of
@@ -189,8 +189,8 @@ _ROD = Fraction(1, 12)
 _HALF = Fraction(1, 2)
 
 
-@dataclass(frozen=True, slots=True)
-class Weight:
+@dataclass(frozen=True, slots=True, repr=False)
+class Weight(Shown):
     """A flexibility weight  w = constant + per_segment / N  (dimensionless, exact).
 
     Parameters
@@ -216,6 +216,9 @@ class Weight:
         object.__setattr__(self, "constant", _exact("constant", constant))
         object.__setattr__(self, "per_segment", _exact("per_segment", per_segment))
 
+    def _line(self) -> str:
+        return f"Weight({', '.join(repr(str(value)) for _, value in told_fields(self))})"
+
     def at(self, segments: Any) -> Any:
         """Return the weight for N segments, in whatever algebra N belongs to; floats for an array."""
         if hasattr(segments, "dtype"):
@@ -231,8 +234,12 @@ Exact = str | float | Fraction
 Weights = Sequence[Exact | Weight] | NDArray[np.floating[Any]]
 
 
-@dataclass(frozen=True, init=False)
-class Rule:
+def _weight_typed(weight: Weight) -> str:
+    return repr(weight) if weight.per_segment else repr(str(weight.constant))
+
+
+@dataclass(frozen=True, init=False, repr=False)
+class Rule(Shown):
     """A way to turn a beam into a chain of rigid segments and springs: a name and what distinguishes it.
 
     Every hinge has a spring `EI / (w ell)`, with the flexibility weight w = 1 but near an end, or the weights
@@ -292,6 +299,15 @@ class Rule:
     summary: str = field(compare=False)
     used_by: str = field(compare=False)
     source: str = field(compare=False)
+
+    def _line(self) -> str:
+        given = {"clamped": self.clamped, "guided": self.guided}
+        given |= {"carried": self.carried} if self.carried else {}
+        told = [f"{word}=[{', '.join(map(_weight_typed, weights))}]" for word, weights in given.items()]
+        told += [f"stub='{self.stub}'"] if self.stub else []
+        told += [f"rotary_inertia='{self.rotary_inertia}'"] if self.rotary_inertia != _ROD else []
+        told += [f"inside=[{', '.join(repr(str(w)) for w in self.inside)}]"] if len(self.inside) > 1 else []
+        return f"Rule({self.name!r}, {', '.join(told)})"
 
     def __init__(
         self,
@@ -678,7 +694,7 @@ def rule_named(rule: RuleLike) -> Rule:
     Examples
     --------
     >>> rule_named("double_wall").clamped
-    (Weight(constant=Fraction(1, 2), per_segment=Fraction(0, 1)),)
+    (Weight('1/2'),)
     """
     if isinstance(rule, (str, Rule)):
         return rule if isinstance(rule, Rule) else RULES[choice("rule", rule, RULES)]
@@ -809,7 +825,7 @@ _RECORDS = (
 
 
 #: Every rule by name, read-only.
-RULES: Mapping[str, Rule] = MappingProxyType({rule.name: rule for rule in _RECORDS})
+RULES: Catalogue[Rule] = Catalogue("rules", {rule.name: rule for rule in _RECORDS})
 
 
 # Springs corrected for an axial force: the order that it takes from a rule, given back.
@@ -824,8 +840,8 @@ RULES: Mapping[str, Rule] = MappingProxyType({rule.name: rule for rule in _RECOR
 # that bend the beam keep an error of T/N³.
 
 
-@dataclass(frozen=True)
-class AxiallyCorrected:
+@dataclass(frozen=True, repr=False)
+class AxiallyCorrected(Shown):
     """A rule with its springs corrected for one axial force; `axially_corrected` makes it.
 
     Attributes
@@ -838,6 +854,9 @@ class AxiallyCorrected:
 
     rule: Layout
     axial_force: Fraction
+
+    def _line(self) -> str:
+        return f"<AxiallyCorrected {self.name}>"
 
     @property
     def name(self) -> str:

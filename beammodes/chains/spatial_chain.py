@@ -17,7 +17,7 @@ from beammodes.chains.curved_pieces import curved_pieces
 from beammodes.chains.pieces import MAX_PIECES
 from beammodes.chains.rigid_tree import RigidTree, Support
 from beammodes.chains.rules import AnyRule, Layout, layout_of
-from beammodes.checks import instead, shown, whole_number
+from beammodes.checks import Shown, instead, shown, whole_number
 from beammodes.numerics.arrays import Floats
 from beammodes.problem.beam import Beam
 from beammodes.problem.ends import End
@@ -34,7 +34,7 @@ _CARRIED = {"carried": End(rotary_inertia=1.0, on_segment=True)}
 
 
 @dataclass(frozen=True, init=False, eq=False, repr=False)
-class SpatialChain:
+class SpatialChain(Shown):
     """A rod as a chain of rigid segments, joined at nodes by springs about three axes, by a rule.
 
     Nodes lie on the rod's centre line. Each piece has the mass, centre of mass and inertia of the real piece
@@ -117,7 +117,7 @@ class SpatialChain:
         """Points of the centre line at `node_position`, in the axes at s = 0, shape (nodes, 3) [m]."""
         return self.rod.frames(self.node_position)[1]
 
-    def __repr__(self) -> str:
+    def _line(self) -> str:
         return (
             f"<SpatialChain {self.ends}: {self.tree.pieces} pieces, segments={self.segments}, "
             f"rule={self.rule.name!r}>"

@@ -20,7 +20,7 @@ import numpy as np
 from beammodes.chains.chain import Chain
 from beammodes.chains.pieces import MAX_PIECES
 from beammodes.chains.rules import AnyRule, Layout, Rule, fits_of, layout_of
-from beammodes.checks import bounded, flag, is_text, shown, whole_number
+from beammodes.checks import Shown, bounded, flag, is_text, shown, whole_number
 from beammodes.numerics.arrays import Floats
 from beammodes.problem.ends import ENDS, Boundary
 from beammodes.problem.structure import Node, Parts, Structure, checked_structure
@@ -58,7 +58,7 @@ class Hinge(NamedTuple):
 
 
 @dataclass(frozen=True, init=False, eq=False, repr=False)
-class StructureChain:
+class StructureChain(Shown):
     """A planar structure as rigid segments and rotational springs, by a rule.
 
     Parameters
@@ -162,7 +162,7 @@ class StructureChain:
         used |= {body for hinge in self.hinges for body in hinge.bodies}
         return max(used, default=0) + 1
 
-    def __repr__(self) -> str:
+    def _line(self) -> str:
         return (
             f"<StructureChain of {self.structure!r}: {', '.join(map(str, self.segments))} segments, "
             f"rule={self.rule.name!r}>"

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from beammodes.checks import not_negative, positive_real, real, real_numbers, shown
+from beammodes.checks import Shown, not_negative, positive_real, real, real_numbers, shown, told_fields
 from beammodes.numerics.arrays import Floats
 
 __all__ = [
@@ -34,8 +34,8 @@ def at_rest(time: Floats) -> tuple[Floats, Floats, Floats]:
     return still, still, still
 
 
-@dataclass(frozen=True)
-class BaseMotion:
+@dataclass(frozen=True, repr=False)
+class BaseMotion(Shown):
     """A base that shifts along x and y and turns, in given courses of time.
 
     The beam's left end sits at `hub_radius` from the base's origin, along the base's own direction, so that
@@ -161,9 +161,20 @@ def harmonic(amplitude: float, angular_frequency: float) -> Course:
     return _Harmonic(real("amplitude", amplitude), positive_real("angular_frequency", angular_frequency))
 
 
+class _Course(Shown):
+    """Shown as the call that makes it."""
+
+    _called = ""
+
+    def _line(self) -> str:
+        return f"{self._called}({', '.join(f'{name}={value!r}' for name, value in told_fields(self))})"
+
+
 # Courses are values, not functions within functions, which could be neither compared nor sent to a process.
-@dataclass(frozen=True)
-class _Harmonic:
+@dataclass(frozen=True, repr=False)
+class _Harmonic(_Course):
+    _called = "harmonic"
+
     amplitude: float
     angular_frequency: float
 
@@ -204,8 +215,10 @@ def spin_up(rate: float, duration: float) -> Course:
     return _SpinUp(real("rate", rate), positive_real("duration", duration))
 
 
-@dataclass(frozen=True)
-class _SpinUp:
+@dataclass(frozen=True, repr=False)
+class _SpinUp(_Course):
+    _called = "spin_up"
+
     rate: float
     duration: float
 
@@ -288,8 +301,10 @@ def _travel(distance: float, duration: float, start: float) -> tuple[float, floa
     return real("distance", distance), positive_real("duration", duration), not_negative("start", start)
 
 
-@dataclass(frozen=True)
-class _BangBang:
+@dataclass(frozen=True, repr=False)
+class _BangBang(_Course):
+    _called = "bang_bang"
+
     distance: float
     duration: float
     start: float
@@ -310,8 +325,10 @@ class _BangBang:
         )
 
 
-@dataclass(frozen=True)
-class _PointToPoint:
+@dataclass(frozen=True, repr=False)
+class _PointToPoint(_Course):
+    _called = "point_to_point"
+
     distance: float
     duration: float
     start: float

@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 
 from beammodes.chains.chain import Chain
-from beammodes.checks import bounded, flag, is_text, not_negative, shown
+from beammodes.checks import Shown, bounded, flag, is_text, not_negative, shown
 from beammodes.dynamics.waveforms import Waveform
 from beammodes.numerics.arrays import Floats
 from beammodes.problem.applied_loads import LineLoad, PointLoad
@@ -35,8 +35,8 @@ _MOST_BREAKS, _MOST_LOADS = 100_000, 1000
 _GAUSS = np.polynomial.legendre.leggauss(12)
 
 
-@dataclass(frozen=True)
-class TimedLoad:
+@dataclass(frozen=True, repr=False)
+class TimedLoad(Shown):
     """A load times a course of time.
 
     Parameters

@@ -7,13 +7,12 @@ there, and how fast they vary between.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass
-from types import MappingProxyType
 
 import numpy as np
 
-from beammodes.checks import choice, not_negative, positive_real, real
+from beammodes.checks import Catalogue, Shown, choice, not_negative, positive_real, real
 from beammodes.numerics.arrays import Floats
 
 __all__ = ["WAVEFORMS", "Chirp", "Pulse", "Sine", "Step", "Waveform"]
@@ -22,8 +21,8 @@ __all__ = ["WAVEFORMS", "Chirp", "Pulse", "Sine", "Step", "Waveform"]
 Waveform = Callable[[Floats], Floats]
 
 
-@dataclass(frozen=True)
-class Step:
+@dataclass(frozen=True, repr=False)
+class Step(Shown):
     """0 before a time and 1 from then on, at once or by a straight rise.
 
     Parameters
@@ -68,8 +67,8 @@ class Step:
         return np.clip((time - self.start) / self.rise, 0.0, 1.0)
 
 
-@dataclass(frozen=True)
-class Sine:
+@dataclass(frozen=True, repr=False)
+class Sine(Shown):
     """sin(2π f (t - start) + phase) from a time on, and 0 before it.
 
     Parameters
@@ -119,8 +118,8 @@ class Sine:
 _SHAPES = ("rectangle", "triangle", "half_sine")
 
 
-@dataclass(frozen=True)
-class Pulse:
+@dataclass(frozen=True, repr=False)
+class Pulse(Shown):
     """A single pulse of height 1, and 0 before and after it.
 
     Parameters
@@ -174,8 +173,8 @@ class Pulse:
         return np.where(within, value, 0.0)
 
 
-@dataclass(frozen=True)
-class Chirp:
+@dataclass(frozen=True, repr=False)
+class Chirp(Shown):
     """A sine whose frequency grows or falls evenly from one to another, and 0 before and after it.
 
         sin 2π (f₀ τ + (f₁ - f₀) τ²/(2 T)),   τ = t - start, 0 to T
@@ -232,6 +231,6 @@ class Chirp:
 
 
 #: All ready courses by name.
-WAVEFORMS: Mapping[str, type[Step] | type[Sine] | type[Pulse] | type[Chirp]] = MappingProxyType(
-    {"step": Step, "sine": Sine, "pulse": Pulse, "chirp": Chirp}
+WAVEFORMS: Catalogue[type[Step] | type[Sine] | type[Pulse] | type[Chirp]] = Catalogue(
+    "waveforms", {"step": Step, "sine": Sine, "pulse": Pulse, "chirp": Chirp}
 )

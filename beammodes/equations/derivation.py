@@ -8,6 +8,7 @@ import numpy as np
 import sympy
 
 from beammodes.chains.chain import Chain
+from beammodes.checks import Shown
 from beammodes.equations.symbolic import EquationsOfMotion, ExactLinearModel, equations_of_motion
 from beammodes.numerics.arrays import Floats
 
@@ -15,7 +16,7 @@ __all__ = ["DerivedChain", "derive_chain", "wall_spring_weight"]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class DerivedChain:
+class DerivedChain(Shown):
     """A chain's equations of motion in symbols, their exact linearization, and its frequencies.
 
     Attributes
@@ -34,7 +35,7 @@ class DerivedChain:
     linear: ExactLinearModel
     angular_frequency: Floats
 
-    def __repr__(self) -> str:
+    def _line(self) -> str:
         return f"DerivedChain({self.chain!r}: {len(self.angular_frequency)} elastic modes)"
 
 

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from beammodes.chains.chain import Chain
-from beammodes.checks import choice, instead, real, real_numbers, shown, whole_number
+from beammodes.checks import Shown, choice, instead, real, real_numbers, shown, whole_number
 from beammodes.equations.held_apart import BRANCHES, checked_span, shape_between
 from beammodes.equations.mechanics import (
     Algebra,
@@ -54,7 +54,7 @@ class EquilibriumNotFound(ValueError):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Equilibrium:
+class Equilibrium(Shown):
     """A chain at rest under a load.
 
     Attributes
@@ -136,7 +136,7 @@ class Equilibrium:
         still, algebra = [0.0] * len(self.coordinates), Algebra.physical(self.chain, math.sin, math.cos)
         return float(energies(self.chain, self.coordinates.tolist(), still, algebra).potential)
 
-    def __repr__(self) -> str:
+    def _line(self) -> str:
         x, y = self.nodes[-1]
         stable = "stable" if self.is_stable else "unstable"
         at = f"right tip at x = {x:.6g}, y = {y:.6g} m"

@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 
 from beammodes.chains.spatial_chain import SpatialChain
-from beammodes.checks import instead, positive_real, real_numbers, shown
+from beammodes.checks import Shown, instead, positive_real, real_numbers, shown
 from beammodes.equations.far_end import FarEnd, Resisted
 from beammodes.equations.joint_laws import JointLaw, joint_law
 from beammodes.numerics.arrays import Floats
@@ -47,7 +47,7 @@ class NoEquilibriumInSpace(ArithmeticError):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class SpatialEquilibrium:
+class SpatialEquilibrium(Shown):
     """A shape at rest of a chain in space; `spatial_equilibrium` finds it.
 
     Attributes
@@ -94,7 +94,7 @@ class SpatialEquilibrium:
         """True if every motion that supports allow is resisted."""
         return bool((self.stiffnesses > 0.0).all())
 
-    def __repr__(self) -> str:
+    def _line(self) -> str:
         place = ", ".join(f"{value:.6g}" for value in self.tip)
         return f"SpatialEquilibrium(tip at ({place}) m, joints {self.law.name!r})"
 

@@ -11,21 +11,19 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Mapping
 from dataclasses import dataclass
-from types import MappingProxyType
 
 import numpy as np
 
-from beammodes.checks import choice, shown
+from beammodes.checks import Catalogue, Shown, choice, shown
 from beammodes.numerics.arrays import Floats
 from beammodes.numerics.rotations import cross_matrix, rotation
 
 __all__ = ["JOINT_LAWS", "JointLaw", "joint_law"]
 
 
-@dataclass(frozen=True, slots=True)
-class JointLaw:
+@dataclass(frozen=True, slots=True, repr=False)
+class JointLaw(Shown):
     """What the three coordinates of a joint mean.
 
     Parameters
@@ -143,7 +141,7 @@ _RECORDS = (
 )
 
 #: Every joint law by name, read-only: a ball; hinges in each order, the same at all joints or alternating.
-JOINT_LAWS: Mapping[str, JointLaw] = MappingProxyType({law.name: law for law in _RECORDS})
+JOINT_LAWS: Catalogue[JointLaw] = Catalogue("joint laws", {law.name: law for law in _RECORDS})
 
 
 def joint_law(law: str | JointLaw) -> JointLaw:

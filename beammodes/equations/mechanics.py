@@ -37,6 +37,7 @@ from typing import Any
 
 from beammodes.chains.chain import Chain
 from beammodes.chains.pieces import Number, each_once
+from beammodes.checks import Shown
 from beammodes.problem.ends import check_no_hub
 from beammodes.problem.loading import Load, checked_load
 
@@ -336,8 +337,8 @@ def _support_units(chain: Chain, algebra: Algebra) -> list[tuple[Any, Any]]:
     ]
 
 
-@dataclass(frozen=True)
-class Energies:
+@dataclass(frozen=True, repr=False)
+class Energies(Shown):
     """Kinetic and potential energy, and the closures c(q), all zero on an admissible configuration."""
 
     kinetic: Any

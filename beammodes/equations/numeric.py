@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from beammodes.chains.chain import Chain
-from beammodes.checks import shown
+from beammodes.checks import Shown, shown
 from beammodes.equations.mechanics import Algebra, LinearizedChain, coordinate_names, motion_terms, null_space
 from beammodes.numerics.arrays import Floats
 from beammodes.problem.loading import Load, checked_load
@@ -18,7 +18,7 @@ __all__ = ["CompiledEquations", "column", "compile_equations"]
 
 
 @dataclass(frozen=True, repr=False)
-class CompiledEquations:
+class CompiledEquations(Shown):
     """The terms of  M(q) q'' + h(q, q') + s(q) = (∂c/∂q)ᵀ λ,  c(q) = 0  as CasADi functions of q and q'.
 
     Attributes
@@ -65,7 +65,7 @@ class CompiledEquations:
         static = _array(self.static_forces(q))[:, 0]
         return np.asarray(inertia + _array(self.velocity_terms(q, speed))[:, 0] + static)
 
-    def __repr__(self) -> str:
+    def _line(self) -> str:
         return f"CompiledEquations({len(self.coordinates)} coordinates: {', '.join(self.coordinates[:6])})"
 
 

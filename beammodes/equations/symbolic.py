@@ -11,7 +11,7 @@ import sympy
 
 from beammodes.chains.chain import Chain
 from beammodes.chains.pieces import Number
-from beammodes.checks import flag, shown
+from beammodes.checks import Shown, flag, shown
 from beammodes.equations.mechanics import (
     Algebra,
     Energies,
@@ -63,7 +63,7 @@ class ExactLinearModel(LinearizedChain):
 
 
 @dataclass(frozen=True, repr=False)
-class EquationsOfMotion:
+class EquationsOfMotion(Shown):
     """The nonlinear equations  M(q) q'' + h(q, q') + s(q) = (∂c/∂q)ᵀ λ,  c(q) = 0.
 
     Attributes
@@ -121,7 +121,7 @@ class EquationsOfMotion:
         coordinates = tuple(self.coordinates[i] for i in keep)
         return ExactLinearModel(coordinates, mass[keep, keep], stiffness[keep, keep], basis)
 
-    def __repr__(self) -> str:
+    def _line(self) -> str:
         first = ", ".join(map(str, self.coordinates[:6]))
         return f"EquationsOfMotion({len(self.coordinates)} coordinates: {first})"
 

@@ -19,7 +19,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from beammodes.checks import row_shown, whole_number
+from beammodes.checks import Shown, row_shown, whole_number
 from beammodes.numerics.arrays import Floats
 from beammodes.numerics.roots import increasing_root
 from beammodes.problem.axial_ends import AxialBoundary
@@ -135,7 +135,7 @@ def uniform_numbers(beam: Beam, motion: Motion) -> tuple[float, float]:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class AxialModes:
+class AxialModes(Shown):
     """Exact elastic modes of a uniform beam in twist or stretch, of unit modal mass.
 
     Attributes
@@ -200,7 +200,7 @@ class AxialModes:
         _, inertia = uniform_numbers(self.beam, MOTIONS[self.boundary.motion])
         return 1.0 / np.sqrt(square * inertia * self.beam.length), phase
 
-    def __repr__(self) -> str:
+    def _line(self) -> str:
         told = row_shown(self.frequency, "{:.4g}", "Hz")
         return f"AxialModes({self.boundary.name} in {self.boundary.motion}: {told})"
 

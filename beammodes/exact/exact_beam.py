@@ -19,7 +19,7 @@ from typing import Any, NamedTuple, Protocol, TypeAlias, overload
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from beammodes.checks import row_shown, shown, whole_number, whole_numbers
+from beammodes.checks import Shown, brief, row_shown, shown, whole_number, whole_numbers
 from beammodes.numerics.arrays import Floats
 from beammodes.problem.beam import Beam, positions_on
 from beammodes.problem.ends import BOUNDARIES, Boundary, BoundaryLike, End, boundary_codes
@@ -212,7 +212,7 @@ class _Judged(_Answer, Protocol):
     def theory(self) -> Theory | None: ...
 
 
-class ExactModes:
+class ExactModes(Shown):
     """Frequencies and shapes of exact modes, whichever way their beam was solved.
 
     Shapes have the sign that makes the first of deflection, rotation and curvature that the left end does not
@@ -291,29 +291,32 @@ class EulerBernoulliModes(ExactModes):
         """The assumptions of `theory_error`, in words; empty if there are none."""
         return self.theory[1] if self.theory else ()
 
-    def __repr__(self: _Judged) -> str:
-        relative = self.angular_frequency / self.beam.frequency_unit
-        return (
-            f"{type(self).__name__}({self.boundary}: {row_shown(self.frequency, '{:.4g}', 'Hz')}; "
-            f"{_theory_words(self.theory, relative)})"
-        )
+    @property
+    def theory_words(self: _Judged) -> str:
+        """What is to be said of the theory's own error, in one sentence."""
+        return "".join(_theory_words(self))
+
+    def _line(self: _Judged) -> str:
+        short, more = _theory_words(self)
+        line = f"{type(self).__name__}({self.boundary}: {row_shown(self.frequency, '{:.4g}', 'Hz')}; {short}"
+        whole = f"{line}{more})"
+        return whole if brief(whole) == whole else f"{line})"
 
 
-def _theory_words(theory: Theory | None, relative: Floats) -> str:
-    """Return what an answer says of the theory's own error; `relative` is ω √(ρA L⁴/EI)."""
+def _theory_words(modes: _Judged) -> tuple[str, str]:
+    """Return what an answer says of the theory's own error, and what that supposes."""
     try:
-        errors = theory[0]() if theory else None
+        errors = modes.theory[0]() if modes.theory else None
     except (ValueError, ArithmeticError):
-        return "theory error not found"
+        return "theory error not found", ""
     if errors is None:
+        relative = modes.angular_frequency / modes.beam.frequency_unit
         slenderness = 6.0 * np.sqrt(float(relative[-1])) if len(relative) else 0.0
-        return (
-            "theory error not known without a section: 1 % or less if it is a solid one, assumed, "
-            f"no higher than L/{slenderness:.2g}"
-        )
-    told = row_shown(100.0 * errors, "{:+.3g}", "%")
-    assumed = f", assumed: {', '.join(theory[1])}" if theory and theory[1] else ""
-    return f"theory error {told} (Timoshenko's beam{assumed})"
+        solid = f": 1 % or less if it is a solid one, assumed, no higher than L/{slenderness:.2g}"
+        return "theory error not known without a section", solid
+    told = f"theory error {row_shown(100.0 * errors, '{:+.3g}', '%')}"
+    assumed = f", assumed: {', '.join(modes.theory[1])}" if modes.theory and modes.theory[1] else ""
+    return told, f" (Timoshenko's beam{assumed})"
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)

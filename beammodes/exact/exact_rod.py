@@ -25,7 +25,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from beammodes.checks import row_shown, shown, whole_number
+from beammodes.checks import Shown, row_shown, shown, whole_number
 from beammodes.numerics.arrays import Floats
 from beammodes.numerics.roots import increasing_root
 from beammodes.numerics.rotations import cross_matrix
@@ -53,7 +53,7 @@ _MOST_STEPS = 30_000
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class RodModes:
+class RodModes(Shown):
     """The first elastic modes of a rod; `rod_modes` makes it.
 
     Attributes
@@ -76,7 +76,7 @@ class RodModes:
         """ω / 2π, shape (modes,) [Hz]."""
         return self.angular_frequency / (2 * math.pi)
 
-    def __repr__(self) -> str:
+    def _line(self) -> str:
         rigid = f"; {self.rigid_body_modes} rigid-body modes" if self.rigid_body_modes else ""
         return f"RodModes({self.ends}: {row_shown(self.frequency, '{:.4g}', 'Hz')}{rigid})"
 

@@ -29,7 +29,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from beammodes.checks import positive_real, row_shown, whole_number
+from beammodes.checks import Shown, positive_real, row_shown, whole_number
 from beammodes.exact.spectral_grid import section_grid
 from beammodes.numerics.arrays import Floats, signs_of_largest
 from beammodes.numerics.blas import one_thread
@@ -79,7 +79,7 @@ class Curve(NamedTuple):
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
-class StructureModes:
+class StructureModes(Shown):
     """The first elastic modes of a structure, exact; `structure_modes` makes it.
 
     Attributes
@@ -128,8 +128,8 @@ class StructureModes:
             found[:, own == k] = curves[k](places.ravel()[own == k])
         return found.reshape(len(found), *places.shape)
 
-    def __repr__(self) -> str:
-        return f"StructureModes({self.structure!r}: {row_shown(self.frequency, '{:.4g}', 'Hz')})"
+    def _line(self) -> str:
+        return f"StructureModes({row_shown(self.frequency, '{:.4g}', 'Hz')} of {self.structure!r})"
 
 
 def structure_modes(structure: Structure, modes: int) -> StructureModes:

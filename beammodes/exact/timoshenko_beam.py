@@ -107,7 +107,7 @@ class TimoshenkoModes(ExactModes):
         values = self._shapes.values(position.ravel() / length, 1 + order) / unit
         return values.reshape(len(values), *position.shape)
 
-    def __repr__(self) -> str:
+    def _line(self) -> str:
         return f"TimoshenkoModes({self.boundary}: {row_shown(self.frequency, '{:.4g}', 'Hz')})"
 
 

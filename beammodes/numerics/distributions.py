@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from beammodes.checks import positive_real, real, shown
+from beammodes.checks import Shown, positive_real, real, shown
 from beammodes.numerics.arrays import Floats
 
 __all__ = ["MAX_SEED", "Distribution", "Normal", "Uniform", "draw"]
@@ -20,8 +20,8 @@ __all__ = ["MAX_SEED", "Distribution", "Normal", "Uniform", "draw"]
 MAX_SEED = 2**64 - 1
 
 
-@dataclass(frozen=True)
-class Normal:
+@dataclass(frozen=True, repr=False)
+class Normal(Shown):
     """A normal distribution, cut off some standard deviations from its mean.
 
     Parameters
@@ -75,8 +75,8 @@ class Normal:
         return np.asarray(np.clip(self.mean + self.standard_deviation * deviations, *self.bounds))
 
 
-@dataclass(frozen=True)
-class Uniform:
+@dataclass(frozen=True, repr=False)
+class Uniform(Shown):
     """All values between two, equally likely.
 
     Parameters

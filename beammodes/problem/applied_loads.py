@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from beammodes.checks import bounded, is_text, shown
+from beammodes.checks import Shown, bounded, is_text, shown
 from beammodes.problem.loading import Number, kept_number
 from beammodes.problem.profiles import Table
 
@@ -14,8 +14,8 @@ __all__ = ["AppliedLoad", "LineLoad", "PointLoad"]
 _MOST_COEFFICIENTS = 20
 
 
-@dataclass(frozen=True)
-class PointLoad:
+@dataclass(frozen=True, repr=False)
+class PointLoad(Shown):
     """A force and a moment at a place; numbers given as `Fraction` stay exact.
 
     Parameters
@@ -73,8 +73,8 @@ class PointLoad:
         object.__setattr__(self, "moment", kept_number("moment", self.moment))
 
 
-@dataclass(frozen=True)
-class LineLoad:
+@dataclass(frozen=True, repr=False)
+class LineLoad(Shown):
     """A load spread along a member, across it; numbers given as `Fraction` stay exact.
 
     Parameters
@@ -96,7 +96,7 @@ class LineLoad:
     Examples
     --------
     >>> LineLoad((0, -3), stop=2.0)          # from nothing at x = 0 to 6 N/m down at x = 2
-    LineLoad(per_length=(0.0, -3.0), start=0.0, stop=2.0, member=None)
+    LineLoad(per_length=(0.0, -3.0), stop=2.0)
     """
 
     per_length: Number | tuple[Number, ...] | Table

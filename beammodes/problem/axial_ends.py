@@ -19,15 +19,15 @@ from typing import Any, NoReturn
 import numpy as np
 from numpy.typing import NDArray
 
-from beammodes.checks import bounded, choice, distinct, not_negative, shown
+from beammodes.checks import Shown, bounded, choice, distinct, not_negative, shown
 from beammodes.problem.ends import ENDS, Boundary, End, ends_in, is_pair
 from beammodes.problem.motions import MOTIONS, Motion, motion_named
 
 __all__ = ["AxialBoundary", "AxialBoundaryLike", "AxialEnd", "distinct_axial"]
 
 
-@dataclass(frozen=True, slots=True)
-class AxialEnd:
+@dataclass(frozen=True, slots=True, repr=False)
+class AxialEnd(Shown):
     """One end of a beam that twists or stretches.
 
     Parameters
@@ -102,8 +102,8 @@ class AxialEnd:
         return self.named()
 
 
-@dataclass(frozen=True, slots=True)
-class AxialBoundary:
+@dataclass(frozen=True, slots=True, repr=False)
+class AxialBoundary(Shown):
     """The two ends of a beam that twists or stretches, in the order in which its arrays run.
 
     Parameters
@@ -203,7 +203,7 @@ class AxialBoundary:
     def __str__(self) -> str:
         return self.name
 
-    def __repr__(self) -> str:
+    def _line(self) -> str:
         return f"AxialBoundary({self.name!r}, motion={self.motion!r})"
 
 

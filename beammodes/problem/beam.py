@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from beammodes.checks import bounded, flag, is_text, positive_real, real, real_numbers, shown
+from beammodes.checks import Shown, bounded, flag, is_text, positive_real, real, real_numbers, shown
 from beammodes.numerics.arrays import Floats
 from beammodes.problem.profiles import (
     SAME_PLACE,
@@ -191,7 +191,7 @@ def _allowed(name: str, value: float, where: str) -> float:
 
 
 @dataclass(frozen=True, slots=True, init=False, repr=False)
-class Beam:
+class Beam(Shown):
     """A straight elastic beam, uniform or not, in any consistent set of units.
 
     Its bending obeys  ρA ∂²y/∂t² - ∂/∂x(ρI ∂³y/∂x∂t²) + ∂²/∂x²(EI ∂²y/∂x²) = 0  for 0 < x < L: Euler and
@@ -528,7 +528,7 @@ class Beam:
         speed = math.sqrt(self.mean_bending_stiffness) / math.sqrt(self.mean_mass_per_length)
         return speed / self.length / self.length
 
-    def __repr__(self) -> str:
+    def _line(self) -> str:
         given = {
             "length": self.length,
             "bending_stiffness": self.bending_stiffness,

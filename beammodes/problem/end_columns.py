@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from beammodes.checks import plain_array, real_numbers, shown
+from beammodes.checks import Shown, plain_array, real_numbers, shown
 from beammodes.numerics.arrays import Floats
 from beammodes.problem.ends import NUMBERS_OF_END, Boundary, End, ManyEnds, check_no_hub
 
@@ -152,7 +152,7 @@ class BoundaryColumns:
         return BoundaryColumns(self.left.take(index), self.right.take(index))
 
 
-class Ends(ManyEnds):
+class Ends(Shown, ManyEnds):
     """Many ends of a beam at once: what `End` takes, each a number or an array, broadcast together.
 
     Wherever a lookup over arrays takes a pair of ends, either of them can be such: a million ends cost no
@@ -209,7 +209,7 @@ class Ends(ManyEnds):
         """The shape of its arrays."""
         return self.columns.mass.shape
 
-    def __repr__(self) -> str:
+    def _line(self) -> str:
         return f"Ends(shape={self.shape})"
 
 

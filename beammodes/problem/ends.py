@@ -5,17 +5,16 @@ from __future__ import annotations
 import difflib
 import math
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import lru_cache
-from types import MappingProxyType
 from typing import Any, NoReturn
 
 import numpy as np
 from numpy.typing import NDArray
 
-from beammodes.checks import bounded, choice, distinct, real, shown
+from beammodes.checks import Catalogue, Shown, bounded, choice, distinct, real, shown
 
 __all__ = [
     "BOUNDARIES",
@@ -49,8 +48,8 @@ NUMBERS_OF_END = ("translational_stiffness", "rotational_stiffness", "mass", "ro
 _SUPPORTS = NUMBERS_OF_END[:2]
 
 
-@dataclass(frozen=True)
-class End:
+@dataclass(frozen=True, repr=False)
+class End(Shown):
     """One end of a beam: supports of its deflection and rotation, and a rigid body fixed to it.
 
     With y and θ the end's deflection and rotation and a the offset, it stores and carries
@@ -259,11 +258,12 @@ _WORDS = {(True, True): "clamped", (True, False): "pinned", (False, True): "guid
 
 
 #: The four ends, the firmer first: this order makes the canonical names of pairs.
-ENDS: Mapping[str, End] = MappingProxyType(
+ENDS: Catalogue[End] = Catalogue(
+    "ends",
     {
         word: End(math.inf if deflection else 0.0, math.inf if rotation else 0.0)
         for (deflection, rotation), word in _WORDS.items()
-    }
+    },
 )
 
 
@@ -348,8 +348,8 @@ class NotPlain(ValueError):
     """A pair of ends with springs or bodies where only the ten plain pairs are known."""
 
 
-@dataclass(frozen=True, slots=True)
-class Boundary:
+@dataclass(frozen=True, slots=True, repr=False)
+class Boundary(Shown):
     """The two ends of a beam, in the order in which its arrays run.
 
     Parameters
@@ -438,7 +438,7 @@ class Boundary:
     def __str__(self) -> str:
         return self.name
 
-    def __repr__(self) -> str:
+    def _line(self) -> str:
         return f"Boundary({self.name!r})"
 
 

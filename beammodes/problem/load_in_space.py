@@ -5,15 +5,15 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from beammodes.checks import real, shown
+from beammodes.checks import Shown, real, shown
 
 __all__ = ["SpatialLoad"]
 
 Three = tuple[float, float, float]
 
 
-@dataclass(frozen=True, slots=True, init=False)
-class SpatialLoad:
+@dataclass(frozen=True, slots=True, init=False, repr=False)
+class SpatialLoad(Shown):
     """Loads that keep their directions, in the axes of the section at s = 0 at rest.
 
     Parameters

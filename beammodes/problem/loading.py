@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from fractions import Fraction
 
-from beammodes.checks import choice, real, shown
+from beammodes.checks import Shown, choice, real, shown
 
 __all__ = [
     "NO_LOAD",
@@ -28,8 +28,8 @@ Vector = tuple[Number, Number]
 PLANES = ("lag", "flap")
 
 
-@dataclass(frozen=True)
-class Load:
+@dataclass(frozen=True, repr=False)
+class Load(Shown):
     """Loads on a beam or a chain; numbers given as `Fraction` stay exact.
 
     Forces are dead: they keep their direction. The axes are those of the beam at rest, x along it and y up. A
@@ -84,11 +84,6 @@ class Load:
         choice("plane", self.plane, PLANES)
         object.__setattr__(self, "gravity", _vector("gravity", self.gravity, -1))
         object.__setattr__(self, "tip_force", _vector("tip_force", self.tip_force, 1))
-
-    def __str__(self) -> str:
-        """Return what a user would type: all that is not left at its default."""
-        given = [(field.name, getattr(self, field.name), field.default) for field in fields(self)]
-        return f"Load({', '.join(f'{name}={value!r}' for name, value, usual in given if value != usual)})"
 
     @property
     def weight(self) -> Vector:

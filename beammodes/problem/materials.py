@@ -23,12 +23,10 @@ says no more than 2.5 to 3.5. The table has no densities.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from fractions import Fraction
-from types import MappingProxyType
 
-from beammodes.checks import choice, real, shown
+from beammodes.checks import Catalogue, Shown, choice, real, shown
 
 __all__ = ["MODULI", "PASCALS", "Modulus", "elastic_modulus"]
 
@@ -38,8 +36,8 @@ PASCALS = Fraction("0.45359237") * Fraction("9.80665") / Fraction("0.0254") ** 2
 _UNITS = {"Pa": PASCALS, "lbf/in2": Fraction(1)}
 
 
-@dataclass(frozen=True, slots=True)
-class Modulus:
+@dataclass(frozen=True, slots=True, repr=False)
+class Modulus(Shown):
     """One line of the table: an elastic modulus, or the range in which the material's lie.
 
     Parameters
@@ -72,6 +70,9 @@ class Modulus:
         """Both ends of the range [Pa]."""
         return float(self.low * 10**6 * PASCALS), float(self.high * 10**6 * PASCALS)
 
+    def _line(self) -> str:
+        return f"Modulus({self})"
+
     def __str__(self) -> str:
         low, high = (f"{value / 1e9:.3g}" for value in self.pascals)
         if not self.is_range:
@@ -80,7 +81,8 @@ class Modulus:
 
 
 #: The table, by material, in its own order.
-MODULI: Mapping[str, Modulus] = MappingProxyType(
+MODULI: Catalogue[Modulus] = Catalogue(
+    "elastic moduli",
     {
         line.material: line
         for line in (
@@ -92,7 +94,7 @@ MODULI: Mapping[str, Modulus] = MappingProxyType(
             Modulus("cast iron", 10, 20, "Cast Tron 10-20 million Ibf/in2"),
             Modulus("steel", 30, 30, "Steel 30 million 1bf/in2"),
         )
-    }
+    },
 )
 
 _ALIASES = {"aluminium": "aluminum"}

@@ -11,7 +11,7 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from beammodes.checks import bounded, real, real_numbers, shown
+from beammodes.checks import Shown, bounded, real, real_numbers, shown
 from beammodes.numerics.arrays import Floats
 
 __all__ = [
@@ -198,8 +198,8 @@ SAME_PLACE = 1e-12
 _AT_A_STEP = 1e-10
 
 
-@dataclass(frozen=True, slots=True)
-class Table:
+@dataclass(frozen=True, slots=True, repr=False)
+class Table(Shown):
     """A property tabulated along a beam: linear between the positions, a break where one is given twice.
 
     value(x) = value_i + (value_(i+1) - value_i) (x - x_i) / (x_(i+1) - x_i)  for x_i < x < x_(i+1)

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from beammodes.checks import bounded, positive_real, real, real_numbers, shown
+from beammodes.checks import Shown, bounded, positive_real, real, real_numbers, shown
 from beammodes.numerics.arrays import Floats
 from beammodes.problem.beam import Beam, PropertyLike, each_place_once, kept_breaks, kept_property
 from beammodes.problem.profiles import SAME_PLACE, SAMPLES, Profile, mean_over, profile_breaks
@@ -52,7 +52,7 @@ class _Constant:
 
 
 @dataclass(frozen=True, slots=True, init=False, repr=False)
-class Rod:
+class Rod(Shown):
     """An elastic rod in space, in any consistent set of units: Kirchhoff's, which bends and twists.
 
     Its section has axes x along the centre line, y and z across. Each property along it is a number, a
@@ -482,7 +482,7 @@ class Rod:
         at = np.searchsorted(stations, places)
         return axes[at], points[at]
 
-    def __repr__(self) -> str:
+    def _line(self) -> str:
         usual: dict[str, Any] = dict.fromkeys(_INERTIAS, 0.0) | dict.fromkeys(_OPTIONAL)
         usual |= {"second_bending_stiffness": self.bending_stiffness, "curvature": (0.0, 0.0, 0.0)}
         given = [(name, getattr(self, name)) for name in ("length", *_ALONG, "curvature")]

@@ -9,7 +9,7 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
-from beammodes.checks import flag, not_negative, real, shown
+from beammodes.checks import Shown, flag, not_negative, real, shown
 from beammodes.numerics.arrays import Floats
 from beammodes.numerics.rotations import cross_matrix
 from beammodes.problem.ends import ENDS, Boundary, End, check_no_hub, end_of, pair_of
@@ -20,8 +20,8 @@ Three = tuple[float, float, float]
 Tensor = tuple[Three, Three, Three]
 
 
-@dataclass(frozen=True, slots=True, init=False)
-class RodEnd:
+@dataclass(frozen=True, slots=True, init=False, repr=False)
+class RodEnd(Shown):
     """One end of a rod: supports of its deflection and rotation in three directions, and a rigid body.
 
     All directions are those of the section's axes at that end, at rest: x along the centre line, y and z
@@ -164,7 +164,7 @@ class RodEnd:
         shearless = math.isinf(held) and not across and not (axis and self.mass)
         return "guided" if alone and shearless else "clamped"
 
-    def __repr__(self) -> str:
+    def _line(self) -> str:
         given = {
             "translational_stiffness": _short(self.translational_stiffness, 0.0),
             "rotational_stiffness": _short(self.rotational_stiffness, 0.0),
@@ -235,8 +235,8 @@ def _check_possible(principal: Floats, given: object) -> None:
         )
 
 
-@dataclass(frozen=True, slots=True)
-class RodEnds:
+@dataclass(frozen=True, slots=True, repr=False)
+class RodEnds(Shown):
     """The two ends of a rod, at s = 0 and at s = L.
 
     Examples

@@ -26,7 +26,7 @@ from functools import lru_cache
 from types import MappingProxyType
 from typing import Any, Protocol
 
-from beammodes.checks import positive_real, real, shown
+from beammodes.checks import Shown, positive_real, real, shown
 
 __all__ = [
     "SECTIONS",
@@ -66,7 +66,7 @@ class Section(Protocol):
         """I = ∫ d² dA about the level line through the centroid [m⁴]."""
 
 
-class Shape(ABC):
+class Shape(Shown, ABC):
     """Base of the sections of given dimensions."""
 
     __slots__ = ()
@@ -250,7 +250,7 @@ def below(name: str, value: object, limit: float, what: str) -> float:
     return number
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False)
 class Rectangle(Shape):
     """A solid rectangle,  A = b h,  I = b h³/12,  J by `rectangle_torsion` to all digits.
 
@@ -288,7 +288,7 @@ class Rectangle(Shape):
         return b * h, rectangle(b, h), rectangle(h, b)
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False)
 class Circle(Shape):
     """A solid round bar of a `diameter` d [m],  A = π d²/4,  I = π d⁴/64,  J = 2I; raises as a `Rectangle`.
 
@@ -314,7 +314,7 @@ class Circle(Shape):
         return ring(self.diameter, 0.0, self.diameter / 2)
 
 
-@dataclass(frozen=True, slots=True, init=False)
+@dataclass(frozen=True, slots=True, init=False, repr=False)
 class Tube(Shape):
     """A round tube,  A = π (D² - d²)/4,  I = π (D⁴ - d⁴)/64,  J = 2I.
 
@@ -370,7 +370,7 @@ class Tube(Shape):
         return ring(self.outer, self.inner, self.wall)
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False)
 class Box(Shape):
     """A rectangular tube,  A = b h - (b - 2t)(h - 2t),  I = (b h³ - (b - 2t)(h - 2t)³)/12.
 
@@ -455,7 +455,7 @@ class _Flanged(Shape):
         return (2 * self.width * f**3 + (self.height - 2 * f) * s**3) / 3
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False)
 class ISection(_Flanged):
     """The report's Figure 4, an I-beam without fillets,  I = (b h³ - (b - s)(h - 2f)³)/12.
 
@@ -495,7 +495,7 @@ class ISection(_Flanged):
         return open_torsion(self._plates, meeting, f + s * s / (4 * f), f)
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False)
 class Channel(_Flanged):
     """A channel without fillets: an `ISection` whose web stands at the flanges' left tips.
 
@@ -545,8 +545,8 @@ class Channel(_Flanged):
 # Cross-sections known by their numbers: a handbook's, or another program's.
 
 
-@dataclass(frozen=True, slots=True)
-class GivenSection:
+@dataclass(frozen=True, slots=True, repr=False)
+class GivenSection(Shown):
     """A section known by its numbers: from a handbook, or of any shape by another program.
 
     Parameters

@@ -20,7 +20,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from beammodes.checks import bounded, choice, is_text, not_negative, real, shown
+from beammodes.checks import Shown, bounded, choice, is_text, not_negative, real, shown, told_fields
 from beammodes.problem.beam import Beam
 from beammodes.problem.ends import NUMBERS_OF_END, Boundary, BoundaryLike, End, check_no_hub
 from beammodes.problem.profiles import SAME_PLACE, BrokenFunction, Profile, Table, table_limit, value_at
@@ -54,8 +54,8 @@ _MEET = 1e-9
 _MOST = 1000
 
 
-@dataclass(frozen=True)
-class Station:
+@dataclass(frozen=True, repr=False)
+class Station(Shown):
     """What is at a place inside a beam: a support, an attached rigid body, or a hinge.
 
     A station with nothing but x is a node of chains, such as one under a force.
@@ -114,8 +114,8 @@ class Station:
             )
 
 
-@dataclass(frozen=True)
-class Joint:
+@dataclass(frozen=True, repr=False)
+class Joint(Shown):
     """A place where members meet or end, with a support and a rigid body.
 
     Parameters
@@ -172,8 +172,8 @@ class Joint:
         object.__setattr__(self, "offset", offset)
 
 
-@dataclass(frozen=True)
-class Member:
+@dataclass(frozen=True, repr=False)
+class Member(Shown):
     """A beam between two joints, with stations along it.
 
     Parameters
@@ -225,6 +225,13 @@ class Member:
             if after.x - before.x <= small:
                 raise ValueError(f"stations must be at different places, got two at x = {after.x}")
         object.__setattr__(self, "stations", tuple(places))
+
+    def _line(self) -> str:
+        given = told_fields(self)
+        told = [f"{name}={value!r}" for name, value in given if name not in ("beam", "stations")]
+        places = ", ".join(f"{station.x:g}" for station in self.stations)
+        told += [f"stations at {places}"] if places else []
+        return f"Member({', '.join([*told, f'beam={self.beam!r}'])})"
 
     @property
     def name(self) -> str:
@@ -300,8 +307,8 @@ class Parts(NamedTuple):
     stretches: tuple[Stretch, ...]
 
 
-@dataclass(frozen=True)
-class Structure:
+@dataclass(frozen=True, repr=False)
+class Structure(Shown):
     """A planar structure of beams: straight members that do not stretch, joined at joints.
 
     Bending in the plane only. Members are rigidly joined, pinned, or joined by rotational springs; a joint
@@ -479,7 +486,7 @@ class Structure:
             return self.members[0]
         return self.members[names.index(choice("member", name, names))]
 
-    def __repr__(self) -> str:
+    def _line(self) -> str:
         return f"<Structure: {', '.join(member.name for member in self.members)}>"
 
 

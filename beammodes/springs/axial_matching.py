@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from beammodes.chains.axial_chain import AxialChain
-from beammodes.checks import flag, row_shown, shown, whole_number
+from beammodes.checks import Shown, flag, row_shown, shown, whole_number
 from beammodes.exact.axial_beam import axial_wavenumber, uniform_numbers
 from beammodes.numerics.arrays import Floats, frozen
 from beammodes.problem.axial_ends import AxialBoundary, AxialBoundaryLike
@@ -35,7 +35,7 @@ __all__ = ["AxialMatched", "AxialMatchedSprings", "NoPositiveAxialSprings", "mat
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class AxialMatchedSprings:
+class AxialMatchedSprings(Shown):
     """Springs of one chain in twist or stretch whose first frequencies are the beam's.
 
     Attributes
@@ -62,7 +62,7 @@ class AxialMatchedSprings:
     stable_time_step: float
     symmetric: bool
 
-    def __repr__(self) -> str:
+    def _line(self) -> str:
         symbol = MOTIONS[self.boundary.motion].stiffness_symbol
         springs = row_shown(self.stiffness_ratio, "{:.6g}", f"{symbol}/ell")
         met = f"{self.segments} segments, {self.modes} modes of the beam met"

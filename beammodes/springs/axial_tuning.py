@@ -7,15 +7,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from beammodes.checks import whole_number
+from beammodes.checks import Shown, whole_number
 from beammodes.exact.axial_beam import axial_wavenumber
 from beammodes.problem.axial_ends import AxialBoundary, AxialEnd
 
 __all__ = ["AxialTuned"]
 
 
-@dataclass(frozen=True)
-class AxialTuned:
+@dataclass(frozen=True, repr=False)
+class AxialTuned(Shown):
     """Chains in twist or stretch with one mode exact; `mode_tuned(mode, motion="twist")` makes it.
 
         cot φ = 2 tan(q/2) (1/g + w - 1/2),        q = 2 arcsin(β/2N),

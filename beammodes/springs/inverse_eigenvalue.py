@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from beammodes.checks import whole_number
+from beammodes.checks import Shown, whole_number
 from beammodes.numerics.arrays import Floats
 from beammodes.vibration.spectrum import FlexibilityForm
 
@@ -53,8 +53,8 @@ __all__ = [
 MAX_MATCHED = 200
 
 
-@dataclass(frozen=True)
-class ExactModes:
+@dataclass(frozen=True, repr=False)
+class ExactModes(Shown):
     """What rules of springs that are sought here have in common.
 
     Parameters

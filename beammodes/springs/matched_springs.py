@@ -18,7 +18,7 @@ import numpy as np
 
 from beammodes.chains.chain import Chain
 from beammodes.chains.rules import RULES, hinges_at_nodes
-from beammodes.checks import choice, flag, positive_real, row_shown, shown, whole_number
+from beammodes.checks import Shown, choice, flag, positive_real, row_shown, shown, whole_number
 from beammodes.exact.exact_beam import plain_modes, wavenumber
 from beammodes.numerics.arrays import Floats, frozen
 from beammodes.problem.axial_ends import AxialBoundaryLike
@@ -44,7 +44,7 @@ __all__ = ["Matched", "MatchedSprings", "NoPositiveSprings", "match_springs", "m
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class MatchedSprings:
+class MatchedSprings(Shown):
     """Springs of one chain whose first frequencies are the beam's; `match_springs` makes it.
 
     Attributes
@@ -90,7 +90,7 @@ class MatchedSprings:
     criterion_value: float
     symmetric: bool
 
-    def __repr__(self) -> str:
+    def _line(self) -> str:
         springs = row_shown(self.stiffness_ratio, "{:.6g}", "EI/ell")
         met = f"{self.segments} segments, {self.modes} modes of the beam met"
         return f"MatchedSprings({self.boundary}, {met}: {springs})"

@@ -12,7 +12,7 @@ from functools import lru_cache
 from typing import ClassVar, overload
 
 from beammodes.chains.rules import RULES, Rule, Weight, hinges_at_nodes
-from beammodes.checks import whole_number
+from beammodes.checks import Shown, whole_number
 from beammodes.exact.exact_beam import plain_modes
 from beammodes.problem.beam import Beam
 from beammodes.problem.ends import Boundary, BoundaryLike
@@ -22,8 +22,8 @@ from beammodes.springs.axial_tuning import AxialTuned
 __all__ = ["ModeTuned", "mode_tuned"]
 
 
-@dataclass(frozen=True)
-class ModeTuned:
+@dataclass(frozen=True, repr=False)
+class ModeTuned(Shown):
     """Chains whose wall springs remove the 1/N² error of one mode; `mode_tuned` makes it.
 
     Parameters

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from beammodes.chains.axial_chain import AxialChain, at_rest
-from beammodes.checks import row_shown, whole_number
+from beammodes.checks import Shown, row_shown, whole_number
 from beammodes.numerics.arrays import Floats
 
 __all__ = ["AxialChainModes", "highest_axial_frequency", "solve_axial_modes"]
@@ -24,7 +24,7 @@ _MAX_DENSE, _MOST_DENSE = 100, 2000
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class AxialChainModes:
+class AxialChainModes(Shown):
     """Elastic modes of a chain in twist or stretch, ascending, of unit modal mass.
 
     Attributes
@@ -45,7 +45,7 @@ class AxialChainModes:
         """Natural frequencies, shape (modes,) [Hz]."""
         return self.angular_frequency / (2 * np.pi)
 
-    def __repr__(self) -> str:
+    def _line(self) -> str:
         rigid = "; 1 rigid-body mode" if self.rigid_body_modes else ""
         return f"AxialChainModes(chain: {row_shown(self.frequency, '{:.4g}', 'Hz')}{rigid})"
 

@@ -23,6 +23,7 @@ from beammodes.chains.chain import Chain
 from beammodes.chains.pieces import MAX_PIECES
 from beammodes.chains.spatial_chain import SpatialChain
 from beammodes.checks import (
+    Shown,
     bounded,
     instead,
     is_text,
@@ -66,8 +67,8 @@ class DampingFitWarning(UserWarning):
     """Only a negative damper gives the damping ratios that were asked for; others are returned."""
 
 
-@dataclass(frozen=True)
-class Damping:
+@dataclass(frozen=True, repr=False)
+class Damping(Shown):
     """Damping of a chain's motion relative to its base.
 
         C = α M + β K + Σ_j d_j (joint rotation)ᵀ (joint rotation)

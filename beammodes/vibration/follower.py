@@ -12,6 +12,7 @@ flutters. All modes of the chain are kept, so that this is the linear chain itse
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -19,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from beammodes.chains.chain import Chain
-from beammodes.checks import real, shown
+from beammodes.checks import Shown, real, shown
 from beammodes.numerics.arrays import Floats
 from beammodes.version import SOURCE
 from beammodes.vibration.damping import Damping, damping_of_modes
@@ -41,8 +42,8 @@ _NOTHING = 1e-12
 _GROWTH, _DAMPED_GROWTH = 1e-6, 1e-10
 
 
-@dataclass(frozen=True)
-class FlutterLoad:
+@dataclass(frozen=True, repr=False)
+class FlutterLoad(Shown):
     """Where a follower force first makes a chain unstable.
 
     Attributes
@@ -59,6 +60,15 @@ class FlutterLoad:
     def is_flutter(self) -> bool:
         """True if the motion that begins to grow swings."""
         return self.angular_frequency > 0
+
+    @property
+    def frequency(self) -> float:
+        """ω/(2π) [Hz]."""
+        return self.angular_frequency / (2.0 * math.pi)
+
+    def _line(self) -> str:
+        how = f"{self.frequency:.4g} Hz" if self.is_flutter else "falls over without swinging"
+        return f"FlutterLoad({how}, at a compression of {self.compression:.6g} N)"
 
 
 @dataclass(frozen=True)

@@ -20,12 +20,11 @@ import math
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 from functools import cache
-from types import MappingProxyType
 
 import numpy as np
 from numpy.typing import NDArray
 
-from beammodes.checks import choice, positive_real, real
+from beammodes.checks import Catalogue, Shown, choice, positive_real, real
 from beammodes.numerics.arrays import Floats
 
 __all__ = [
@@ -46,8 +45,8 @@ _STEP_ERROR, _DAMPED_ERROR = 1e-3, 0.1
 Complex = NDArray[np.complex128]
 
 
-@dataclass(frozen=True)
-class Integrator:
+@dataclass(frozen=True, repr=False)
+class Integrator(Shown):
     """An integrator, one of `INTEGRATORS`.
 
     Attributes
@@ -89,6 +88,11 @@ class Integrator:
     tendon_damping: str = ""
     run: str = ""
     springs: str = field(init=False, default="explicit")
+
+    def _line(self) -> str:
+        known = f"; {', '.join(self.engines)}" if self.engines else ""
+        kind = f"{self.springs} springs, {self.damping} dampers"
+        return f"<Integrator {self.name}: order {self.order}, {kind}{known}>"
 
     def __post_init__(self) -> None:
         if any(len(row) > i for i, row in enumerate(self.stages)):
@@ -211,9 +215,7 @@ _RECORDS = (
 )
 
 #: Every integrator by its name.
-INTEGRATORS: MappingProxyType[str, Integrator] = MappingProxyType(
-    {record.name: record for record in _RECORDS}
-)
+INTEGRATORS: Catalogue[Integrator] = Catalogue("integrators", {record.name: record for record in _RECORDS})
 _BY_ENGINE = {alias: record for record in _RECORDS for alias in record.engines}
 
 

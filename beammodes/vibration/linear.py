@@ -16,7 +16,7 @@ import numpy as np
 
 from beammodes.chains.chain import Chain
 from beammodes.chains.pieces import Number
-from beammodes.checks import shown
+from beammodes.checks import Shown, shown
 from beammodes.equations.equilibria import Equilibrium
 from beammodes.equations.mechanics import (
     axial_pull,
@@ -142,7 +142,7 @@ def _free_angles(chain: Chain) -> list[str]:
 
 
 @dataclass(frozen=True, repr=False)
-class LinearModel:
+class LinearModel(Shown):
     """The linear chain  M u'' + K u = 0,  kept in its factors.
 
     K = Bᵀ D B + supports + Σ P_i θ_iᵀ θ_i - Ω² M, with B the joints' relative rotations, D the joint
@@ -232,13 +232,13 @@ class LinearModel:
             stiffness * units.stiffness / pair,
         )
 
-    def __repr__(self) -> str:
+    def _line(self) -> str:
         under = "" if self.load == Load() else f" under {self.load}"
         return f"LinearModel({self.chain!r}{under})"
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class BentModel:
+class BentModel(Shown):
     """The chain  M z'' + K z = 0  about an equilibrium, q = q_0 + basis z,  M and K full.
 
     Relative to a turning hub the energies are those of motion seen from it. What they leave out, Coriolis
@@ -326,7 +326,7 @@ class BentModel:
         basis = self.equilibrium.basis
         return np.asarray(basis.T @ self.equilibrium.tangent @ basis)
 
-    def __repr__(self) -> str:
+    def _line(self) -> str:
         return f"BentModel(about {self.equilibrium!r})"
 
 

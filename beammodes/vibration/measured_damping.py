@@ -15,7 +15,7 @@ from beammodes.chains.axial_chain import AxialChain
 from beammodes.chains.chain import Chain
 from beammodes.chains.spatial_chain import SpatialChain
 from beammodes.chains.structure_chain import StructureChain
-from beammodes.checks import bounded, is_text, positive_real, real_numbers, shown, whole_number
+from beammodes.checks import Shown, bounded, is_text, positive_real, real_numbers, shown, whole_number
 from beammodes.numerics.arrays import Floats
 from beammodes.vibration.axial_spectrum import solve_axial_modes
 from beammodes.vibration.damping import Damping, DampingFitWarning, given_for_asked, ratios_of_modes
@@ -27,8 +27,8 @@ from beammodes.vibration.structure_vibration import structure_chain_modes
 __all__ = ["DecayRatio", "ratio_from_decay", "rayleigh_damping"]
 
 
-@dataclass(frozen=True)
-class DecayRatio:
+@dataclass(frozen=True, repr=False)
+class DecayRatio(Shown):
     """A damping ratio from the peaks of a decay; `ratio_from_decay` makes it.
 
     Attributes
@@ -52,6 +52,9 @@ class DecayRatio:
 
     def __float__(self) -> float:
         return self.ratio
+
+    def _line(self) -> str:
+        return f"DecayRatio({self})"
 
     def __str__(self) -> str:
         error = f" ± {self.standard_error:.1g}" if math.isfinite(self.standard_error) else ""

@@ -10,7 +10,7 @@ import numpy as np
 
 from beammodes.chains.axial_chain import AxialChain
 from beammodes.chains.structure_chain import StructureChain
-from beammodes.checks import instead, row_shown, shown, whole_number
+from beammodes.checks import Shown, instead, row_shown, shown, whole_number
 from beammodes.numerics.arrays import Floats
 from beammodes.problem.loading import Load
 from beammodes.vibration.axial_spectrum import AxialChainModes, solve_axial_modes
@@ -45,7 +45,7 @@ _NEARLY_ORTHOGONAL = 1e-2
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Modes:
+class Modes(Shown):
     """Elastic modes of a chain, ascending, normalized to unit modal mass.
 
     Attributes
@@ -72,7 +72,7 @@ class Modes:
         """Natural frequencies, shape (modes,) [Hz]."""
         return self.angular_frequency / (2 * np.pi)
 
-    def __repr__(self) -> str:
+    def _line(self) -> str:
         rigid = f"; {self.rigid_body_modes} rigid-body modes" if self.rigid_body_modes else ""
         return f"Modes(chain: {row_shown(self.frequency, '{:.4g}', 'Hz')}{rigid})"
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from beammodes.chains.rigid_tree import RigidTree, Support
 from beammodes.chains.spatial_chain import SpatialChain
-from beammodes.checks import instead, row_shown, shown, whole_number
+from beammodes.checks import Shown, instead, row_shown, shown, whole_number
 from beammodes.numerics.arrays import Floats, signs_of_largest
 from beammodes.vibration.tree_form import TreeForm, tree_form
 
@@ -27,7 +27,7 @@ _BLOCKS, _SPARE, _CYCLES = 4, 6, 60
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class SpatialModes:
+class SpatialModes(Shown):
     """Elastic modes of a chain in space, ascending, normalized to unit modal mass.
 
     Attributes
@@ -58,7 +58,7 @@ class SpatialModes:
         """Natural frequencies, shape (modes,) [Hz]."""
         return self.angular_frequency / (2 * math.pi)
 
-    def __repr__(self) -> str:
+    def _line(self) -> str:
         rigid = f"; {self.rigid_body_modes} rigid-body modes" if self.rigid_body_modes else ""
         return f"SpatialModes(chain: {row_shown(self.frequency, '{:.4g}', 'Hz')}{rigid})"
 

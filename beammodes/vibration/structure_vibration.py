@@ -25,7 +25,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from beammodes.chains.structure_chain import StructureChain
-from beammodes.checks import row_shown, shown, whole_number
+from beammodes.checks import Shown, row_shown, shown, whole_number
 from beammodes.numerics.arrays import Floats, first_factor, signs_of_largest
 from beammodes.numerics.piecewise import Piecewise
 from beammodes.problem.beam import positions_on
@@ -48,7 +48,7 @@ _SHORT = 60
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
-class StructureChainModes:
+class StructureChainModes(Shown):
     """The first elastic modes of a chain of a structure; `structure_chain_modes` makes it.
 
     Attributes
@@ -102,8 +102,8 @@ class StructureChainModes:
         found = np.array([np.interp(places.ravel(), nodes, row) for row in rows])
         return found.reshape(len(found), *places.shape)
 
-    def __repr__(self) -> str:
-        return f"StructureChainModes({self.chain!r}: {row_shown(self.frequency, '{:.4g}', 'Hz')})"
+    def _line(self) -> str:
+        return f"StructureChainModes({row_shown(self.frequency, '{:.4g}', 'Hz')} of {self.chain!r})"
 
 
 def structure_chain_modes(chain: StructureChain, modes: int | None = None) -> StructureChainModes:
