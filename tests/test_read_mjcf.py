@@ -363,8 +363,8 @@ REFUSED = {
     "a bent rest": (ROD + HINGE.replace("/>", ' springref="3"/>'), "springref equal to ref"),
     "a mesh": ('<geom type="mesh" mesh="m" mass="1"/>' + HINGE, "<geom> must be a sphere"),
     "a shell": (ROD.replace("/>", ' shellinertia="true"/>') + HINGE, "filled"),
-    "a composite": (ROD + HINGE + '<composite type="cable"/>', "<composite> must be left out"),
-    "a plugin": (ROD + HINGE + '<plugin plugin="mujoco.elasticity.cable"/>', "<plugin> must be left out"),
+    "a composite": (ROD + HINGE + '<composite type="rope"/>', "<composite> must be left out"),
+    "a plugin": (ROD + HINGE + '<plugin plugin="mujoco.elasticity.shell"/>', "<plugin> must be left out"),
     "a slide": (
         ROD + HINGE + '<joint type="slide" axis="0 0 1"/>',
         "must be a hinge with a spring, parallel",

@@ -396,9 +396,11 @@ def _of_path(model: Model, path: HingePath, asked: _Request) -> _Read:
     far = far_end(model.ties, line, root_support(path, line) if "" in words else None)
     chains = [planar_chain(path, line, far, beam.length, word) for word in words]
     count = len(path.groups)
-    said = [f"chain at body {path.name}: {count} hinge{'s' * (count > 1)} with springs"]
+    said = [*model.given, f"chain at body {path.name}: {count} hinge{'s' * (count > 1)} with springs"]
     if len(planes) > 1:
         said.append(f"deflection along {label}; there are hinges for {', '.join(planes)}")
+    balls = [group.name for group in path.groups if any(joint.kind == "ball" for joint in group.joints)]
+    twist = ["balls let the chain twist too, which bending does not move: twist may need a shorter step"]
     damped = [tie.name for tie in model.ties if tie.damping and names & dict(tie.terms).keys()]
     undamped = [f"the damping of tendon {name} is left out" for name in damped]
     along = float(model.gravity @ line.along)
@@ -406,7 +408,7 @@ def _of_path(model: Model, path: HingePath, asked: _Request) -> _Read:
     return _Read(
         tuple(chains),
         tuple(said),
-        (*model.notes, *undamped, *held),
+        (*model.notes, *undamped, *(twist if balls else []), *held),
         model.step,
         (along, across if across > 1e-9 * abs(along) else 0.0),
         label,
@@ -431,10 +433,11 @@ def _words(path: HingePath, line: HingeLine, given: Boundary | None) -> list[str
     if support is None:
         moves = root.parent is not None
         return [f"body {root.name}, which carries the chain and moves, is taken as held" if moves else ""]
+    own = {joint.name for joint in (support.hinge, support.slide) if joint}
     loose = [
         joint.name
         for joint in root.joints
-        if not joint.stiffness and (joint in (support.hinge, support.slide) or joint.kind == "free")
+        if not joint.stiffness and (joint.name in own or joint.kind == "free")
     ]
     if not loose:
         return [""]

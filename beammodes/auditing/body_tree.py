@@ -250,7 +250,8 @@ class ModelJoint:
     `kind` is "hinge", "slide", "free", "ball", or another word, which only messages use. `stiffness` is in
     N m/rad or N/m, `damping` in N m s/rad or N s/m; `armature` [kg m² or kg] is inertia of the relative
     motion, as a motor's rotor behind its gear has. `refusal` says why a chain must not have this joint, empty
-    if it may; `place` where the file has the stiffness.
+    if it may; `place` where the file has the stiffness. `springs` [N m/rad], shape (3, 3), resist turning of
+    a ball beside its stiffness, which is alike about all axes.
     """
 
     name: str
@@ -262,6 +263,21 @@ class ModelJoint:
     damping: float = 0.0
     armature: float = 0.0
     place: SpringPlace | None = None
+    springs: Floats | None = None
+
+    @property
+    def is_sprung(self) -> bool:
+        """True if a spring resists its motion."""
+        return bool(self.stiffness) or self.springs is not None
+
+    def stiffness_about(self, axis: Floats) -> float:
+        """Return a ball's stiffness about an axis; 0 if turning about it is turned about others too."""
+        if self.springs is None:
+            return self.stiffness
+        moment = self.springs @ axis
+        own = float(axis @ moment)
+        aslant = float(np.linalg.norm(moment - own * axis)) > 1e-6 * float(np.linalg.norm(self.springs))
+        return 0.0 if aslant else self.stiffness + own
 
 
 @dataclass(frozen=True, eq=False)
@@ -324,7 +340,7 @@ class Model:
     `held` are bodies and joints that other constraints act on, each with the constraint's name; `notes` say
     what the reader left out; `step` is None where the format or the file has none; `gravity` is in m/s²;
     `hint` says where springs may be missing, for a model without any; `in_space` that some hinges have been
-    put at rest.
+    put at rest; `given` what its springs come from, if they are no numbers of the file.
     """
 
     bodies: tuple[ModelBody, ...]
@@ -335,6 +351,7 @@ class Model:
     gravity: Floats = field(default_factory=lambda: np.zeros(3))
     hint: str = ""
     in_space: bool = False
+    given: tuple[str, ...] = ()
 
 
 @dataclass(eq=False)

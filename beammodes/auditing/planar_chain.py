@@ -24,6 +24,7 @@ import numpy as np
 from beammodes.auditing.body_tree import Group, Inertial, ModelJoint, ModelTie, SpringPlace
 from beammodes.auditing.bounded_xml import BadModel
 from beammodes.auditing.serial_chains import (
+    NO_SPRING,
     OFF_LINE,
     HingeLine,
     HingePath,
@@ -293,6 +294,8 @@ def _check(path: HingePath, line: HingeLine, support: RootSupport | None) -> Non
         for other in group.children:
             if other is not after:
                 _check_refusals(other)
+                if other.joints[0].kind == "ball":
+                    raise BadModel(f"{other.joints[0].name} on body {group.name} {NO_SPRING}")
                 raise BadModel(
                     f"{other.joints[0].name} on body {group.name} must be a hinge with a spring, parallel "
                     f"to {line.hinges[0].name}: nothing else may move on the chain. If a motor holds it, "

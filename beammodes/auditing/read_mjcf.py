@@ -31,6 +31,15 @@ from beammodes.auditing.body_tree import (
     solid,
 )
 from beammodes.auditing.bounded_xml import BadModel, XmlElement, read_xml
+from beammodes.auditing.mujoco_cable import (
+    BARE,
+    CABLE,
+    CablePiece,
+    cable_settings,
+    expand_cables,
+    settings_of,
+    with_cable_springs,
+)
 from beammodes.checks import shown
 from beammodes.numerics.arrays import Floats
 from beammodes.vibration.integrators import find_integrator
@@ -78,6 +87,7 @@ def read_mjcf(root: XmlElement, folder: Path) -> Model:
     spring, dry friction, stops at rest, servos that act like springs, spatial tendons with springs.
     """
     _include(root, folder)
+    expand_cables(root)
     if root.tag not in ("mujoco", "mujocoinclude"):
         root.refuse("must be <mujoco>")
     for element in root.all("attach"):
@@ -165,13 +175,16 @@ class _Reader:
         self.groups = self.compiler.numbers("inertiagrouprange", 2, "0 1000000")
         self.inertia_from_geometry = said.get("inertiafromgeom", "auto")
         self.automatic_limits = said.get("autolimits", "true") == "true"
-        self.classes = _classes(root)
+        self.classes = _classes(root) | {BARE: {}}
+        self.cables = cable_settings(root)
+        self.cable_pieces: dict[int, CablePiece] = {}
         self.copies = 0
         # A file that others include takes its step and its gravity from these.
         self.alone = root.tag == "mujoco"
         self.surroundings = list(self._surroundings())
         self.step = self._step()
         self.bodies: list[ModelBody] = []
+        self.frames: list[Frame] = []
         self.notes: list[str] = []
         self.held_tendons = self._held_tendons()
         #: Damping by servos, of joints and tendons by name.
@@ -190,6 +203,7 @@ class _Reader:
         bare = self.root.tag == "mujocoinclude" and self.root.first("worldbody") is None
         for world in [self.root] if bare else self.root.all("worldbody"):
             self._read_bodies(world)
+        self.bodies, cables = with_cable_springs(self.bodies, self.frames, self.cable_pieces)
         return Model(
             tuple(self._compiled()),
             tuple(self._ties()),
@@ -197,6 +211,7 @@ class _Reader:
             (*self.notes, *self.surroundings),
             self.step if self.alone else None,
             self._gravity() if self.alone else np.zeros(3),
+            given=tuple(cables),
         )
 
     # Options.
@@ -308,6 +323,7 @@ class _Reader:
             frame = outer @ place @ self._pose(element)
             index = len(self.bodies)
             self.bodies.append(self._body(element, parent, frame, class_name, suffix))
+            self.frames.append(frame)
             if index > _MOST_BODIES:
                 element.refuse(f"must be one of at most {_MOST_BODIES} bodies")
             waiting += [
@@ -320,7 +336,17 @@ class _Reader:
     ) -> ModelBody:
         own_name = element.attributes.get("name", f"body on line {element.line}")
         name = own_name + suffix
-        odd = next((found for found, *_ in self._inside(element, class_name, *_UNREAD)), None)
+        cable = self._cable_piece(element, class_name, suffix)
+        if cable is not None:
+            self.cable_pieces[len(self.bodies)] = cable
+        odd = next(
+            (
+                found
+                for found, *_ in self._inside(element, class_name, *_UNREAD)
+                if cable is None or found.tag != "plugin"
+            ),
+            None,
+        )
         sites = [site.attributes.get("name", "") for site, *_ in self._inside(element, class_name, "site")]
         self.homes |= dict.fromkeys(sites, name)
         matter = self._matter(element, class_name)
@@ -337,6 +363,29 @@ class _Reader:
             f"joint {j.name} is held by {self.locked[j.name]}" for j in joints if j.name in self.locked
         ]
         return replace(found.placed(frame), joints=tuple(j for j in joints if j.name not in self.locked))
+
+    def _cable_piece(self, element: XmlElement, class_name: str, suffix: str) -> CablePiece | None:
+        """Return what a body is in a cable, None if the plugin of cables does not move it."""
+        plugin = element.first("plugin")
+        if plugin is None:
+            return None
+        name = plugin.attributes.get("instance")
+        if name is None and plugin.attributes.get("plugin") == CABLE:
+            # Bodies with a plugin each are cables of one body each.
+            instance, settings = f"byte {plugin.start} of {plugin.file}{suffix}", settings_of(plugin)
+        elif name in self.cables:
+            instance, settings = f"instance {name}{suffix}", self.cables[name]
+        else:
+            return None
+        first = next(self._inside(element, class_name, "geom"), None)
+        kind, size = "", tuple[float, ...]()
+        if first is not None:
+            geom = self._with_defaults(first[0], "geom", first[2])
+            kind = "mesh" if "mesh" in geom.attributes else geom.attributes.get("type", "sphere")
+            if kind in ("capsule", "cylinder", "box"):
+                sizes = tuple(geom.numbers("size", (1, 2, 3)))
+                size = sizes[1:3] if kind == "box" else sizes[:1]
+        return CablePiece(instance, settings, plugin.where, kind, size)
 
     def _matter(self, element: XmlElement, class_name: str) -> ModelBody:
         """Return a body by its <inertial> or its solids, in its own frame."""
@@ -462,8 +511,8 @@ class _Reader:
         )
 
     def _why_not(self, joint: XmlElement, kind: str, stiffness: float) -> str:
-        if kind not in ("hinge", "slide", "free") and not (kind == "ball" and stiffness):
-            return f"{joint.where} must be a hinge or a ball with a stiffness, got type {kind!r}"
+        if kind not in ("hinge", "slide", "free", "ball"):
+            return f"{joint.where} must be a hinge, a slide, a ball or free, got type {shown(kind)}"
         if kind == "free" and stiffness:
             return f"{joint.where} must have no spring, or be a <freejoint>, which takes no defaults"
         if joint.number("frictionloss", "0"):

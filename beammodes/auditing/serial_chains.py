@@ -15,6 +15,7 @@ from beammodes.checks import choice, shown
 from beammodes.numerics.arrays import Floats
 
 __all__ = [
+    "NO_SPRING",
     "OFF_LINE",
     "HingeLine",
     "HingePath",
@@ -30,6 +31,8 @@ __all__ = [
     "without_stretch",
 ]
 
+#: What is said of a ball that nothing resists.
+NO_SPRING = "must be a hinge or a ball with a stiffness, got type 'ball'"
 #: Sine of the angle up to which two axes are parallel.
 _PARALLEL = 1e-6
 #: Largest distance of hinges and centres of mass from the line, in mean distances between hinges; the error
@@ -94,7 +97,14 @@ class HingePath:
         least = np.eye(3)[int(np.argmin(np.abs(along).round(9)))]
         one = least - (least @ along) * along
         one = one / np.linalg.norm(one)
-        return [one, np.cross(along, one)]
+        across = np.column_stack([one, np.cross(along, one)])
+        springs = self.groups[0].joints[0].springs
+        if springs is not None and not all(
+            self.groups[0].joints[0].stiffness_about(axis) for axis in across.T
+        ):
+            # A ball that is not alike about all axes bends by itself about its principal ones.
+            across = across @ np.linalg.eigh(across.T @ springs @ across)[1]
+        return list(across.T)
 
     def hinges(self, axis: Floats) -> list[ModelJoint]:
         """Return the hinges about an axis that `axes` gives."""
@@ -122,9 +132,15 @@ def hinge_paths(model: Model) -> list[HingePath]:
 
 
 def _why_no_chain(model: Model) -> str:
-    sprung = [body for body in model.bodies if any(joint.stiffness for joint in body.joints)]
+    sprung = [body for body in model.bodies if any(joint.is_sprung for joint in body.joints)]
     odd = [body.refusal for body in model.bodies if body.refusal]
     odd += [joint.refusal for body in model.bodies for joint in body.joints if joint.refusal]
+    odd += [
+        f"{joint.name} on body {body.name} {NO_SPRING}"
+        for body in model.bodies
+        for joint in body.joints
+        if joint.kind == "ball" and not joint.is_sprung
+    ]
     odd += [
         f"{joint.name} on body {body.name} is a {joint.kind} joint"
         for body in sprung
@@ -215,7 +231,7 @@ def with_inner_motors_held(model: Model) -> tuple[Model, list[str]]:
 
     No beam has a hinge inside: who says what a beam's ends are says that a motor holds such an elbow.
     """
-    sprung = [any(joint.stiffness for joint in body.joints) for body in model.bodies]
+    sprung = [any(joint.is_sprung for joint in body.joints) for body in model.bodies]
     above = list(sprung)
     below = [False] * len(sprung)
     for i, body in enumerate(model.bodies):
@@ -239,8 +255,8 @@ def _is_sprung(group: Group) -> bool:
 
 
 def _is_ball(group: Group) -> bool:
-    """Return True if a group is on a ball alone, whose spring resists bending about all axes alike."""
-    return len(group.joints) == 1 and group.joints[0].kind == "ball" and group.joints[0].stiffness > 0
+    """Return True if a group is on a ball alone with a spring, which resists bending about all axes."""
+    return len(group.joints) == 1 and group.joints[0].kind == "ball" and group.joints[0].is_sprung
 
 
 def _spring_axes(group: Group) -> list[Floats]:
@@ -250,7 +266,8 @@ def _spring_axes(group: Group) -> list[Floats]:
 def _hinge(group: Group, axis: Floats) -> ModelJoint | None:
     """Return the only hinge with a spring about an axis, or what a ball is about it."""
     if _is_ball(group):
-        return replace(group.joints[0], kind="hinge", axis=axis)
+        stiffness = group.joints[0].stiffness_about(axis)
+        return replace(group.joints[0], kind="hinge", axis=axis, stiffness=stiffness) if stiffness else None
     found = [joint for joint in group.joints if joint.kind == "hinge" and _parallel(joint.axis, axis)]
     return found[0] if len(found) == 1 and found[0].stiffness else None
 
@@ -445,6 +462,10 @@ def root_support(path: HingePath, line: HingeLine) -> RootSupport | None:
         elif joint.kind == "hinge" and not _square(joint.axis, line.axis):
             _check_joint(joint, line.axis, found.hinge)
             found = replace(found, turning=joint.stiffness, hinge=joint)
+        elif joint.kind == "ball":
+            _check_joint(joint, joint.axis, found.hinge)
+            hinge = replace(joint, kind="hinge", axis=line.axis)
+            found = replace(found, turning=0.0, hinge=hinge, in_space=True)
         elif joint.kind == "hinge":
             _check_out_of_plane(joint, line)
             why = f"joint {joint.name}, which turns the chain out of its plane, is taken as at rest"
