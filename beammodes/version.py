@@ -2,7 +2,7 @@
 
 __all__ = ["SOURCE", "__version__"]
 
-__version__ = "0.1.0"
+__version__ = "0.2.0"
 
 #: What datasets and files name as their source.
 SOURCE = f"beammodes {__version__}"

@@ -5,6 +5,7 @@ from __future__ import annotations
 import doctest
 import re
 import shlex
+import tomllib
 from pathlib import Path
 
 import pytest
@@ -99,3 +100,22 @@ def test_the_steps_in_the_text_are_computed_ones() -> None:
     chain = bm.Chain(bm.Beam.unit(), "clamped-free", segments=12)
     cost = variable_step_cost(chain, step, OUTPUTS, tolerance=0.001)
     assert f"{cost.steps:.0f} for twelve segments and one mode at a tolerance of 0.001" in motion
+
+
+def test_links_become_absolute_at_the_one_address_of_the_project() -> None:
+    settings = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
+    address = settings["project"]["urls"]["Repository"]
+    text = README
+    for rule in settings["tool"]["hatch"]["metadata"]["hooks"]["fancy-pypi-readme"]["substitutions"]:
+        text = re.sub(rule["pattern"], rule["replacement"], text)
+    targets = re.findall(r"\]\(([^)]+)\)", text)
+    raw = address.replace("github.com", "raw.githubusercontent.com")
+    assert len(targets) == len(re.findall(r"\]\(([^)]+)\)", README)) > 20
+    for target in targets:
+        picture = target.endswith(".svg")
+        assert target.startswith(f"{raw}/main/" if picture else f"{address}/blob/main/"), target
+
+
+def test_the_citation_has_the_version() -> None:
+    assert f"\nversion: {bm.__version__}\n" in (ROOT / "CITATION.cff").read_text(encoding="utf-8")
+    assert f"## {bm.__version__}" in page("CHANGELOG")
