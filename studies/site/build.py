@@ -12,31 +12,12 @@ from studies import PAGE, SITE
 from studies.page.build import write as write_report
 from studies.site.docstrings import as_markup
 
-__all__ = ["TOPICS", "UNLISTED", "chapters", "write"]
+__all__ = ["UNLISTED", "chapters", "topics", "write"]
 
 ROOT = Path(__file__).resolve().parent.parent.parent
 PAGES = ROOT / "beammodes" / "pages"
 FIGURES = ROOT / "figures"
 
-#: The site's chapters, in the order in which they are read: pages by the names of their files.
-TOPICS = {
-    "Simulators": ("mujoco", "drake_gazebo", "simscape", "adams_working_model", "files"),
-    "How to": (
-        "rules",
-        "real_beams",
-        "frames",
-        "twist",
-        "rods_in_space",
-        "cables",
-        "motion",
-        "damping",
-        "loads_in_time",
-        "frequency_response",
-        "studies",
-    ),
-    "Background": ("theory", "report", "accuracy", "benchmarks"),
-    "Development": ("design", "extending", "contributing", "CHANGELOG"),
-}
 #: Names of no page of their own: the version is text.
 UNLISTED = {"__version__"}
 
@@ -52,7 +33,18 @@ _EXTENSIONS = [
 ]
 
 
-def chapters() -> dict[str, tuple[str, list[str]]]:
+def chapters() -> dict[str, list[str]]:
+    """Return the site's chapters, those of README's list of what to read: pages, by their files' names."""
+    listed = (ROOT / "README.md").read_text(encoding="utf-8").partition("## Read on\n")[2]
+    return {
+        title: [
+            stem if stem != "CONTRIBUTING" else "contributing" for stem in re.findall(r"/(\w+)\.md\)", text)
+        ]
+        for title, text in re.findall(r"^- ([^:]*):(.*?)(?=^\S|\Z)", listed, flags=re.MULTILINE | re.DOTALL)
+    }
+
+
+def topics() -> dict[str, tuple[str, list[str]]]:
     """Return, by the folder that they are from, its line in the package's plan and its public names."""
     plan = dict(re.findall(r"^([a-z_]+)/ +(\S.*)$", bm.__doc__ or "", flags=re.MULTILINE))
     found: dict[str, tuple[str, list[str]]] = {folder: (line, []) for folder, line in plan.items()}
@@ -132,11 +124,11 @@ def _write_sources(source: Path, figures: Path) -> None:
     """Write what Sphinx reads: pages with their pictures, topics of public names, the report's page."""
     source.mkdir()
     (source / "figures").mkdir()
-    names = sorted({name for part in TOPICS.values() for name in part})
+    names = sorted({name for part in chapters().values() for name in part})
     texts = {path.stem: path.read_text(encoding="utf-8") for path in sorted(PAGES.glob("*.md"))}
     texts["contributing"] = (ROOT / ".github" / "CONTRIBUTING.md").read_text(encoding="utf-8")
     if set(names) != set(texts):
-        raise KeyError(f"TOPICS must name every page once, got {sorted(set(names) ^ set(texts))}")
+        raise KeyError(f"README must lead to every page once, got {sorted(set(names) ^ set(texts))}")
     texts["index"] = (ROOT / "README.md").read_text(encoding="utf-8") + _contents()
     texts["atlas"] = _ATLAS
     for name, text in texts.items():
@@ -144,9 +136,9 @@ def _write_sources(source: Path, figures: Path) -> None:
             _with_pictures(text, source / "figures", figures), encoding="utf-8"
         )
     (source / "api").mkdir()
-    for folder, (line, members) in chapters().items():
+    for folder, (line, members) in topics().items():
         (source / "api" / f"{folder}.rst").write_text(_topic(folder, line, members), encoding="utf-8")
-    listed = "\n".join(f"   {folder}" for folder in chapters())
+    listed = "\n".join(f"   {folder}" for folder in topics())
     (source / "api" / "index.rst").write_text(_API.format(listed=listed), encoding="utf-8")
     for folder in ("_static", "_extra", "_templates/autosummary"):
         (source / folder).mkdir(parents=True)
@@ -176,9 +168,9 @@ def _with_pictures(text: str, pictures: Path, figures: Path) -> str:
 def _contents() -> str:
     parts = [
         f"\n```{{toctree}}\n:hidden:\n:caption: {title}\n\n" + "\n".join(names) + "\n```\n"
-        for title, names in TOPICS.items()
+        for title, names in chapters().items()
     ]
-    parts.insert(2, "\n```{toctree}\n:hidden:\n:caption: Reference\n\napi/index\natlas\n```\n")
+    parts.insert(-1, "\n```{toctree}\n:hidden:\n:caption: Reference\n\napi/index\natlas\n```\n")
     return "".join(parts)
 
 
