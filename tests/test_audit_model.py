@@ -62,12 +62,24 @@ def test_exported_mjcf_is_known_again(case: str, rule: str, tmp_path: Path) -> N
         assert found.boundary in (chain.boundary, chain.boundary.turned)
 
 
-def test_a_hub_is_refused(tmp_path: Path) -> None:
-    # Where on the hub the beam begins, a file does not say.
-    chain = Chain(BEAM, ALL["hub"], segments=6)
-    (path,) = export_chain(chain, tmp_path / "chain.xml")
-    with pytest.raises(ValueError, match="boundary must have no hub_radius here"):
-        audit_file(path, BEAM, chain.boundary)
+@pytest.mark.parametrize(
+    ("rule", "suffix", "spring"),
+    list(zip(RULES, [".xml", ".urdf", ".sdf", ".csv"] * 2, [0.0, 12.0, 0.0] * 2, strict=False)),
+)
+def test_a_hub_is_known_again(rule: str, suffix: str, spring: float, tmp_path: Path) -> None:
+    """What turns on the first hinge without being made as a segment is a hub, said by the user or not."""
+    hub = End.hub(0.3, 0.05, spring)
+    chain = Chain(BEAM, (hub, "free"), segments=6, rule=rule)
+    path = export_chain(chain, tmp_path / f"chain{suffix}")[0]
+    for word in (None, chain.boundary):
+        found = audit_file(path, BEAM, word)
+        known_again(chain, found)
+        end = found.boundary.left
+        read = [float(end.hub_radius), float(end.rotary_inertia), float(end.rotational_stiffness)]
+        assert read == pytest.approx([0.3, 0.05, spring], rel=1e-6)
+    assert "is a hub, and the beam begins 0.3 m beside" in audit_file(path, BEAM).text
+    with pytest.raises(ValueError, match=r"the file's hub_radius of 0\.3, got 0\.2"):
+        audit_file(path, BEAM, (End.hub(0.2, 0.05, spring), "free"))
 
 
 @pytest.mark.parametrize(("pair", "suffix"), turns.in_turns(PAIRS, [".urdf", ".sdf", ".csv"], every=2))

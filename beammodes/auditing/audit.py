@@ -16,7 +16,7 @@ from beammodes.chains.rules import RULES
 from beammodes.checks import Shown, percent, row_shown, shown, small_fraction
 from beammodes.numerics.arrays import Floats
 from beammodes.problem.beam import Beam
-from beammodes.problem.ends import Boundary, BoundaryLike, check_no_hub
+from beammodes.problem.ends import Boundary, BoundaryLike
 from beammodes.vibration.linear import linearize
 from beammodes.vibration.modes import MAX_DENSE, solve_modes
 
@@ -305,8 +305,8 @@ def audit_chain(
     boundary : str, pair or Boundary
     length, mass, rotary_inertia, joint_stiffness, centre : sequence
         Of pieces and hinges, as `Chain.from_pieces` takes them. A segment welded to a wall is a first piece,
-        which the clamped end holds; a hinge at the wall follows a first piece of length zero. Bodies and
-        springs of the ends belong to `boundary`, not here.
+        which the clamped end holds; a hinge at the wall follows a first piece of length zero. Bodies, springs
+        and hubs of the ends belong to `boundary`, not here.
     armature : sequence, shape (hinges,) [kg m²], optional
         Inertia of each hinge's own rotation: it is added to that of the relative angle.
     damping : sequence, shape (hinges,) [N m s/rad], optional
@@ -342,7 +342,6 @@ def audit_chain(
     columns |= {} if centre is None else {"centre": centre}
     limit = small_fraction("tolerance", tolerance)
     pair = Boundary.of(boundary)
-    check_no_hub(pair.left, pair.right)
     judged = JudgedPieces.of(beam, pair, columns, joint_stiffness, modes, armature=armature, damping=damping)
     errors = judged.own_errors
     if (1 + errors < 1e-6).any() or (errors > 1e6).any():

@@ -28,7 +28,9 @@ from beammodes.auditing.planar_chain import (
     Piece,
     PlanarChain,
     Spring,
+    behind_sprung_hub,
     far_end,
+    hub_of,
     planar_chain,
     with_wall_hinges,
 )
@@ -52,7 +54,7 @@ from beammodes.checks import choice, shown, small_fraction
 from beammodes.exporters.chain_csv import read_chain_csv
 from beammodes.numerics.arrays import Floats
 from beammodes.problem.beam import Beam
-from beammodes.problem.ends import Boundary, BoundaryLike, check_no_hub
+from beammodes.problem.ends import Boundary, BoundaryLike
 from beammodes.problem.loading import Load
 
 __all__ = ["audit_file"]
@@ -157,8 +159,6 @@ def audit_file(
         raise TypeError(f"beam must be a Beam, got {shown(beam)}")
     small_fraction("tolerance", tolerance)
     pair = None if boundary is None else Boundary.of(boundary)
-    if pair is not None:
-        check_no_hub(pair.left, pair.right)
     asked = _Request(beam, pair, chain, plane)
     place = Path(path)
     try:
@@ -308,7 +308,15 @@ def _from_csv(place: Path, length: float) -> _Read:
     pieces = tuple(Piece(*row) for row in zip(*(column.tolist() for column in columns), strict=True))
     springs = tuple(Spring(f"hinge {i}", value) for i, value in enumerate(chain.joint_stiffness.tolist()))
     near, far = (tuple(map(float, end)) for end in chain.support_stiffness)
-    planar = PlanarChain(pieces, springs, (near[0], near[1]), (far[0], far[1]), Spring("left end", near[1]))
+    turns = near[0] == math.inf > near[1] and len(pieces) > 2 and pieces[0].length > 0
+    planar = PlanarChain(
+        pieces,
+        springs,
+        (near[0], near[1]),
+        (far[0], far[1]),
+        Spring("left end", near[1]),
+        hub=hub_of(pieces[0], pieces[1]) if turns else 0.0,
+    )
     return _Read((with_wall_hinges(planar, Spring("right end", 0.0), length),))
 
 
@@ -384,6 +392,9 @@ def _of_path(model: Model, path: HingePath, asked: _Request) -> _Read:
     else:
         label = min(planes, key=lambda each: _distance(planes[each], beam))
     line = planes[label]
+    hub = behind_sprung_hub(path, line.axis) if given is None or given.left.hub_radius else None
+    if hub is not None:
+        path, line = hub, hinge_line(hub, line.axis)
     names = {hinge.name for hinge in line.hinges}
     root = path.root
     tied = {joint.name for joint in root.joints} | {body.name for body in root.bodies if root.joints}

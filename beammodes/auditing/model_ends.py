@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from beammodes.auditing.planar_chain import Piece, PlanarChain, Spring, held_piece
@@ -90,8 +91,19 @@ def _inferred(chain: PlanarChain) -> EndedChain:
     pieces = list(chain.pieces)
     if chain.far[0] < chain.far[1] == math.inf:
         _pass_point_on(pieces)
+    assumed = chain.assumed
+    if chain.hub and chain.near_hinge:
+        hub, pieces[0] = _hub_and_rest(pieces, chain.hub, chain.near[1])
+        said = (
+            f"what turns on hinge {chain.near_hinge.name} is a hub, and the beam begins {chain.hub:.6g} m "
+            'beside that hinge; say boundary "pinned-free" if it begins at the hinge'
+        )
+        assumed = (*assumed, said)
     ends = []
     for at, supports in ((0, chain.near), (-1, chain.far)):
+        if at == 0 and chain.hub:
+            ends.append(hub)
+            continue
         between = [piece for piece in pieces[1:-1] if piece.length]
         own = _outward(pieces[at], at)
         neighbour = between[at] if between else chain.segment
@@ -102,11 +114,15 @@ def _inferred(chain: PlanarChain) -> EndedChain:
         carried = bool(own.length and (inertia or offset)) and supports[1] < math.inf
         ends.append(End(*supports, mass, inertia, offset, on_segment=carried))
         pieces[at] = _outward(_without_body(own, ends[-1]), at)
-    return EndedChain(Boundary(*ends), tuple(pieces), chain.springs, chain.assumed)
+    return EndedChain(Boundary(*ends), tuple(pieces), chain.springs, assumed)
 
 
 def _stated(chain: PlanarChain, given: Boundary) -> EndedChain:
     pieces, springs = list(chain.pieces), list(chain.springs)
+    if given.right.hub_radius:
+        raise ValueError(f"boundary must have its hub at the end that the file's root is, got {given}")
+    if given.left.hub_radius:
+        return _with_hub(chain, given)
     sides = ((0, given.left, chain.near), (-1, given.right, chain.far))
     for at, end, (_, turning) in sides:
         if springs and 0 < end.rotational_stiffness < turning == math.inf:
@@ -120,6 +136,35 @@ def _stated(chain: PlanarChain, given: Boundary) -> EndedChain:
             at = 1 if at == 0 else -2
         pieces[at] = _outward(_without_body(_outward(pieces[at], at), end), at)
     return EndedChain(given, tuple(pieces), tuple(springs), chain.assumed, said=True)
+
+
+def _hub_and_rest(pieces: Sequence[Piece], radius: float, stiffness: float) -> tuple[End, Piece]:
+    """Return the hub that a first piece turns with, and what of that piece is beam: a rod like the next."""
+    own, stub = pieces[0], pieces[0].length - radius
+    rods = [piece for piece in pieces[1:] if piece.length]
+    rest = held_piece(0.0)
+    if stub > _SAME * own.length:
+        rest = _rod_like(rods[0].mirrored, stub).mirrored
+    about = own.inertia + own.mass * own.centre**2
+    about -= rest.inertia + rest.mass * (radius + rest.centre) ** 2
+    return End.hub(float(f"{radius:.10g}"), float(f"{about:.10g}"), stiffness), rest
+
+
+def _with_hub(chain: PlanarChain, given: Boundary) -> EndedChain:
+    """Return a chain whose first piece has a hub of the user's radius; the file says its inertia."""
+    radius, wanted = float(given.left.hub_radius), chain.hub or chain.pieces[0].length
+    if abs(radius / wanted - 1) > _NOTABLE if chain.hub or radius > wanted else False:
+        raise ValueError(f"boundary must have the file's hub_radius of {wanted:.6g}, got {radius:.6g}")
+    hub, rest = _hub_and_rest(chain.pieces, radius, chain.near[1])
+    off = float(given.left.rotary_inertia) / float(hub.rotary_inertia) - 1
+    if abs(off) > _NOTABLE:
+        raise ValueError(
+            f"boundary must have the file's rotary_inertia of the hub, {hub.rotary_inertia:.6g}, got "
+            f"{given.left.rotary_inertia:.6g}"
+        )
+    without = replace(chain, pieces=(rest, *chain.pieces[1:]), hub=0.0)
+    found = _stated(without, Boundary(End(*chain.near), given.right))
+    return replace(found, boundary=Boundary(hub, given.right))
 
 
 def _outward(piece: Piece, at: int) -> Piece:

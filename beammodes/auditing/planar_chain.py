@@ -29,17 +29,21 @@ from beammodes.auditing.serial_chains import (
     HingeLine,
     HingePath,
     RootSupport,
+    hinge_line,
     lone_segment,
     root_support,
 )
+from beammodes.numerics.arrays import Floats
 
 __all__ = [
     "FarEnd",
     "Piece",
     "PlanarChain",
     "Spring",
+    "behind_sprung_hub",
     "far_end",
     "held_piece",
+    "hub_of",
     "planar_chain",
     "with_wall_hinges",
 ]
@@ -86,7 +90,8 @@ class PlanarChain:
 
     `near` and `far` hold the outer pieces across and in turning, infinite where held; `near_hinge` is the
     hinge behind `near`, for its damping and armature. `assumed` says what was assumed in reading it so;
-    `segment` is what segments are like, where no piece between two hinges shows one.
+    `segment` is what segments are like, where no piece between two hinges shows one; `hub` [m] is how much of
+    the first piece, which turns on the near hinge, is a hub and no beam.
     """
 
     pieces: tuple[Piece, ...]
@@ -96,6 +101,7 @@ class PlanarChain:
     near_hinge: Spring | None = None
     assumed: tuple[str, ...] = ()
     segment: Piece | None = None
+    hub: float = 0.0
 
 
 def held_piece(length: float, others: Sequence[Piece] = ()) -> Piece:
@@ -119,7 +125,7 @@ def with_wall_hinges(chain: PlanarChain, far: Spring, length: float) -> PlanarCh
         turning = springs[0]
         near = (near[0], turning.stiffness)
         del pieces[0], springs[0]
-    if 0 < near[1] < math.inf and pieces[0].length:
+    if 0 < near[1] < math.inf and pieces[0].length and not chain.hub:
         pieces.insert(0, held_piece(0.0))
         springs.insert(0, replace(turning or Spring("near end", 0.0), stiffness=near[1]))
         near = (chain.near[0], math.inf)
@@ -130,13 +136,13 @@ def with_wall_hinges(chain: PlanarChain, far: Spring, length: float) -> PlanarCh
             why = f"the damping of {turning.name}, on which the chain turns as a whole, is left out"
             assumed = (*assumed, why)
     if 0 < far_support[1] < math.inf and pieces[-1].length:
-        missing = length - sum(piece.length for piece in pieces)
+        missing = length + chain.hub - sum(piece.length for piece in pieces)
         typical = max(piece.length for piece in pieces)
         pieces.append(held_piece(missing if 1e-9 * length < missing < 1.05 * typical else 0.0, pieces))
         springs.append(replace(far, stiffness=far_support[1]))
         far_support = (far_support[0], math.inf)
     own = (tuple(pieces), tuple(springs))
-    return PlanarChain(*own, near, far_support, chain.near_hinge, assumed, chain.segment)
+    return PlanarChain(*own, near, far_support, chain.near_hinge, assumed, chain.segment, chain.hub)
 
 
 def _without_traces(piece: Piece, others: Sequence[Piece]) -> Piece:
@@ -238,7 +244,8 @@ def planar_chain(path: HingePath, line: HingeLine, far: FarEnd, length: float, w
     if far.turning and root is not None:
         # Beyond the far hinge the beam may go on, so its length does not tell where it begins.
         near = _Lengths(near.values[:1])
-    start, end = _nearest(near.values, tip.values, length - reach)
+    hub = _hub_radius(path, line, root)
+    start, end = _nearest(near.values, tip.values, length + hub - reach)
     cuts = [line.places[0] - start, *line.places, line.places[-1] + end]
     spans = itertools.pairwise(cuts[1:])
     moving = [_piece(group, line, *span) for group, span in zip(path.groups, spans, strict=True)]
@@ -262,6 +269,7 @@ def planar_chain(path: HingePath, line: HingeLine, far: FarEnd, length: float, w
         _spring(support.hinge) if support.hinge else None,
         tuple(filter(None, assumed)),
         segment,
+        hub,
     )
     return with_wall_hinges(chain, far.spring, length)
 
@@ -355,6 +363,48 @@ def _near_lengths(path: HingePath, line: HingeLine, root: RootSupport | None) ->
     return _by_solids(path.root, line, line.places[0], -1.0, segment)
 
 
+def _hub_radius(path: HingePath, line: HingeLine, root: RootSupport | None) -> float:
+    """Return how much of the first piece is a hub and no beam [m]; 0 if it is made as segments are.
+
+    A hub has much more or less mass for its length than segments, or its matter elsewhere. A body or a solid
+    of it that is made as a segment is a piece of the beam that is rigid with the hub.
+    """
+    segment = _segment(path, line, -1, None)
+    if root is None or root.hinge is None or root.across < math.inf or segment is None:
+        return 0.0
+    length = _pivot(root.hinge, line)
+    if length <= _ALIKE * segment.length:
+        return 0.0
+    found = hub_of(_piece(path.root, line, -length, 0.0), segment.mirrored)
+    beam = _by_matter(path.root, line, 0.0, -1.0, segment) or 0.0
+    return min(found, length - beam) if beam < length * (1 - _ALIKE) else 0.0
+
+
+def behind_sprung_hub(path: HingePath, axis: Floats) -> HingePath | None:
+    """Return a chain of the ground without its first hinge, if a spring holds a hub there and no segment."""
+    if path.root.parent is not None or len(path.groups) < 3:
+        return None
+    line = hinge_line(path, axis)
+    first, second = (
+        _piece(group, line, *span)
+        for group, span in zip(path.groups, itertools.pairwise(line.places[:3]), strict=False)
+    )
+    if not (first.length and second.length and second.mass and hub_of(first, second)):
+        return None
+    return replace(path, root=path.groups[0], groups=path.groups[1:])
+
+
+def hub_of(own: Piece, segment: Piece) -> float:
+    """Return how much of a first piece that turns on a hinge is a hub, by what segments are made of [m]."""
+    length = own.length
+    share = own.mass * segment.length / (length * segment.mass)
+    inside = -_ALIKE * length <= own.centre <= length * (1 + _ALIKE)
+    if 1 / _MOST <= share <= _MOST and inside and own.inertia <= own.mass * length**2 / 2:
+        return 0.0
+    beam = _of_kind(own.mass / segment.mass, length - own.centre, segment.mirrored) or 0.0
+    return length - beam if beam < length * (1 - _ALIKE) else 0.0
+
+
 def _far_lengths(
     path: HingePath, line: HingeLine, far: FarEnd, reach: float, root: RootSupport | None
 ) -> _Lengths:
@@ -410,12 +460,16 @@ def _by_matter(
 
 
 def _length_of_kind(part: Inertial, line: HingeLine, hinge: float, way: float, kind: Piece) -> float | None:
-    share = part.mass / kind.mass
-    slack = _ALIKE * kind.length
     # Other matter, or none, whose centre is nowhere.
-    if not _LEAST < share < _MOST or line.off_line(part.centre) > slack:
+    if line.off_line(part.centre) > _ALIKE * kind.length:
         return None
-    centre = way * (line.place(part.centre) - hinge)
+    return _of_kind(part.mass / kind.mass, way * (line.place(part.centre) - hinge), kind)
+
+
+def _of_kind(share: float, centre: float, kind: Piece) -> float | None:
+    slack = _ALIKE * kind.length
+    if not _LEAST < share < _MOST:
+        return None
     if abs(share - 1) > _ALIKE and abs(centre - kind.centre) <= slack:
         # Another mass at the same place, as lumped masses have at the last hinge or the tip.
         return kind.length
