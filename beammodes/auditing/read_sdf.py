@@ -49,9 +49,16 @@ def read_sdf(root: XmlElement) -> Model:
             own = (ModelJoint(f"free motion of {name}", "free", np.zeros(3), frame.position),)
         inertial, extent = _matter(links[name])
         bodies.append(ModelBody(name, parent, inertial, extent, own).placed(frame))
-    if world is not None and any(world.child_numbers("gravity", 3, "0 0 -9.81")):
+    if world is not None and any(_gravity(world)):
         notes.append("gravity is left out here: with it the chain sags and rings at other frequencies")
     return Model(tuple(bodies), notes=tuple(notes))
+
+
+def _gravity(world: XmlElement) -> list[float]:
+    """Return a world's gravity, which stood in <physics> before SDFormat 1.6."""
+    physics = world.first("physics")
+    place = world if physics is None or world.first("gravity") is not None else physics
+    return place.child_numbers("gravity", 3, "0 0 -9.81")
 
 
 def _is_old(root: XmlElement) -> bool:

@@ -1,4 +1,4 @@
-"""A chain as a file for other programs: MJCF, SDFormat, URDF or CSV."""
+"""A chain as a file for other programs: MJCF, SDFormat, URDF, CSV, or a script."""
 
 from __future__ import annotations
 
@@ -69,8 +69,9 @@ def export_chain(
     A beam runs along x from its firmer end and deflects along z. A rod in space keeps the axes of its section
     at s = 0; each node has three hinges, or a ball joint, and each piece its whole inertia and its place at
     rest, where all angles are zero. A supported far end needs "mjcf", there for small deflections.
-    Tests read files back with MuJoCo (MJCF), Drake (SDFormat, URDF) and Pinocchio (URDF), and find the
-    chain's frequencies to 1e-8. Springs come along in MJCF (which Drake reads without them) and in SDFormat.
+    Tests read files back with MuJoCo (MJCF), Drake (SDFormat, URDF), DART (SDFormat), Pinocchio (URDF),
+    PyBullet and Exudyn, and find the chain's frequencies to 1e-8. Springs come along in all but URDF and what
+    Drake reads of MJCF.
 
     Parameters
     ----------
@@ -81,12 +82,13 @@ def export_chain(
         supports by constraints and tendons. For "sdf" its supports must hold joints along x and y, and loops
         are closed by joints, which not every physics engine takes (Drake does not). For "urdf" it must be a
         tree, supported at one joint.
-        A chain in space is for "mjcf", "sdf" or "urdf".
+        A chain in space is for all but "csv".
     path : str or Path
     format : str, optional
-        "mjcf" for MuJoCo 3 and 4, "sdf" for Gazebo and Drake, "urdf" (with the springs in a YAML file beside
-        it, `.springs.yaml`) or "csv" (see `read_chain_csv`); by default that of the suffix, .xml, .sdf, .urdf
-        or .csv.
+        "mjcf" for MuJoCo 3 and 4, "sdf" for Gazebo, DART and Drake, "urdf" (with the springs in a YAML file
+        beside it, `.springs.yaml`), "pybullet" (a script, which loads a URDF file beside it and sets its
+        springs), "exudyn" (a script) or "csv" (see `read_chain_csv`); by default that of the suffix, .xml,
+        .sdf, .urdf or .csv: for scripts, .py, say which.
     name : str
         Of the model; names of its bodies and joints begin with it.
     fragment : bool
@@ -95,20 +97,20 @@ def export_chain(
         Not for "csv": the same pieces with the springs of bending along y, for hinges about both axes. They
         come in turns, about y first at every other node and about z first between them: in one fixed order a
         chain that bends out of both planes would twist by an angle of first order in 1/N, so by second order
-        only. In "sdf" and "urdf" a nearly massless link stands between the two. Twist is not modelled: a
+        only. In all but "mjcf" a nearly massless link stands between the two. Twist is not modelled: a
         `SpatialChain` has it, and needs no second one.
     damping : Damping, optional
         Of joints and supports; not for "csv". In space in proportion to stiffness only.
     timestep : float [s], optional
-        For "mjcf" and "sdf". By default half the largest stable one (`stable_time_step`, with the engine's
-        way of taking dampers), less where the integrator would shift the first frequency by more than 0.1 %
-        and by more than a tenth of its damping ratio. The file says the limit, and for which case it holds;
-        a "urdf" file, which has no step, says those of PyBullet, Drake and Newton.
+        Not for "urdf" and "csv". By default half the largest stable one (`stable_time_step`, with the
+        engine's way of taking dampers), less where the integrator would shift the first frequency by more
+        than 0.1 % and by more than a tenth of its damping ratio. The file says the limit, and for which case
+        it holds; a "urdf" file, which has no step, says those of PyBullet, Drake and Newton.
     integrator : str
         For "mjcf": "RK4", "Euler", "implicit" or "implicitfast". An "sdf" file's step is that of Drake's
         discrete plants.
     load : Load, optional
-        For "mjcf" and "sdf": the file carries its gravity, x along the beam and y up, and the step holds
+        Not for "urdf" and "csv": the file carries its gravity, x along the beam and y up, and the step holds
         under it and its forces (which the file cannot carry: apply them yourself). Without one the file has
         no gravity, and its step holds without gravity and with 9.81 m/s² in any direction, also for a chain
         that then hangs, which its weight and body stiffen. With one, the head also has the frequencies, and
@@ -123,7 +125,7 @@ def export_chain(
     joints : str or JointLaw
         Of a chain in space: in which order a node's three hinges turn, from s = 0 on, or "ball" where GJ and
         both EI are equal, for "mjcf" (see `equations.joint_laws`). In one order at all nodes a rod that bends
-        and twists is wrong at first order in 1/N. In "sdf" and "urdf" nearly massless links stand between
+        and twists is wrong at first order in 1/N. In all but "mjcf" nearly massless links stand between
         hinges; the file says how light.
     force : bool
         Overwrite files that exist. Without it, one of two exports to the same path at the same time succeeds.
@@ -280,8 +282,13 @@ def _place_and_format(path: object, format: str | None) -> tuple[Path, Format]:
     place = Path(path)
     if format is not None:
         return place, FORMATS[choice("format", format, FORMATS)]
-    kinds = {kind.suffix: kind for kind in FORMATS.values()}
-    return place, kinds[choice("suffix of path, without format,", place.suffix.lower(), kinds)]
+    suffixes = dict.fromkeys(kind.suffix for kind in FORMATS.values())
+    suffix = choice("suffix of path, without format,", place.suffix.lower(), suffixes)
+    kinds = [kind for kind in FORMATS.values() if kind.suffix == suffix]
+    if len(kinds) > 1:
+        names = ", ".join(kind.name for kind in kinds)
+        raise ValueError(f"format must be given for {suffix} files, one of {names}, got {place.name}")
+    return place, kinds[0]
 
 
 def _tree(kind: Format, pieces: int, ends: object, build: Callable[[], Tree]) -> Tree:

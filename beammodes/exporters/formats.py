@@ -8,6 +8,7 @@ follow from it.
   gravity and step. Gazebo's engines take the springs too, by their sources, `bullet-featherstone` since the
   end of 2025; the tests do not run Gazebo.
 - URDF, which has no place for springs: they stand in a YAML file beside it.
+- Python scripts for PyBullet, which loads a URDF beside it and sets the springs, and for Exudyn.
 - CSV, a row for every piece, which `read_chain_csv` reads back without loss.
 """
 
@@ -25,6 +26,7 @@ import numpy as np
 from beammodes.chains.chain import Chain
 from beammodes.chains.spatial_chain import SpatialChain
 from beammodes.exporters.chain_csv import csv_lines
+from beammodes.exporters.engine_scripts import exudyn_script, pybullet_script
 from beammodes.exporters.export_facts import one_line
 from beammodes.exporters.model_tree import (
     IDENTITY,
@@ -43,6 +45,7 @@ from beammodes.numerics.rotations import quaternion
 __all__ = [
     "FORMATS",
     "MAX_NESTED",
+    "SDF_HEAD",
     "XML_HEAD",
     "Format",
     "Model",
@@ -345,6 +348,9 @@ def mjcf_ties(ties: Sequence[Tie], timestep: float) -> Iterator[str]:
 
 
 XML_HEAD = '<?xml version="1.0" encoding="utf-8"?>'
+#: The first version with springs of joints. DART's own reader takes none after 1.6, and finds gravity only
+#: where 1.5 has it, in <physics>; Gazebo's and Drake's bring older files up to date.
+SDF_HEAD = '<sdf version="1.5">'
 _KINDS = {"hinge": "revolute", "slide": "prismatic"}
 
 
@@ -387,15 +393,15 @@ def _sdf(model: Model) -> Sequence[Iterable[str]]:
     if not model.fragment:
         inner = [
             f'<world name="{model.name}_world">',
-            f" <gravity>{_n(*gravity)}</gravity>",
             ' <physics name="fixed_step" default="true" type="ode">',
             f"  <max_step_size>{model.timestep!r}</max_step_size>",
             "  <real_time_factor>1</real_time_factor>",
+            f"  <gravity>{_n(*gravity)}</gravity>",
             " </physics>",
             *(f" {line}" for line in inner),
             "</world>",
         ]
-    head = [XML_HEAD, *_comment(model, *notes), '<sdf version="1.7">']
+    head = [XML_HEAD, *_comment(model, *notes), SDF_HEAD]
     return (["\n".join([*head, *(f" {line}" for line in inner), "</sdf>", ""])],)
 
 
@@ -454,11 +460,14 @@ def _urdf(model: Model) -> Sequence[Iterable[str]]:
     notes = (
         f"URDF knows no springs: without those in {one_line(model.paths[1].name)} this is a loose chain",
         "gravity is not part of a URDF file: with it the beam sags and rings at other frequencies",
-        "PyBullet: set each spring's torque before every step, force=0 for the motor that a joint has by",
-        "default, and linearDamping=0, angularDamping=0, which are 0.04 by default",
-        *_carriers(model.tree),
+        'for PyBullet, the format "pybullet" writes a script beside it that sets them',
     )
-    lines = [XML_HEAD, *_comment(model, *notes), f'<robot name="{model.name}">']
+    return [_urdf_text(model, *notes)], ["\n".join([*_springs_yaml(model), ""])]
+
+
+def _urdf_text(model: Model, *notes: str) -> str:
+    carriers = _carriers(model.tree)
+    lines = [XML_HEAD, *_comment(model, *notes, *carriers), f'<robot name="{model.name}">']
     if not any(joint.kind == "free" for body in model.tree.bodies for joint in body.joints):
         lines.append(' <link name="world"/>')
     thickness = _thickness(model.tree)
@@ -480,7 +489,7 @@ def _urdf(model: Model) -> Sequence[Iterable[str]]:
                 f"  <limit {_URDF_LIMITS[link.joint.kind]}/>",
             ]
         lines.append(" </joint>")
-    return ["\n".join([*lines, "</robot>", ""])], ["\n".join([*_springs_yaml(model), ""])]
+    return "\n".join([*lines, "</robot>", ""])
 
 
 def _urdf_link(body: Body, thickness: float) -> Iterator[str]:
@@ -521,6 +530,40 @@ def yaml_number(value: float) -> str:
     """
     text = repr(float(value))
     return text if "." in text else text.replace("e", ".0e")
+
+
+@_format(
+    "pybullet",
+    ".py",
+    ("second", "damping", "timestep", "load"),
+    engine="PyBullet",
+    beside=".urdf",
+    most_bodies=_MAX_LINKS,
+)
+def _pybullet(model: Model) -> Sequence[Iterable[str]]:
+    script, urdf = (path.name for path in model.paths)
+    notes = f"for {one_line(script)}, which sets its springs: URDF knows none", *_weight(model)
+    facts = *model.facts, *_weight(model)
+    text = pybullet_script(model.name, facts, model.tree, model.timestep, model.gravity, urdf)
+    return [text], [_urdf_text(model, *notes)]
+
+
+@_format(
+    "exudyn",
+    ".py",
+    ("second", "damping", "timestep", "load"),
+    engine="Exudyn RK44",
+    most_bodies=_MAX_LINKS,
+)
+def _exudyn(model: Model) -> Sequence[Iterable[str]]:
+    facts = *model.facts, *_weight(model)
+    return ([exudyn_script(model.name, facts, model.tree, model.timestep, model.gravity)],)
+
+
+def _weight(model: Model) -> Iterator[str]:
+    """Yield what the head says on gravity."""
+    on = any(model.gravity)
+    yield f"gravity is {'on: the' if on else 'off: with it the'} beam sags and rings at other frequencies"
 
 
 @_format("csv", ".csv")
