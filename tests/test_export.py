@@ -78,7 +78,7 @@ def test_the_head_says_what_it_is(suffix: str, tmp_path: Path) -> None:
         assert not re.search(r"\b20\d\d-\d\d\b", text)  # no date: equal chains make equal files
 
 
-@pytest.mark.parametrize("suffix", [".xml", ".sdf", ".urdf"])
+@pytest.mark.parametrize("suffix", [".xml", ".sdf", ".urdf", ".usda"])
 def test_twist_is_said_to_be_left_out(suffix: str, tmp_path: Path) -> None:
     assert "twist" in export_chain(CHAIN, tmp_path / f"beam{suffix}")[0].read_text(encoding="utf-8")
 

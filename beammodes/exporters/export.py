@@ -1,4 +1,4 @@
-"""A chain as a file for other programs: MJCF, SDFormat, URDF, CSV, or a script."""
+"""A chain as a file for other programs: MJCF, SDFormat, URDF, USD, CSV, or a script."""
 
 from __future__ import annotations
 
@@ -70,8 +70,8 @@ def export_chain(
     at s = 0; each node has three hinges, or a ball joint, and each piece its whole inertia and its place at
     rest, where all angles are zero. A supported far end needs "mjcf", there for small deflections.
     Tests read files back with MuJoCo (MJCF), Drake (SDFormat, URDF), DART (SDFormat), Pinocchio (URDF),
-    PyBullet and Exudyn, and find the chain's frequencies to 1e-8. Springs come along in all but URDF and what
-    Drake reads of MJCF.
+    PyBullet and Exudyn, and find the chain's frequencies to 1e-8; with OpenUSD to 1e-6, whose numbers are of
+    single precision. Springs come along in all but URDF and what Drake reads of MJCF.
 
     Parameters
     ----------
@@ -86,9 +86,10 @@ def export_chain(
     path : str or Path
     format : str, optional
         "mjcf" for MuJoCo 3 and 4, "sdf" for Gazebo, DART and Drake, "urdf" (with the springs in a YAML file
-        beside it, `.springs.yaml`), "pybullet" (a script, which loads a URDF file beside it and sets its
-        springs), "exudyn" (a script) or "csv" (see `read_chain_csv`); by default that of the suffix, .xml,
-        .sdf, .urdf or .csv: for scripts, .py, say which.
+        beside it, `.springs.yaml`), "usd" for Newton and Isaac Lab (an articulation in the UsdPhysics schema,
+        each spring a drive of its joint), "pybullet" (a script, which loads a URDF file beside it and sets
+        its springs), "exudyn" (a script) or "csv" (see `read_chain_csv`); by default that of the suffix,
+        .xml, .sdf, .urdf, .usda or .csv: for scripts, .py, say which.
     name : str
         Of the model; names of its bodies and joints begin with it.
     fragment : bool
@@ -102,10 +103,11 @@ def export_chain(
     damping : Damping, optional
         Of joints and supports; not for "csv". In space in proportion to stiffness only.
     timestep : float [s], optional
-        Not for "urdf" and "csv". By default half the largest stable one (`stable_time_step`, with the
+        Not for "urdf", "usd" and "csv". By default half the largest stable one (`stable_time_step`, with the
         engine's way of taking dampers), less where the integrator would shift the first frequency by more
         than 0.1 % and by more than a tenth of its damping ratio. The file says the limit, and for which case
-        it holds; a "urdf" file, which has no step, says those of PyBullet, Drake and Newton.
+        it holds; a "urdf" file, which has no step, says those of PyBullet, Drake and Newton, a "usd" file
+        Newton's.
     integrator : str
         For "mjcf": "RK4", "Euler", "implicit" or "implicitfast". An "sdf" file's step is that of Drake's
         discrete plants.
@@ -162,8 +164,7 @@ def export_chain(
     flag("fragment", fragment), flag("force", force)
     if not isinstance(integrator, str):
         raise TypeError(f"integrator must be one of {', '.join(MUJOCO_INTEGRATORS)}, got {shown(integrator)}")
-    if units is not None:
-        choice("units", units, UNIT_SYSTEMS)
+    system = UNIT_SYSTEMS["SI" if units is None else choice("units", units, UNIT_SYSTEMS)]
     given: dict[str, object] = {"fragment": fragment or None, "second": second, "damping": damping}
     given |= {
         "timestep": timestep,
@@ -212,7 +213,7 @@ def export_chain(
             step, lines = engine_step_in_space(first, engine, tree, damping, timestep, dead, units)
             facts += lines
         for other in kind.said:
-            facts += engine_step_in_space(0.0, other, tree, damping, units=units)[1][:1]
+            facts += _limits(engine_step_in_space(0.0, other, tree, damping, None, dead, units)[1], facts)
         gravity = dead.gravity if dead is not None else (0.0, 0.0, 0.0)
     else:
         plain = load if isinstance(load, Load) else None
@@ -232,10 +233,16 @@ def export_chain(
             step, lines = engine_step(chains, engine, tree, damping, timestep, plain, units, pull)
             facts += lines
         for other in kind.said:
-            facts += engine_step(chains, other, tree, damping, units=units)[1][:1]
+            facts += _limits(engine_step(chains, other, tree, damping, None, plain, units)[1], facts)
         gravity = _gravity(plain, tree.turned)
-    model = Model(chain, tree, tuple(facts), name, paths, fragment, step, integrator, gravity)
+    model = Model(chain, tree, tuple(facts), name, paths, fragment, step, integrator, gravity, system)
     return _write(paths, force, *kind.write(model))
+
+
+def _limits(lines: list[str], said: list[str]) -> list[str]:
+    """Return what a file without a step of its own says of steps and loads, and has not said yet."""
+    wanted = ("largest stable", "this file holds gravity only")
+    return [line for line in lines if line.startswith(wanted) and line not in said]
 
 
 def _structure(chain: StructureChain, kind: Format, name: str, given: dict[str, Any]) -> list[tuple[str]]:

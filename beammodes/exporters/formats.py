@@ -9,6 +9,7 @@ follow from it.
   end of 2025; the tests do not run Gazebo.
 - URDF, which has no place for springs: they stand in a YAML file beside it.
 - Python scripts for PyBullet, which loads a URDF beside it and sets the springs, and for Exudyn.
+- USD, for Newton and Isaac Lab, with springs as drives of joints.
 - CSV, a row for every piece, which `read_chain_csv` reads back without loss.
 """
 
@@ -38,7 +39,10 @@ from beammodes.exporters.model_tree import (
     Tree,
     Vector,
     links,
+    principal_moments,
 )
+from beammodes.exporters.unit_systems import UnitSystem
+from beammodes.exporters.usd_text import usd_lines
 from beammodes.numerics.arrays import Floats
 from beammodes.numerics.rotations import quaternion
 
@@ -75,6 +79,8 @@ class Model:
     integrator : str
         As MuJoCo calls it.
     gravity : triple [m/s²]
+    units : UnitSystem
+        What the numbers are in, or are taken to be in.
     """
 
     chain: Chain | SpatialChain
@@ -86,6 +92,7 @@ class Model:
     timestep: float
     integrator: str
     gravity: Vector
+    units: UnitSystem
 
 
 #: Return the text of each file, in parts.
@@ -165,9 +172,12 @@ def _n(*values: float) -> str:
     return " ".join(repr(float(value)) for value in values)
 
 
+def _head(model: Model, *notes: str) -> tuple[str, ...]:
+    return (f"{model.name}: a flexible beam", *model.facts, *model.tree.notes, *notes)
+
+
 def _comment(model: Model, *notes: str) -> list[str]:
-    lines = (f"{model.name}: a flexible beam", *model.facts, *model.tree.notes, *notes)
-    return ["<!--", *(f"  {line}" for line in lines), "-->"]
+    return ["<!--", *(f"  {line}" for line in _head(model, *notes)), "-->"]
 
 
 def _carriers(tree: Tree) -> Iterator[str]:
@@ -180,7 +190,7 @@ def _carriers(tree: Tree) -> Iterator[str]:
 def _check_bodies(model: Model) -> None:
     """Refuse bodies that MuJoCo, Drake and Gazebo refuse: no matter has such moments of inertia."""
     for body in model.tree.bodies:
-        moments = _principal(body)[0]
+        moments = principal_moments(body)[0]
         if sum(moments) < 2 * max(moments) * (1 - 1e-12):
             raise ValueError(
                 "chain must have pieces whose inertias a body can have, each moment at most the sum of the "
@@ -206,7 +216,9 @@ def _thickness(tree: Tree) -> float:
 )
 def _mjcf(model: Model) -> Sequence[Iterable[str]]:
     tree = model.tree
-    least = min((value for body in tree.bodies for value in (body.mass, *_principal(body)[0])), default=1.0)
+    least = min(
+        (value for body in tree.bodies for value in (body.mass, *principal_moments(body)[0])), default=1.0
+    )
     if least <= _LEAST:
         raise ValueError(
             f"chain must be in units in which masses and inertias are above 1e-15, the least that MuJoCo "
@@ -272,7 +284,7 @@ def _mjcf_bodies(tree: Tree, depth: int, name: str) -> list[str]:
     for i, body in enumerate(tree.bodies):
         pad = " " * (depth + i)
         lines.append(f'{pad}<body name="{body.name}" pos="{_n(*body.position)}"{_quat(body.rotation)}>')
-        moments, axes = _principal(body)
+        moments, axes = principal_moments(body)
         mass = f'pos="{_n(*body.centre)}" mass="{_n(body.mass)}" diaginertia="{_n(*moments)}"{_quat(axes)}'
         lines.append(f"{pad} <inertial {mass}/>")
         for joint in body.joints:
@@ -286,18 +298,6 @@ def _mjcf_bodies(tree: Tree, depth: int, name: str) -> list[str]:
         if tree.anchor is not None and i + 1 == len(tree.bodies):
             lines.append(f'{pad} <site name="{name}_tip" pos="{_n(*body.tip)}"/>')
     return lines + [f"{' ' * (depth + i)}</body>" for i in reversed(range(len(tree.bodies)))]
-
-
-def _principal(body: Body) -> tuple[Vector, Rows]:
-    """Return a body's principal moments of inertia and their axes, as columns."""
-    (xx, xy, xz), (_, yy, yz), (_, _, zz) = body.inertia
-    if not (xy or xz or yz):
-        return (xx, yy, zz), IDENTITY
-    moments, axes = np.linalg.eigh(np.array(body.inertia))
-    axes[:, 0] *= np.sign(np.linalg.det(axes))
-    x, y, z = moments.tolist()
-    one, two, three = map(tuple, axes.tolist())
-    return (x, y, z), (one, two, three)
 
 
 def _quat(rotation: Rows) -> str:
@@ -564,6 +564,25 @@ def _weight(model: Model) -> Iterator[str]:
     """Yield what the head says on gravity."""
     on = any(model.gravity)
     yield f"gravity is {'on: the' if on else 'off: with it the'} beam sags and rings at other frequencies"
+
+
+@_format(
+    "usd",
+    ".usda",
+    ("second", "damping", "load"),
+    said=("Newton MuJoCo", "Newton Featherstone"),
+    most_bodies=_MAX_LINKS,
+)
+def _usd(model: Model) -> Sequence[Iterable[str]]:
+    notes = (
+        "springs and dampers are drives to zero, of hinges per degree: the schema's unit",
+        f"gravity is {'on' if any(model.gravity) else 'off'} in the scene, which a reference to the file",
+        "leaves out; with it the beam sags and rings at other frequencies than without load",
+        *_carriers(model.tree),
+    )
+    _check_bodies(model)
+    lines = usd_lines(model.tree, model.name, _head(model, *notes), model.gravity, model.units)
+    return (["\n".join([*lines, ""])],)
 
 
 @_format("csv", ".csv")
