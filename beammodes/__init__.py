@@ -88,7 +88,9 @@ _NAMES = {
     "accuracy.uncertainty": "Tolerance frequency_spread segments_within_spread",
     "auditing.audit": "Audit audit_chain",
     "auditing.audit_model": "audit_file",
+    "auditing.axial_audit": "AxialAudit",
     "auditing.mended_files": "MendedFile mend_file",
+    "auditing.space_audit": "SpatialAudit",
     "batch.cases": "Case",
     "batch.study": "Study open_study",
     "chains.axial_chain": "AxialChain",
@@ -194,8 +196,10 @@ if TYPE_CHECKING:
     from beammodes.auditing.audit import Audit as Audit
     from beammodes.auditing.audit import audit_chain as audit_chain
     from beammodes.auditing.audit_model import audit_file as audit_file
+    from beammodes.auditing.axial_audit import AxialAudit as AxialAudit
     from beammodes.auditing.mended_files import MendedFile as MendedFile
     from beammodes.auditing.mended_files import mend_file as mend_file
+    from beammodes.auditing.space_audit import SpatialAudit as SpatialAudit
     from beammodes.batch.cases import Case as Case
     from beammodes.batch.study import Study as Study
     from beammodes.batch.study import open_study as open_study

@@ -706,6 +706,7 @@ CALLS: dict[str, Arguments] = {
 #: Made by the library and not by callers; their contents are tested where they are made.
 ANSWERS = {
     "Audit",
+    "AxialAudit",
     "AxialModes",
     "BeamModes",
     "BentModel",
@@ -721,6 +722,7 @@ ANSWERS = {
     "Modes",
     "RodModes",
     "SpatialEquilibrium",
+    "SpatialAudit",
     "SpatialModes",
     "SpectralBeamModes",
     "StructureChainModes",

@@ -40,7 +40,7 @@ from beammodes.vibration.modes import solve_modes
 from beammodes.vibration.modes_in_space import spatial_modes
 from beammodes.vibration.stability import highest_angular_frequency
 
-__all__ = ["ROD_MOTIONS", "JudgedMotion", "judged_beam", "judged_rod"]
+__all__ = ["ROD_MOTIONS", "JudgedMotion", "StraightRod", "judged_beam", "judged_rod"]
 
 #: A rod's motions, by the axis about which its section turns: x, y, z.
 ROD_MOTIONS = ("twist", "second_bending", "bending")
@@ -113,7 +113,7 @@ class _OfBeam(JudgedMotion):
     exact: Floats
     theory_error: float
     called: str
-    rod: _Straight | None = None
+    rod: StraightRod | None = None
 
     @property
     def name(self) -> str:
@@ -249,7 +249,7 @@ def judged_rod(rod: Rod, ends: RodEnds, modes: int | Mapping[str, int]) -> list[
     """
     if not isinstance(rod, Rod):
         raise TypeError(f"beam must be a Beam or a Rod, got {shown(rod)}")
-    straight = _Straight(rod, ends)
+    straight = StraightRod(rod, ends)
     if isinstance(modes, Mapping):
         wanted = {
             choice("motion in modes", name, ROD_MOTIONS): whole_number(
@@ -288,7 +288,7 @@ def _whole(rod: Rod, ends: RodEnds, count: int) -> JudgedMotion:
 
 
 @dataclass(frozen=True, eq=False)
-class _Straight:
+class StraightRod:
     """A rod as three beams, each of one motion, where it is so."""
 
     rod: Rod

@@ -13,13 +13,16 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Literal, overload
 
 import numpy as np
 
 from beammodes.auditing.audit import Audit, StepVerdict, audit_chain, listed_errors
+from beammodes.auditing.axial_audit import AxialAudit
 from beammodes.auditing.body_tree import FileStep, Model
 from beammodes.auditing.bounded_xml import BadModel, read_xml
 from beammodes.auditing.judged_pieces import UNKNOWN, longest_step
@@ -49,13 +52,18 @@ from beammodes.auditing.serial_chains import (
     with_inner_motors_held,
     without_stretch,
 )
+from beammodes.auditing.space_audit import SpatialAudit, audit_along, audit_in_space
 from beammodes.chains.chain import Chain
-from beammodes.checks import choice, shown, small_fraction
+from beammodes.checks import choice, instead, shown, small_fraction
 from beammodes.exporters.chain_csv import read_chain_csv
 from beammodes.numerics.arrays import Floats
+from beammodes.problem.axial_ends import AxialBoundary, AxialBoundaryLike
 from beammodes.problem.beam import Beam
 from beammodes.problem.ends import Boundary, BoundaryLike
 from beammodes.problem.loading import Load
+from beammodes.problem.motions import MOTIONS
+from beammodes.problem.rod import Rod
+from beammodes.problem.rod_ends import RodBoundaryLike, RodEnds
 
 __all__ = ["audit_file"]
 
@@ -89,6 +97,7 @@ class _Read:
     distance: float = 0.0
 
 
+@overload
 def audit_file(
     path: str | os.PathLike[str],
     beam: Beam,
@@ -99,7 +108,52 @@ def audit_file(
     chain: str | None = None,
     plane: str | None = None,
     springs: str | os.PathLike[str] | None = None,
-) -> Audit:
+    motion: Literal["bending"] = "bending",
+) -> Audit: ...
+
+
+@overload
+def audit_file(
+    path: str | os.PathLike[str],
+    beam: Beam,
+    boundary: AxialBoundaryLike | None = None,
+    *,
+    modes: int = 3,
+    tolerance: float = 0.01,
+    chain: str | None = None,
+    plane: None = None,
+    springs: str | os.PathLike[str] | None = None,
+    motion: Literal["twist", "stretch"],
+) -> AxialAudit: ...
+
+
+@overload
+def audit_file(
+    path: str | os.PathLike[str],
+    beam: Rod | Beam,
+    boundary: RodBoundaryLike | None = None,
+    *,
+    modes: int = 3,
+    tolerance: float = 0.01,
+    chain: str | None = None,
+    plane: str | None = None,
+    springs: str | os.PathLike[str] | None = None,
+    motion: Literal["space"],
+) -> SpatialAudit: ...
+
+
+def audit_file(
+    path: str | os.PathLike[str],
+    beam: Beam | Rod,
+    boundary: BoundaryLike | AxialBoundaryLike | RodBoundaryLike | None = None,
+    *,
+    modes: int = 3,
+    tolerance: float = 0.01,
+    chain: str | None = None,
+    plane: str | None = None,
+    springs: str | os.PathLike[str] | None = None,
+    motion: str = "bending",
+) -> Audit | AxialAudit | SpatialAudit:
     """Judge the chain in a model file: MJCF, URDF, SDFormat, or CSV as `export_chain` writes it.
 
     A chain is a row of bodies on one straight line, each on a hinge with a spring, all hinges parallel (or
@@ -113,26 +167,32 @@ def audit_file(
     Parameters
     ----------
     path : str or Path
-    beam : Beam
-        The uniform beam that the chain stands for.
+    beam : Beam or Rod
+        The uniform beam that the chain stands for. For motion "space" a `Rod`, or a `Beam` with its
+        torsional_stiffness, and with polar_inertia_per_length where twist is to be judged.
     boundary : str, pair or Boundary, optional
-        Its ends. By default those of the file: held where the ground carries the chain, pinned on a hinge
-        without a spring, free at the tip unless fixed tendons support it, with a body where an outer piece is
-        heavier than its neighbours. Your word counts for what a file cannot say: that a motor holds its
-        joint, such as an elbow between two flexible links, or that a body which moves is held.
+        Its ends; of twist and stretch such as "fixed-free", in space also `RodEnds`. By default those of the
+        file: held where the ground carries the chain, pinned on a hinge without a spring, free at the tip
+        unless fixed tendons support it, with a body where an outer piece is heavier than its neighbours. Your
+        word counts for what a file cannot say: that a motor holds its joint, such as an elbow between two
+        flexible links, or that a body which moves is held.
     modes, tolerance
         As `audit_chain` takes them.
     chain : str, optional
         Name of a body of the chain to judge; the longest one by default.
     plane : str, optional
         Where hinges bend the chain about two axes, the axis along which it deflects at rest, "x", "y" or "z";
-        by default the one whose springs are nearer to the beam's.
+        by default the one whose springs are nearer to the beam's. In space, the axis along which the rod's
+        `bending_stiffness` lets it deflect.
     springs : str or Path, optional
         The file with the springs of a URDF file; by default `.springs.yaml` beside it.
+    motion : str
+        "bending", in one plane; "twist", of hinges or balls about the chain's line; "stretch", of slides
+        along it; "space", all that the chain does, each motion told apart.
 
     Returns
     -------
-    Audit
+    Audit, AxialAudit in twist and stretch, or SpatialAudit in space
 
     Raises
     ------
@@ -155,27 +215,92 @@ def audit_file(
     """
     if not isinstance(path, str | os.PathLike):
         raise TypeError(f"path must be a string or a Path, got {shown(path)}")
-    if not isinstance(beam, Beam):
-        raise TypeError(f"beam must be a Beam, got {shown(beam)}")
+    kind = choice("motion", motion, (*MOTIONS, "space"))
+    if not isinstance(beam, Beam) and not (kind == "space" and isinstance(beam, Rod)):
+        hint = instead(beam, Rod='a Rod is judged with motion="space"') if kind != "space" else ""
+        raise TypeError(f"beam must be a {'Rod or a ' * (kind == 'space')}Beam, got {shown(beam)}{hint}")
     small_fraction("tolerance", tolerance)
-    pair = None if boundary is None else Boundary.of(boundary)
+    place, file = Path(path), None if springs is None else Path(springs)
+    if kind != "bending":
+        return _in_motion(place, beam, boundary, kind, chain, plane, file, modes, tolerance)
+    assert isinstance(beam, Beam)
+    pair = None if boundary is None else Boundary.of(boundary)  # type: ignore[arg-type]
     asked = _Request(beam, pair, chain, plane)
-    place = Path(path)
+    with _told_of(place):
+        return _judged(asked, _read(place, asked, file), modes, tolerance)
+
+
+@contextmanager
+def _told_of(place: Path) -> Iterator[None]:
+    """Say of which file a refusal is, and that numbers beyond floats are refused."""
     try:
-        read = _read(place, asked, None if springs is None else Path(springs))
-        if asked.boundary is None:
-            return _as_the_file_says(beam, read, modes, tolerance)
-        chains = _fitting(read.chains, asked.boundary)
-        audits = [(_audited(beam, read, each, modes, tolerance), each.unevenness) for each in chains]
+        yield
     except BadModel as error:
         raise BadModel(f"{place}: {error}") from None
     except _OUT_OF_RANGE as error:
         raise BadModel(f"{place}: numbers are too large, too small or too far apart: {error}") from None
-    # What was taken out of the wrong end leaves a spring of no rule there, or a piece of another mass.
-    return min(audits, key=lambda pair: (pair[0].layout == UNKNOWN, pair[1]))[0]
+
+
+def _in_motion(
+    place: Path,
+    beam: Beam | Rod,
+    boundary: object,
+    motion: str,
+    chain: str | None,
+    plane: str | None,
+    springs: Path | None,
+    modes: int,
+    tolerance: float,
+) -> AxialAudit | SpatialAudit:
+    """Judge a file in twist, stretch or space."""
+    if place.suffix.lower() == ".csv":
+        raise ValueError(
+            f"motion must be bending for a CSV file, which has a chain of one plane, got {motion}"
+        )
+    along: AxialBoundary | None = None
+    ends: RodEnds | None = None
+    judge = beam
+    if motion == "space":
+        judge = beam if isinstance(beam, Rod) else Rod.from_beam(beam)
+        ends = None if boundary is None else RodEnds.of(boundary)  # type: ignore[arg-type]
+    else:
+        if plane is not None:
+            raise ValueError(f"plane must be left out for motion {motion}, got {shown(plane)}")
+        MOTIONS[motion].numbers(beam)  # type: ignore[arg-type]
+        along = None if boundary is None else AxialBoundary.of(boundary, motion)  # type: ignore[arg-type]
+
+    def in_plane(model: Model, beam: Beam, boundary: Boundary | None, chain: str) -> Audit:
+        asked = _Request(beam, boundary, chain, None)
+        return _judged(asked, _of_model(model, asked), modes, tolerance)
+
+    with _told_of(place), np.errstate(divide="raise", invalid="raise"):
+        model = _model(place, springs)
+        if isinstance(judge, Beam):
+            return audit_along(model, judge, along, motion, chain=chain, modes=modes, tolerance=tolerance)
+        return audit_in_space(
+            model,
+            judge,
+            ends,
+            chain=chain,
+            plane=plane,
+            modes=modes,
+            tolerance=tolerance,
+            in_plane=in_plane,
+        )
 
 
 # From readings to audits.
+
+
+def _judged(asked: _Request, read: _Read, modes: int, tolerance: float) -> Audit:
+    """Return the audit of a chain in one plane as it was read."""
+    beam = asked.beam
+    if asked.boundary is None:
+        return _as_the_file_says(beam, read, modes, tolerance)
+    chains = _fitting(read.chains, asked.boundary)
+    audits = [(_audited(beam, read, each, modes, tolerance), each.unevenness) for each in chains]
+    # What was taken out of the wrong end leaves a spring of no rule there, or a piece of another mass.
+    return min(audits, key=lambda pair: (pair[0].layout == UNKNOWN, pair[1]))[0]
 
 
 def _as_the_file_says(beam: Beam, read: _Read, modes: int, tolerance: float) -> Audit:
@@ -411,7 +536,10 @@ def _of_path(model: Model, path: HingePath, asked: _Request) -> _Read:
     if len(planes) > 1:
         said.append(f"deflection along {label}; there are hinges for {', '.join(planes)}")
     balls = [group.name for group in path.groups if any(joint.kind == "ball" for joint in group.joints)]
-    twist = ["balls let the chain twist too, which bending does not move: twist may need a shorter step"]
+    twist = [
+        "balls let the chain twist too, which bending does not move: twist may need a shorter step; "
+        'motion="space" judges all that the chain does'
+    ]
     damped = [tie.name for tie in model.ties if tie.damping and names & dict(tie.terms).keys()]
     undamped = [f"the damping of tendon {name} is left out" for name in damped]
     along = float(model.gravity @ line.along)

@@ -21,6 +21,7 @@ __all__ = [
     "HingePath",
     "RootSupport",
     "about_one_axis",
+    "axes_across",
     "check_carrier",
     "chosen_path",
     "hinge_line",
@@ -53,6 +54,34 @@ def _parallel(one: Floats, other: Floats) -> bool:
 
 def _square(one: Floats, other: Floats) -> bool:
     return bool(abs(one @ other) <= _PARALLEL)
+
+
+def axes_across(along: Floats, springs: Floats | None, matter: Sequence[Inertial]) -> tuple[Floats, Floats]:
+    """Return two axes across a line about which balls bend each by itself.
+
+    They are the principal ones of the balls' springs, if these are not alike about all axes, else of the
+    matter; and the world's nearest, where any are as good.
+
+    Examples
+    --------
+    >>> one, two = axes_across(np.array([1.0, 0, 0]), None, [])
+    >>> one.tolist(), two.tolist()
+    ([0.0, 1.0, 0.0], [0.0, 0.0, 1.0])
+    """
+    least = np.eye(3)[int(np.argmin(np.abs(along).round(9)))]
+    one = least - (least @ along) * along
+    one = one / np.linalg.norm(one)
+    across = np.column_stack([one, np.cross(along, one)])
+    told = [] if springs is None else [springs]
+    for square in [*told, *(part.inertia for part in matter)]:
+        plane = across.T @ square @ across
+        unlike = max(abs(plane[0, 1]), abs(plane[0, 0] - plane[1, 1])) > _PARALLEL * abs(np.trace(plane))
+        if unlike and abs(plane[0, 1]) > _PARALLEL * abs(np.trace(plane)):
+            one = across @ np.linalg.eigh(plane)[1][:, 0]
+            return one, np.cross(along, one)
+        if unlike:
+            break
+    return across[:, 0], across[:, 1]
 
 
 @dataclass(frozen=True, eq=False)
@@ -94,17 +123,8 @@ class HingePath:
         if not size:
             return []
         along = along / size
-        least = np.eye(3)[int(np.argmin(np.abs(along).round(9)))]
-        one = least - (least @ along) * along
-        one = one / np.linalg.norm(one)
-        across = np.column_stack([one, np.cross(along, one)])
         springs = self.groups[0].joints[0].springs
-        if springs is not None and not all(
-            self.groups[0].joints[0].stiffness_about(axis) for axis in across.T
-        ):
-            # A ball that is not alike about all axes bends by itself about its principal ones.
-            across = across @ np.linalg.eigh(across.T @ springs @ across)[1]
-        return list(across.T)
+        return list(axes_across(along, springs, [group.inertial for group in self.groups]))
 
     def hinges(self, axis: Floats) -> list[ModelJoint]:
         """Return the hinges about an axis that `axes` gives."""
@@ -127,11 +147,11 @@ def hinge_paths(model: Model) -> list[HingePath]:
             row.append(after)
         found.append(HingePath(before, tuple(row), model.in_space))
     if not found:
-        raise BadModel(_why_no_chain(model))
+        raise BadModel(why_no_chain(model))
     return sorted(found, key=lambda path: -len(path.groups))
 
 
-def _why_no_chain(model: Model) -> str:
+def why_no_chain(model: Model) -> str:
     sprung = [body for body in model.bodies if any(joint.is_sprung for joint in body.joints)]
     odd = [body.refusal for body in model.bodies if body.refusal]
     odd += [joint.refusal for body in model.bodies for joint in body.joints if joint.refusal]
@@ -375,7 +395,7 @@ def lone_segment(group: Group, line: HingeLine) -> tuple[float, Inertial] | None
     return length, own
 
 
-def _moves_alone(root: Group) -> bool:
+def moves_alone(root: Group) -> bool:
     """Return True if what carries the chain moves on the ground, and nothing else moves on it.
 
     What is part of a larger mechanism is judged as if it were held, and the audit says so.
@@ -398,7 +418,7 @@ def check_carrier(path: HingePath, line: HingeLine) -> None:
     while group is not None:
         row.append(group)
         group = group.parent
-    if any(j.kind == "free" for each in row for j in each.joints) and not _moves_alone(root):
+    if any(j.kind == "free" for each in row for j in each.joints) and not moves_alone(root):
         raise BadModel(
             f"body {root.name}, {carrier} is free in space and moves with all that it carries: {ask}, such "
             "as clamped-free if the body is held"
@@ -446,7 +466,7 @@ def root_support(path: HingePath, line: HingeLine) -> RootSupport | None:
     A hinge without a spring on a larger mechanism is the chain's own pinned end, if the piece that it turns
     is a segment like the next. Joints oblique to the chain, or that move it across by a lever, are refused.
     """
-    if not _moves_alone(path.root):
+    if not moves_alone(path.root):
         return _own_pinned_end(path, line)
     found = RootSupport()
     for joint in path.root.joints:

@@ -5,9 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-import numpy as np
-
-from beammodes.checks import Shown, real, shown, unwrapped
+from beammodes.checks import Shown, real, shown
 
 __all__ = ["SpatialLoad"]
 
@@ -62,8 +60,7 @@ class SpatialLoad(Shown):
 
 
 def _three(name: str, given: object) -> Three:
-    plain = unwrapped(name, given)
-    values = plain.tolist() if isinstance(plain, np.ndarray) else plain
+    values = given.tolist() if hasattr(given, "tolist") else given
     if not isinstance(values, list | tuple) or len(values) != 3:
         raise TypeError(f"{name} must be three numbers, along x, y and z, got {shown(given)}")
     x, y, z = (real(name, value) + 0.0 for value in values)
