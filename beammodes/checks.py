@@ -5,6 +5,8 @@ from __future__ import annotations
 import difflib
 import math
 import numbers
+import operator
+import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping, Set, Sized
 from dataclasses import MISSING, Field, fields
 from itertools import islice
@@ -25,6 +27,7 @@ __all__ = [
     "distinct",
     "flag",
     "is_text",
+    "kind_given",
     "not_negative",
     "percent",
     "plain_array",
@@ -35,6 +38,7 @@ __all__ = [
     "shown",
     "small_fraction",
     "together",
+    "unwrapped",
     "whole_number",
     "whole_numbers",
 ]
@@ -197,16 +201,90 @@ class Catalogue(Shown, Mapping[str, _V]):
         return f"<{len(self)} {self.what}: {', '.join(self)}>"
 
 
-def real(name: str, value: object) -> float:
-    """Return `value` as a finite float.
+def unwrapped(name: str, value: Any, unit: str | None = None) -> Any:
+    """Return quantities as plain numbers in SI, an array without axes as its number, all else as it is.
+
+    Parameters
+    ----------
+    name : str
+        Of the argument, whose unit `beammodes.problem.dimensions` knows.
+    value : object
+    unit : str, optional
+        Where the argument's name alone does not say it; "any" takes every kind.
 
     Raises
     ------
     TypeError
-        If `value` is not a real number (a bool or a string is not).
+        If a quantity is of another kind than the argument.
+
+    Examples
+    --------
+    >>> unwrapped("length", np.array(1.2)), unwrapped("length", "1.2")
+    (1.2, '1.2')
+    """
+    if "pint" in sys.modules:
+        value = _in_si(name, value, unit)
+    if type(value).__name__ == "DataArray":
+        value = value.values
+    if (
+        not isinstance(value, np.generic)
+        and getattr(value, "shape", None) == ()
+        and hasattr(value, "__array__")
+    ):
+        _check_unmasked(name, value)
+        array = np.asarray(value)
+        return array.item() if array.dtype.kind in "iuf" else value
+    return value
+
+
+def kind_given(value: Any) -> tuple[float, float, float] | None:
+    """Return the kind of a quantity or a row of them, powers of mass, length and time; None of plain numbers.
+
+    Examples
+    --------
+    >>> kind_given([1.0, 2.0]) is None
+    True
+    """
+    if "pint" not in sys.modules:
+        return None
+    from beammodes.problem.dimensions import kind_of_numbers
+
+    return kind_of_numbers(value)
+
+
+def _in_si(name: str, value: Any, unit: str | None) -> Any:
+    from beammodes.problem.dimensions import is_quantity, plain_number, unit_of
+
+    if isinstance(value, list | tuple) and len(value) <= MAX_ITEMS:
+        items = [_in_si(name, item, unit) for item in value]
+        return value if all(map(operator.is_, items, value)) else type(value)(items)
+    inside = value.data if type(value).__name__ == "DataArray" else value
+    if not is_quantity(inside):
+        return value
+    expected = unit_of(name) if unit is None else unit
+    try:
+        found = plain_number(inside, expected)
+    except (TypeError, ValueError, ArithmeticError, AttributeError) as error:
+        raise TypeError(f"{name} must be real numbers, got {shown(value)}: {error}") from None
+    if found is None:
+        said = {"1": "a number without a unit", "any": "a mechanical quantity"}
+        kind = said.get(expected, f"in {expected} or a unit of that kind")
+        raise TypeError(f"{name} must be {kind}, got {' '.join(str(inside).split())[:_SHOWN_CHARACTERS]}")
+    return found
+
+
+def real(name: str, value: object, unit: str | None = None) -> float:
+    """Return `value` as a finite float, a quantity with a unit in SI; `unit` as in `unwrapped`.
+
+    Raises
+    ------
+    TypeError
+        If `value` is not a real number (a bool or a string is not), or a quantity of another kind.
     ValueError
         If it is not finite, or too large for a float.
     """
+    if isinstance(value, bool) or not isinstance(value, numbers.Real):
+        value = unwrapped(name, value, unit)
     if isinstance(value, bool) or not isinstance(value, numbers.Real):
         raise TypeError(f"{name} must be a real number, got {shown(value)}")
     try:
@@ -218,15 +296,15 @@ def real(name: str, value: object) -> float:
     return number
 
 
-def positive_real(name: str, value: object) -> float:
+def positive_real(name: str, value: object, unit: str | None = None) -> float:
     """Return `value` as a finite float above zero; raises as `real` does."""
-    number = real(name, value)
+    number = real(name, value, unit)
     if number <= 0.0:
         raise ValueError(f"{name} must be greater than 0, got {shown(value)}")
     return number
 
 
-def not_negative(name: str, value: object, *, infinite: bool = False) -> float:
+def not_negative(name: str, value: object, unit: str | None = None, *, infinite: bool = False) -> float:
     """Return `value` as a float that is not below zero, and finite unless `infinite`; raises as `real` does.
 
     Examples
@@ -234,6 +312,7 @@ def not_negative(name: str, value: object, *, infinite: bool = False) -> float:
     >>> not_negative("mass", -0.0), not_negative("stiffness", math.inf, infinite=True)
     (0.0, inf)
     """
+    value = unwrapped(name, value, unit)
     held = infinite and isinstance(value, float) and value == math.inf
     number = math.inf if held else real(name, value)
     if number < 0.0:
@@ -271,6 +350,8 @@ def whole_number(name: str, value: object, *, least: int = 1, most: int | None =
         If it lies outside the range.
     """
     allowed = f"a whole number of at least {least}" + (f" and at most {most}" if most is not None else "")
+    if not isinstance(value, int):
+        value = unwrapped(name, value)
     if isinstance(value, bool) or not isinstance(value, numbers.Integral):
         raise TypeError(f"{name} must be {allowed}, got {shown(value)}")
     number = int(value)
@@ -408,7 +489,7 @@ def _length(values: Sized) -> float:
         return 1
 
 
-def plain_array(name: str, value: Any) -> NDArray[Any]:
+def plain_array(name: str, value: Any, unit: str | None = None) -> NDArray[Any]:
     """Return integers, floats and complex numbers of an array as they are, all else as an array of objects.
 
     Raises
@@ -421,6 +502,8 @@ def plain_array(name: str, value: Any) -> NDArray[Any]:
     _check_unmasked(name, value)
     if type(value) in (int, float):
         return np.asarray(value)
+    if "pint" in sys.modules:
+        value = _in_si(name, value, unit)
     if not hasattr(value, "__array__"):
         endless = isinstance(value, Iterable) and not isinstance(value, Sized)
         # Of str and bytes NumPy makes one object, which is refused as any other; of bytearrays whole numbers.
@@ -474,8 +557,10 @@ def whole_numbers(name: str, value: ArrayLike, *, least: int = 1, most: int) -> 
     return array.astype(np.int64, copy=False)
 
 
-def real_numbers(name: str, value: Any, *, finite: bool = True) -> Floats:
+def real_numbers(name: str, value: Any, unit: str | None = None, *, finite: bool = True) -> Floats:
     """Return real numbers, finite unless said otherwise, as an array of floats, of the shape that they have.
+
+    Quantities with units become numbers in SI, as `unwrapped` says.
 
     Raises
     ------
@@ -489,7 +574,7 @@ def real_numbers(name: str, value: Any, *, finite: bool = True) -> Floats:
     >>> real_numbers("time", [[0, 0.5]])
     array([[0. , 0.5]])
     """
-    array = plain_array(name, value)
+    array = plain_array(name, value, unit)
     items = array.ravel().tolist() if array.dtype.kind == "O" else []
     if any(isinstance(item, list | tuple) for item in items):
         raise TypeError(f"{name} must be one regular array of real numbers, got {shown(value)}")

@@ -65,6 +65,49 @@ def urdf(more: str = "", kind: str = "revolute", about: float = ABOUT) -> str:
     return f'<robot name="arm">{text}</robot>'
 
 
+SDF_INERTIAL = (
+    f"<inertial><pose>{ELL / 2} 0 0 0 0 0</pose><mass>{MASS}</mass><inertia><ixx>1e-6</ixx>"
+    f"<iyy>{ABOUT!r}</iyy><izz>{ABOUT!r}</izz><ixy>0</ixy><ixz>0</ixz><iyz>0</iyz></inertia></inertial>"
+)
+
+
+def rods(link: str, parent: str = "s{j}", pose: str = "", axis: str = "0 1 0", first: int = 0) -> str:
+    """The rods as links of SDFormat; of link `i` the one before is `j`, and `x` is its place."""
+    text = ""
+    for i in range(first, COUNT):
+        names = {"i": i, "j": i - 1, "x": ELL * i}
+        ground = "world" if i == 0 else parent.format(**names)
+        text += (
+            f'<link name="s{i}">{link.format(**names) if i else ""}{SDF_INERTIAL}</link>'
+            f'<joint name="j{i}" type="revolute">{pose.format(**names) if i else ""}<parent>{ground}</parent>'
+            f"<child>s{i}</child><axis><xyz>{axis}</xyz><dynamics><spring_stiffness>{SPRING}"
+            "</spring_stiffness></dynamics></axis></joint>"
+        )
+    return text
+
+
+def sdf(models: str, version: str = "1.9") -> str:
+    return f'<sdf version="{version}"><world name="w"><gravity>0 0 0</gravity>{models}</world></sdf>'
+
+
+PLAIN = rods("<pose>{x} 0 0 0 0 0</pose>")
+BOOM = f'<model name="boom">{PLAIN}</model>'
+SOFT = '<model name="soft">' + rods("<pose>{x} 0 0 0 0 0</pose>").split('<link name="s3">')[0] + "</model>"
+ENDS = "".join(
+    f'<frame name="end{i}" attached_to="s{i}"><pose>{ELL} 0 0 0 0 0</pose></frame>' for i in range(COUNT)
+)
+AT_ENDS = rods('<pose relative_to="end{j}"/>', parent="end{j}")
+#: The first two rods in the outer model, the others in one that stands in it, joined across.
+NESTED = (
+    '<model name="outer"><pose>1 2 3 0.1 0.2 0.3</pose>'
+    + rods("<pose>{x} 0 0 0 0 0</pose>").split('<link name="s2">')[0]
+    + '<model name="inner" placement_frame="s3"><pose relative_to="s1">0.4 0 0 0 0 0</pose>'
+    + re.sub(r"(.*?)<joint.*?</joint>", r"\1", rods("<pose>{x} 0 0 0 0 0</pose>", first=2), count=1)
+    + '</model><joint name="j2" type="revolute"><parent>s1</parent><child>inner::s2</child><axis>'
+    + f"<xyz>0 1 0</xyz><dynamics><spring_stiffness>{SPRING}</spring_stiffness></dynamics></axis>"
+    + "</joint></model>"
+)
+
 LIMIT = '<limit lower="{}" upper="{}" effort="1" velocity="1"/>'
 TIE = '<tendon><fixed name="t" {}><joint joint="j1" coef="1"/><joint joint="j2" coef="1"/></fixed></tendon>'
 
@@ -85,6 +128,29 @@ ALIKE: dict[str, tuple[str, str, str]] = {
     ),
     "a tendon at rest within its range": (mjcf(tail=TIE.format('range="-1 1"')), ".xml", ""),
     "limits of the largest double": (urdf(LIMIT.format("-1.79769e+308", "1e308")), ".urdf", ""),
+    "poses by quaternions": (
+        sdf(
+            '<model name="m">'
+            + rods('<pose relative_to="s{j}" rotation_format="quat_xyzw">0.2 0 0 0 0.6 0 0.8</pose>').replace(
+                "0 0.6 0 0.8", "0 0 0 2"
+            )
+            + "</model>"
+        ),
+        ".sdf",
+        "",
+    ),
+    "frames as parents": (
+        sdf(f'<model name="m">{ENDS}{AT_ENDS}</model>'),
+        ".sdf",
+        "",
+    ),
+    "a model in a model, joined across": (sdf(NESTED), ".sdf", ""),
+    "a model that another holds": (
+        sdf(f'<model name="table"><pose>0 0 1 0 0 2</pose><link name="top"/>{BOOM}</model>'),
+        ".sdf",
+        "",
+    ),
+    "after a model with fewer springs": (sdf(SOFT + BOOM), ".sdf", "other chains in the file: soft::s0"),
     "limits without end": (urdf(LIMIT.format("-inf", "inf")), ".urdf", ""),
 }
 
@@ -116,6 +182,10 @@ REFUSED: dict[str, tuple[str, str]] = {
         mjcf(head='<include file="missing.xml"/>'),
         "<include>.*'missing.xml': No such file",
     ),
+    "no stiffness": (
+        mjcf("").replace(f' stiffness="{SPRING}"', ""),
+        "no joint has a stiffness: .* such as j0",
+    ),
     "a root that a weld holds, without word": (
         mjcf('type="free"', tail='<equality><weld body1="s0"/></equality>').replace(
             ' axis="0 1 0" type', " type"
@@ -144,6 +214,20 @@ def test_the_word_clamped_holds_the_root_before_it_holds_a_free_tip(joint: str, 
         assert {str(found.boundary.left.word), str(found.boundary.right.word)} == {"clamped", "free"}
         np.testing.assert_allclose(found.angular_frequency / (2 * math.pi), truth("clamped-free"), rtol=1e-9)
         assert any("held, because you say so" in line for line in found.assumed)
+
+
+def test_models_in_a_circle_or_too_deep_are_refused(tmp_path: Path) -> None:
+    path = tmp_path / "model.sdf"
+    circle = PLAIN.replace("<pose>0.4 0 0 0 0 0</pose>", '<pose relative_to="in::t"/>')
+    inner = '<model name="in"><pose relative_to="s2"/><link name="t"/></model>'
+    deep = '<model name="a">' * 22 + "</model>" * 22
+    for text, says in (
+        (f'<model name="m">{circle}{inner}</model>', "must not have a pose in a circle"),
+        (f'<model name="m">{PLAIN}{deep}</model>', "nested in at most 20 models"),
+    ):
+        path.write_text(sdf(text))
+        with pytest.raises(ValueError, match=says):
+            audit_file(path, BEAM)
 
 
 def test_links_without_rotary_inertia_are_judged_and_blamed(tmp_path: Path) -> None:

@@ -61,7 +61,7 @@ def test_real_numbers_become_floats(value: object) -> None:
         assert number == 3.0
 
 
-@pytest.mark.parametrize("value", [True, "3", None, 3j, [3.0], np.array(3.0), np.bool_(True), b"3"])
+@pytest.mark.parametrize("value", [True, "3", None, 3j, [3.0], np.array([3.0]), np.bool_(True), b"3"])
 def test_what_is_no_real_number(value: object) -> None:
     for check in (real, positive_real):
         with pytest.raises(TypeError, match=r"^length must be a real number, got ") as info:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import json
 import math
 import re
@@ -36,7 +37,12 @@ from beammodes.vibration.stability import stable_time_step
 
 BEAM = Beam(1.2, 85.0, 0.62)
 CHAIN = Chain(BEAM, "clamped-free", segments=4, rule="gregory")
-KINDS = {kind.suffix: kind for kind in FORMATS.values()}
+_ENDINGS = [kind.suffix for kind in FORMATS.values()]
+#: By the ending that says the format, or for formats that share theirs by one with their name.
+KINDS = {
+    kind.suffix if _ENDINGS.count(kind.suffix) == 1 else f".{name}{kind.suffix}": kind
+    for name, kind in FORMATS.items()
+}
 SUFFIXES = pytest.mark.parametrize("suffix", KINDS)
 
 
@@ -46,18 +52,24 @@ def names(folder: Path) -> list[str]:
 
 @SUFFIXES
 def test_the_suffix_says_the_format(suffix: str, tmp_path: Path) -> None:
-    written = export_chain(CHAIN, str(tmp_path / f"beam{suffix}"))
+    kind = KINDS[suffix]
+    if suffix != kind.suffix:
+        with pytest.raises(ValueError, match=rf"format must be given for .py files, one of .*{kind.name}"):
+            export_chain(CHAIN, tmp_path / f"beam{suffix}")
+    told = {} if suffix == kind.suffix else {"format": kind.name}
+    written = export_chain(CHAIN, str(tmp_path / f"beam{suffix}"), **told)
     assert written[0] == tmp_path / f"beam{suffix}"
     assert sorted(path.name for path in written) == names(tmp_path)
-    same = export_chain(CHAIN, tmp_path / "other.text", format=KINDS[suffix].name)
+    same = export_chain(CHAIN, tmp_path / "other.text", format=kind.name)
     assert same[0].name == "other.text"
     text, other = written[0].read_text(encoding="utf-8"), same[0].read_text(encoding="utf-8")
-    assert text == other.replace("other.text", "beam")
+    stem = written[0].name.removesuffix(kind.suffix)
+    assert text == other.replace("other.text", stem)
 
 
 @SUFFIXES
 def test_the_head_says_what_it_is(suffix: str, tmp_path: Path) -> None:
-    for path in export_chain(CHAIN, tmp_path / f"beam{suffix}"):
+    for path in export_chain(CHAIN, tmp_path / f"beam{suffix}", format=KINDS[suffix].name):
         text = path.read_text(encoding="utf-8")
         hertz = solve_modes(linearize(CHAIN), 1).frequency[0]
         for word in (__version__, "gregory, 4 segments", "clamped-free", f"{hertz:.8g}", "length 1.2 m"):
@@ -66,7 +78,7 @@ def test_the_head_says_what_it_is(suffix: str, tmp_path: Path) -> None:
         assert not re.search(r"\b20\d\d-\d\d\b", text)  # no date: equal chains make equal files
 
 
-@pytest.mark.parametrize("suffix", [".xml", ".sdf", ".urdf"])
+@pytest.mark.parametrize("suffix", [".xml", ".sdf", ".urdf", ".usda"])
 def test_twist_is_said_to_be_left_out(suffix: str, tmp_path: Path) -> None:
     assert "twist" in export_chain(CHAIN, tmp_path / f"beam{suffix}")[0].read_text(encoding="utf-8")
 
@@ -75,23 +87,32 @@ def test_twist_is_said_to_be_left_out(suffix: str, tmp_path: Path) -> None:
 def test_a_chain_from_pieces_has_no_errors_to_tell(suffix: str, tmp_path: Path) -> None:
     numbers = {"length": [0, 1, 1], "mass": [0, 1, 2], "rotary_inertia": [0, 0.1, 0.2]}
     chain = Chain.from_pieces(**numbers, joint_stiffness=[2.0, 1.0], boundary="clamped-free")
-    text = export_chain(chain, tmp_path / f"beam{suffix}")[0].read_text(encoding="utf-8")
+    text = export_chain(chain, tmp_path / f"beam{suffix}", format=KINDS[suffix].name)[0].read_text(
+        encoding="utf-8"
+    )
     assert "pieces: 3, given one by one" in text
     assert "errors" not in text
 
 
-@pytest.mark.parametrize("name", ["a --> b", "<!-- ---", "ends in -", "]]>&<"])
+@pytest.mark.parametrize("name", ["a --> b", "<!-- ---", "ends in -", "]]>&<", 'coding: utf-7 """ {rows} \\'])
 @SUFFIXES
 def test_hostile_rule_names_stay_in_the_comment(suffix: str, name: str, tmp_path: Path) -> None:
     chain = Chain(BEAM, "clamped-free", 3, rule=replace(RULES["mitiguy"], name=name))
     plain = Chain(BEAM, "clamped-free", 3, rule="mitiguy")
-    written = export_chain(chain, tmp_path / f"a{suffix}")
-    if suffix == ".csv":
-        assert read_chain_csv(written[0]).length.tolist() == chain.length.tolist()
-    elif written[0].read_text(encoding="utf-8").startswith("<"):
-        root = ElementTree.parse(written[0]).getroot()
-        expected = ElementTree.parse(export_chain(plain, tmp_path / f"b{suffix}")[0]).getroot()
-        assert ElementTree.tostring(root) == ElementTree.tostring(expected)
+    (tmp_path / "plain").mkdir()
+    kind = KINDS[suffix].name
+    written = export_chain(chain, tmp_path / f"a{suffix}", format=kind)
+    texts = [path.read_text(encoding="utf-8") for path in written]
+    for text, other in zip(
+        texts, export_chain(plain, tmp_path / "plain" / f"a{suffix}", format=kind), strict=True
+    ):
+        if suffix == ".csv":
+            assert read_chain_csv(written[0]).length.tolist() == chain.length.tolist()
+        elif text.startswith("<"):
+            expected = ElementTree.tostring(ElementTree.parse(other).getroot())
+            assert ElementTree.tostring(ElementTree.fromstring(text)) == expected
+        elif text.startswith('"'):
+            assert ast.dump(ast.parse(text)) == ast.dump(ast.parse(other.read_text(encoding="utf-8")))
     for path in written:
         lines = path.read_text(encoding="utf-8").splitlines()
         assert sum("rule:" in line for line in lines) == 1
@@ -102,9 +123,9 @@ def test_an_existing_file_is_kept(suffix: str, tmp_path: Path) -> None:
     path = tmp_path / f"beam{suffix}"
     path.write_text("mine")
     with pytest.raises(FileExistsError, match=rf"unless force=True, got .*beam\{suffix}"):
-        export_chain(CHAIN, path)
+        export_chain(CHAIN, path, format=KINDS[suffix].name)
     assert path.read_text() == "mine" and names(tmp_path) == [path.name]
-    export_chain(CHAIN, path, force=True)
+    export_chain(CHAIN, path, format=KINDS[suffix].name, force=True)
     assert path.read_text() != "mine"
 
 
@@ -131,7 +152,7 @@ def test_nothing_is_written_half(suffix: str, tmp_path: Path, monkeypatch: pytes
     monkeypatch.setattr("beammodes.files.os.link", fail)
     monkeypatch.setattr("beammodes.files.os.replace", fail)
     with pytest.raises(OSError, match="disk full"):
-        export_chain(CHAIN, tmp_path / f"beam{suffix}")
+        export_chain(CHAIN, tmp_path / f"beam{suffix}", format=KINDS[suffix].name)
     assert names(tmp_path) == []
 
 
@@ -364,16 +385,20 @@ def rewritten(text: str, how: str) -> str:
     return yaml.safe_dump(data, default_flow_style=options[how], sort_keys=how != "mixed", width=30)
 
 
+def stiffness_of(path: Path) -> dict[str, float]:
+    return {joint: spring.stiffness for joint, spring in read_springs(path).items()}
+
+
 @pytest.mark.parametrize("how", ["blocks", "braces", "mixed", "JSON", "document", "windows", "no blanks"])
 @pytest.mark.parametrize("ends", ["clamped-free", "free-free", "pinned-free", "clamped-free(mass=0.1)"])
 def test_a_springs_file_may_be_rewritten_by_a_yaml_tool(ends: str, how: str, tmp_path: Path) -> None:
     chain = Chain(Beam(1.2, 85.0, 0.62), ends, 6, "gregory")
     _, springs = export_chain(chain, tmp_path / "beam.urdf")
-    before = read_springs(springs)
+    before = stiffness_of(springs)
     assert sorted(before.values()) == sorted(chain.joint_stiffness)
     text = springs.read_text(encoding="utf-8")
     springs.write_text(rewritten(text, how), encoding="utf-8", newline="")
-    assert read_springs(springs) == before
+    assert stiffness_of(springs) == before
 
 
 def test_a_hostile_file_name_stays_in_the_comment(tmp_path: Path) -> None:

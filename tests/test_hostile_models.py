@@ -159,7 +159,11 @@ FILES: dict[str, tuple[str | bytes | Callable[[], str | bytes], str, str]] = {
     "no links": ("<robot/>", "tree", ".urdf"),
     "a million links": (lambda: f"<robot>{'<link/>' * 10**6}</robot>", "200000 elements", ".urdf"),
     "no model": ("<sdf/>", "must have a <model>", ".sdf"),
-    "nested models": ("<sdf><model><model/></model></sdf>", "must be left out", ".sdf"),
+    "nested models": (
+        lambda: f"<sdf>{'<model>' * 500}{'</model>' * 500}</sdf>",
+        "nested in at most 20 models",
+        ".sdf",
+    ),
     "a csv of junk": (bytes(range(256)), "UTF-8", ".csv"),
     "an endless csv": (lambda: b"1," * (MAX_BYTES // 2 + 1), "must have at most 16 MiB", ".csv"),
 }

@@ -32,7 +32,7 @@ EVERY = sorted((ROOT / "beammodes" / "pages").glob("*.md"))
 PAGES = [page for page in EVERY if page.stem in ("adams_working_model", "drake_gazebo", "mujoco", "simscape")]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
 EVERY_PAGE = pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
-ENGINES = {"mujoco", "pydrake"}
+ENGINES = {"mujoco", "pydrake", "pint"}
 BEAM = bm.Beam(length=1.2, bending_stiffness=85.0, mass_per_length=0.62)
 Errors = Callable[[Sequence[int]], NDArray[np.float64]]
 
@@ -50,7 +50,7 @@ def blocks(source: str, language: str) -> list[str]:
 
 
 #: Pages that tell one story from the first block to the last.
-STORIES = ("audit", "cables")
+STORIES = ("audit", "cables", "units")
 PYTHON = [
     (page.stem, block) for page in EVERY for block in blocks(text(page), "python") if page.stem not in STORIES
 ]

@@ -249,7 +249,7 @@ def test_sdformat_without_a_joint_to_the_world_is_free(tmp_path: Path) -> None:
         ("</axis>", "</axis><drake:rotor_inertia>0.1</drake:rotor_inertia>", "no <drake:rotor_inertia>"),
         ("</model>", "<drake:ball_constraint/></model>", "only joints of a tree"),
         ("</model>", '<link name="l1"/></model>', "name of its own, got 'l1'"),
-        ("</world>", '<joint name="k" type="fixed"/></world>', "only joints inside one model"),
+        ("</world>", '<joint name="k" type="fixed"/></world>', "must join links that exist, got ''"),
     ],
 )
 def test_what_sdformat_cannot_have_here_is_named(old: str, new: str, message: str, tmp_path: Path) -> None:

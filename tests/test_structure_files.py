@@ -173,7 +173,7 @@ def test_dampers_gravity_and_steps_are_in_the_files(tmp_path: Path) -> None:
     assert (arm @ moved)[2] == pytest.approx(sag, rel=1e-8) and sag < 0.0
     (sdf,) = bm.export_chain(chain, tmp_path / "portal.sdf", **options)
     world = ElementTree.parse(sdf).getroot().find("world")
-    assert [float(g) for g in world.find("gravity").text.split()] == [0.0, 0.0, -9.81]
+    assert [float(g) for g in world.find("physics/gravity").text.split()] == [0.0, 0.0, -9.81]
     pairs = [(one.find("damping").text, one.find("spring_stiffness").text) for one in world.iter("dynamics")]
     np.testing.assert_allclose([float(d) for d, _ in pairs], [2e-3 * float(k) for _, k in pairs], rtol=1e-12)
 

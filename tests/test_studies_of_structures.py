@@ -72,7 +72,8 @@ def test_every_point_is_its_chain_against_its_structure(tmp_path: Path) -> None:
                 # No chain of so few segments has a tenth mode.
                 assert np.isnan(at.relative_error[2])
                 assert at.stable_time_step == bm.stable_time_step(chain) and at.heaviest == 0.4
-    assert table.angular_frequency.units == "rad / s" and table.span.units == "as the structure takes it"
+    assert table.angular_frequency.units == "rad / s"
+    assert table.span.units_in_words == "as the structure takes it"
     # What is stored is read, goes on where it was, and is not taken for another study.
     again = bm.Study.grid(**GRID, chunk=3)
     assert again.digest == study.digest and bm.open_study(tmp_path / "store").identical(table)

@@ -29,7 +29,7 @@ from beammodes.numerics.arrays import Floats, ratios_less_one
 from beammodes.numerics.blas import one_thread
 from beammodes.problem.axial_ends import AxialBoundary, AxialBoundaryLike
 from beammodes.problem.beam import Beam
-from beammodes.problem.ends import Boundary
+from beammodes.problem.ends import Boundary, check_multiples
 from beammodes.problem.motions import Motion, motion_named, unit_beam
 from beammodes.problem.rod import Rod
 from beammodes.problem.rod_ends import RodBoundaryLike, RodEnds
@@ -237,6 +237,8 @@ class _Case(NamedTuple):
             ends = RodEnds.of(boundary)
             return cls(judged_rod(beam, ends, modes), (beam, ends))
         count = whole_number("modes", modes, most=MAX_MODES_SOUGHT)
+        if beam is None:
+            check_multiples(boundary)
         if motion.along:
             pair = AxialBoundary.of(boundary, motion)
             return cls([judged_beam(unit_beam() if beam is None else beam, pair, count)], None)

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
 from fractions import Fraction
 from functools import lru_cache
 from typing import Any
@@ -26,6 +25,7 @@ from beammodes.exact.axial_beam import axial_wavenumber, uniform_numbers
 from beammodes.numerics.arrays import Floats
 from beammodes.problem.axial_ends import AxialBoundary, AxialEnd, distinct_axial
 from beammodes.problem.beam import Beam
+from beammodes.problem.ends import check_multiples
 from beammodes.problem.loading import Load, checked_load
 from beammodes.problem.motions import Motion, motion_named
 
@@ -65,6 +65,8 @@ def axial_in_multiples(boundary: Any, beam: Beam | None, motion: str | Motion) -
     >>> print(axial_in_multiples("fixed-free(inertia=3)", shaft, "twist"))
     fixed-free(inertia=3.0)
     """
+    if beam is None:
+        check_multiples(boundary)
     pairs, which = distinct_axial(boundary, motion)
     if beam is not None:
         stiffness, inertia = uniform_numbers(beam, motion_named(motion))
@@ -184,7 +186,8 @@ def axial_with_numbers(boundary: AxialBoundary, numbers: Mapping[str, float]) ->
     for name, value in numbers.items():
         side, _, number = name.partition("_")
         field = "stiffness" if number == "stiffness" else "inertia"
-        ends[side] = replace(ends[side], **{field: math.inf if value == math.inf else value})
+        numbers_of_end = {"stiffness": ends[side].stiffness, "inertia": ends[side].inertia}
+        ends[side] = AxialEnd(**numbers_of_end | {field: math.inf if value == math.inf else value})
     return AxialBoundary(ends["left"], ends["right"], boundary.motion)
 
 

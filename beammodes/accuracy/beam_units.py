@@ -17,7 +17,7 @@ import numpy as np
 from beammodes.chains.units import ExactUnits
 from beammodes.checks import distinct, instead, shown
 from beammodes.problem.beam import Beam
-from beammodes.problem.ends import NUMBERS_OF_END, Boundary, has_many, with_pairs_read
+from beammodes.problem.ends import NUMBERS_OF_END, Boundary, check_multiples, has_many, with_pairs_read
 from beammodes.problem.loading import Load, load_of
 
 __all__ = [
@@ -149,6 +149,7 @@ def looked_up(boundary: Any, load: Load | None, beam: Beam | None) -> tuple[Any,
     """
     pull = load_of(load, beam)
     if beam is None:
+        check_multiples(boundary)
         return boundary, pull
     plain = _plain_beam(beam)
     if has_many(boundary):

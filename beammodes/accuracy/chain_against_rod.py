@@ -132,8 +132,8 @@ def rod_error_dataset(
         ("rule", "segments", "mode"),
         {
             "relative_error": (found / judge - 1, "frequency of the chain over the rod's, less 1", "1"),
-            "angular_frequency": (found, "angular frequency of the chain", "rad s-1"),
-            "exact_angular_frequency": (judge.copy(), "angular frequency of the rod", "rad s-1"),
+            "angular_frequency": (found, "angular frequency of the chain", "rad / s"),
+            "exact_angular_frequency": (judge.copy(), "angular frequency of the rod", "rad / s"),
         },
         {"rule": [record.name for record in rules]} | numbered(counts, count),
         "modes of chains in space and of the exact rod",

@@ -18,7 +18,8 @@ from beammodes.closed_form.uniform_chains import MAX_SEGMENTS
 from beammodes.numerics.arrays import Floats
 from beammodes.problem.axial_ends import AxialBoundaryLike, AxialEnd
 from beammodes.problem.beam import Beam
-from beammodes.problem.ends import Boundary, BoundaryLike, End, is_pair
+from beammodes.problem.dimensions import unit_attributes
+from beammodes.problem.ends import Boundary, BoundaryLike, End, check_multiples, is_pair
 from beammodes.problem.loading import Load, checked_load
 from beammodes.problem.motions import Motion
 from beammodes.progress import Progress, progress_of
@@ -120,6 +121,8 @@ class ChainGrid(NamedTuple):
         if beam is not None and not isinstance(beam, Beam):
             raise TypeError(f"beam must be a Beam or None, got {shown(beam)}")
         how = lookup_of("bending") if how is None else how
+        if beam is None:
+            check_multiples(boundary)
         return cls(
             [how.layout(name) for name in listed("rule", rule, how.single_rule)],
             [how.boundary(pair) for pair in listed("boundary", boundary, how.single_boundary)],
@@ -167,7 +170,7 @@ def labelled(
 
     return xarray.Dataset(
         {
-            name: (dims, values, {"long_name": long_name, "units": units})
+            name: (dims, values, {"long_name": long_name, **unit_attributes(units)})
             for name, (values, long_name, units) in variables.items()
         },
         coords=coordinates,
@@ -291,7 +294,7 @@ def _errors_labelled(
     exact = np.broadcast_to(exact[None, ..., None, :], error.shape)
     numbers = how.numbers()
     over = {
-        name: (name, values, {"long_name": name.replace("_", " "), "units": numbers[name][0 if own else 1]})
+        name: (name, values, {"long_name": name.replace("_", " ")} | unit_attributes(numbers[name][not own]))
         for name, values in between.items()
     }
     return labelled(

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from beammodes.accuracy.driven_systems import HIGHEST, UNITS, Driven, Place
 from beammodes.chains.chain import Chain
-from beammodes.checks import bounded, not_negative, real_numbers, shown, small_fraction
+from beammodes.checks import bounded, not_negative, real_numbers, shown, small_fraction, unwrapped
 from beammodes.numerics.arrays import Floats
 from beammodes.numerics.split_integrals import split_integral
 from beammodes.problem.beam import Beam
@@ -158,8 +158,12 @@ loss_factor, load
     )
 
 
+#: One-sided, per Hz: of a force, a moment, an acceleration, an angular one.
+_DENSITIES = "N2/Hz or N2 m2/Hz or m2 s/s4 or s/s4"
+
+
 def _band(given: Any) -> tuple[float, float]:
-    ends = [not_negative("band", each) for each in bounded("band", given, most=2)]
+    ends = [not_negative("band", each) for each in bounded("band", unwrapped("band", given), most=2)]
     if len(ends) != 2 or not ends[0] < ends[1] <= HIGHEST:
         raise ValueError(
             f"band must be two frequencies up to {HIGHEST:g} Hz, the lower first, got {shown(given)}"
@@ -169,13 +173,13 @@ def _band(given: Any) -> tuple[float, float]:
 
 def _density(given: Density) -> Callable[[Floats], Floats]:
     if not callable(given):
-        level = not_negative("density", given)
+        level = not_negative("density", given, _DENSITIES)
         return lambda frequency: np.full_like(frequency, level)
     function = given
 
     def values(frequency: Floats) -> Floats:
         try:
-            found = real_numbers("density", function(frequency))
+            found = real_numbers("density", function(frequency), _DENSITIES)
         except (TypeError, ValueError, ArithmeticError, LookupError, AttributeError) as error:
             raise TypeError(
                 f"density must be a number or a function of an array of frequencies, got {shown(function)}, "

@@ -87,6 +87,11 @@ class Frame:
     def __matmul__(self, inner: Frame) -> Frame:
         return Frame(self.rotation @ inner.rotation, self.rotation @ inner.position + self.position)
 
+    @property
+    def inverse(self) -> Frame:
+        """The outer frame in this one."""
+        return Frame(self.rotation.T, -self.rotation.T @ self.position)
+
     def point(self, inner: Floats) -> Floats:
         """Return where a point of the inner frame is in the outer one."""
         return self.rotation @ inner + self.position

@@ -211,8 +211,16 @@ class _Reader:
             (*self.notes, *self.surroundings),
             self.step if self.alone else None,
             self._gravity() if self.alone else np.zeros(3),
+            hint=self._hint(),
             given=tuple(cables),
         )
+
+    def _hint(self) -> str:
+        joints = [joint for body in self.bodies for joint in body.joints]
+        name = next((joint.name for joint in joints if joint.kind == "hinge"), "")
+        if not name or any(joint.stiffness for joint in joints):
+            return ""
+        return f"no joint has a stiffness: MJCF has a spring as that attribute of a joint, such as {name}"
 
     # Options.
 

@@ -1,13 +1,23 @@
-"""SDFormat, as Gazebo and Drake read it: links and joints of one model."""
+"""SDFormat, as Gazebo and Drake read it: links and joints of models, and of models in models."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections import Counter
+from collections.abc import Iterator, Mapping
+from functools import cached_property
 
 import numpy as np
 
-from beammodes.auditing.body_tree import Frame, Inertial, Model, ModelBody, ModelJoint, SpringPlace
+from beammodes.auditing.body_tree import (
+    Frame,
+    Inertial,
+    Model,
+    ModelBody,
+    ModelJoint,
+    SpringPlace,
+    from_quaternion,
+)
 from beammodes.auditing.bounded_xml import XmlElement
 from beammodes.auditing.read_urdf import (
     MOMENTS,
@@ -28,30 +38,54 @@ __all__ = ["read_sdf"]
 _KINDS = {"revolute": "hinge", "continuous": "hinge", "prismatic": "slide", "universal": "hinge"}
 
 
-def read_sdf(root: XmlElement) -> Model:
-    """Return the links and joints of an SDFormat file's model: the first with a spring, or with joints.
+#: Models may stand in models so deep.
+_DEEPEST = 20
 
-    Poses may be relative to any link, joint or frame of the model, axes expressed in any; before SDFormat 1.5
-    axes are those of the model.
+
+def read_sdf(root: XmlElement) -> Model:
+    """Return the links and joints of an SDFormat file's models: all with springs, and what is joined to them.
+
+    Without any spring, the first model with joints. Models may stand within models; poses may be relative to
+    any link, joint, frame or model, axes expressed in any; before SDFormat 1.5 axes are those of the model.
+    Links and joints keep their names where these are unique; else their models' names stand before them.
     """
     world = root.first("world")
-    model, notes = _chosen_model(root, world)
-    check_added(model)
-    links, joints = by_name(model.all("link")), by_name(model.all("joint"))
-    ends = [(each.child_text("parent"), each.child_text("child"), each) for each in joints.values()]
-    frames = _Frames(model, links, joints, _is_old(root))
-    static = model.child_text("static") in ("true", "1")
+    top = _Scope(root if world is None else world, None, _is_old(root))
+    if not top.models:
+        root.refuse("must have a <model>")
+    read, notes = _chosen_models(top)
+    scopes = [inner for name in read for inner in top.models[name].all()]
+    names = _told_apart([(scope, name) for scope in scopes for name in scope.links])
+    owners = {own: scope for (scope, _), own in names.items()}
+    links = {own: scope.links[name] for (scope, name), own in names.items()}
+    joints = _told_apart([(scope, name) for scope in (top, *scopes) for name in scope.joints])
+    homes = {id(scope.joints[name]): (scope, own) for (scope, name), own in joints.items()}
+    ends: list[tuple[str, str, XmlElement]] = []
+    for scope, name in joints:
+        joint = scope.joints[name]
+        parent, child = (scope.link(joint.child_text(tag), names) for tag in ("parent", "child"))
+        ends.append((parent, child, joint))
     bodies: list[ModelBody] = []
-    for name, _, parent, joint in links_of(model, links, ends):
-        frame = frames.named(name, links[name])
-        own = () if joint is None else tuple(_joint(joint, frames))
-        if joint is None and not static:
+    for name, _, above, own_joint in links_of(root, links, ends):
+        scope, element = owners[name], links[name]
+        frame = scope.at @ scope.named(element.attributes["name"], element)
+        own = () if own_joint is None else tuple(_joint(own_joint, *homes[id(own_joint)]))
+        if own_joint is None and not scope.is_static:
             own = (ModelJoint(f"free motion of {name}", "free", np.zeros(3), frame.position),)
-        inertial, extent = _matter(links[name])
-        bodies.append(ModelBody(name, parent, inertial, extent, own).placed(frame))
-    if world is not None and any(world.child_numbers("gravity", 3, "0 0 -9.81")):
+        inertial, extent = _matter(element)
+        bodies.append(ModelBody(name, above, inertial, extent, own).placed(frame))
+    if world is not None and any(_gravity(world)):
         notes.append("gravity is left out here: with it the chain sags and rings at other frequencies")
-    return Model(tuple(bodies), notes=tuple(notes))
+    sprung = any(joint.stiffness for body in bodies for joint in body.joints)
+    hint = "SDFormat has a spring as <spring_stiffness> in the <dynamics> of a joint's <axis>"
+    return Model(tuple(bodies), notes=tuple(notes), hint="" if sprung else hint)
+
+
+def _gravity(world: XmlElement) -> list[float]:
+    """Return a world's gravity, which stood in <physics> before SDFormat 1.6."""
+    physics = world.first("physics")
+    place = world if physics is None or world.first("gravity") is not None else physics
+    return place.child_numbers("gravity", 3, "0 0 -9.81")
 
 
 def _is_old(root: XmlElement) -> bool:
@@ -60,70 +94,155 @@ def _is_old(root: XmlElement) -> bool:
     return version[0] == "1" and version[1:2] != [] and version[1] in ("0", "1", "2", "3", "4")
 
 
-def _chosen_model(root: XmlElement, world: XmlElement | None) -> tuple[XmlElement, list[str]]:
-    """Return the model to read, and a note on what stands beside it."""
-    models = list((root if world is None else world).all("model"))
-    if not models:
-        root.refuse("must have a <model>")
-    jointed = [each for each in models if each.first("joint")]
-    model = next((each for each in jointed if _has_spring(each)), (jointed or models)[0])
-    for odd in model.all("include", "model"):
-        odd.refuse("must be left out: only links and joints of one model are read")
-    for odd in () if world is None else world.all("joint"):
-        odd.refuse("must be left out: only joints inside one model are read")
-    others = [shown(each.attributes.get("name", "")) for each in models if each is not model]
-    return model, [f"other models are left out here: {', '.join(others[:5])}"] if others else []
+def _chosen_models(top: _Scope) -> tuple[list[str], list[str]]:
+    """Return the names of the models to read, and notes on what stands beside them."""
+    ends = [joint.child_text(tag) for joint in top.joints.values() for tag in ("parent", "child")]
+    joined = {end.split("::")[0] for end in ends}
+    sprung = [name for name, scope in top.models.items() if name in joined or scope.has_spring]
+    jointed = [name for name, scope in top.models.items() if any(inner.joints for inner in scope.all())]
+    read = sprung or (jointed or list(top.models))[:1]
+    others = [shown(name) for name in top.models if name not in read]
+    notes = [f"other models are left out here: {', '.join(others[:5])}"] if others else []
+    included = [shown(each.child_text("uri")) for each in top.element.all("include")]
+    return read, [
+        *notes,
+        *([f"included models are left out here: {', '.join(included[:5])}"] if included else []),
+    ]
 
 
-def _has_spring(model: XmlElement) -> bool:
-    axes = (axis for joint in model.all("joint") for axis in joint.all("axis", "axis2"))
-    springs = ((axis.first("dynamics") or axis).child_text("spring_stiffness") for axis in axes)
-    return any(text.strip("0.+- ") for text in springs)
+def _told_apart(found: list[tuple[_Scope, str]]) -> dict[tuple[_Scope, str], str]:
+    """Return what links or joints are called: with their models' names where others have the same name."""
+    count = Counter(name for _, name in found)
+    return {(scope, name): name if count[name] == 1 else scope.prefix + name for scope, name in found}
 
 
-class _Frames:
-    """The frames in the model of its links, joints and frames, each worked out once."""
+class _Scope:
+    """A model, or the world around models: its links, joints, frames and inner models by name."""
 
     def __init__(
-        self, model: XmlElement, links: dict[str, XmlElement], joints: dict[str, XmlElement], old: bool
+        self, element: XmlElement, outer: _Scope | None, old: bool, depth: int = 0, name: str = ""
     ) -> None:
-        self.old = old
+        if depth > _DEEPEST:
+            element.refuse(f"must be nested in at most {_DEEPEST} models")
+        self.element, self.outer, self.old = element, outer, old
+        self.name = name
+        self.prefix: str = "" if outer is None else f"{outer.prefix}{name}::"
+        self.links = {} if outer is None else by_name(element.all("link"))
+        self.joints = by_name(element.all("joint"))
+        inner: dict[str, XmlElement] = {}
+        for i, each in enumerate(element.all("model"), start=1):
+            name = each.attributes.get("name", "")
+            inner[name if name and name not in inner else f"model {i}"] = each
+        self.models = {name: _Scope(each, self, old, depth + 1, name) for name, each in inner.items()}
         # Of a link and a joint of one name, which old files may have, others mean the link.
-        self.elements = joints | by_name(model.all("frame")) | links
-        self.known = {"": Frame(), "__model__": Frame()}
+        self.elements = self.joints | by_name(element.all("frame")) | inner | self.links
+        ground = ("", "__model__") if outer is not None else ("", "world", "__root__")
+        self.known = dict.fromkeys(ground, Frame())
+
+    def all(self) -> list[_Scope]:
+        """Return this model and all that stand in it; refuse what is not read."""
+        check_added(self.element)
+        for odd in self.element.all("include"):
+            odd.refuse("must be left out: only links and joints of the file itself are read")
+        return [self, *(deeper for inner in self.models.values() for deeper in inner.all())]
+
+    @cached_property
+    def has_spring(self) -> bool:
+        """True if a joint of this model or of one in it has a spring."""
+        axes = (axis for joint in self.joints.values() for axis in joint.all("axis", "axis2"))
+        springs = ((axis.first("dynamics") or axis).child_text("spring_stiffness") for axis in axes)
+        own = any(text.strip("0.+- ") for text in springs)
+        return own or any(inner.has_spring for inner in self.models.values())
+
+    @cached_property
+    def is_static(self) -> bool:
+        """True if this model or one around it is held by the ground."""
+        around = self.outer is not None and self.outer.is_static
+        return around or self.element.child_text("static") in ("true", "1")
+
+    @cached_property
+    def at(self) -> Frame:
+        """Where this model's frame is in the world."""
+        return Frame() if self.outer is None else self.outer.at @ self.outer.named(self.name, self.element)
 
     def named(self, name: str, asker: XmlElement) -> Frame:
-        """Return a named frame in the model, without recursion: frames may be a long row."""
+        """Return a named frame in this one, without recursion: frames may be a long row."""
         row: list[str] = []
+        inside = set[str]()
         at = name
         while at not in self.known:
-            if at not in self.elements:
-                asker.refuse(f"must be relative to a link, joint or frame of the model, got {shown(at)}")
-            if len(row) > len(self.elements):
+            if at in inside:
                 asker.refuse(f"must not have a pose in a circle: {shown(name)} is relative to itself")
             row.append(at)
-            at = self._base(self.elements[at])
+            inside.add(at)
+            at = self._base(at, asker)
         for each in reversed(row):
-            element = self.elements[each]
-            self.known[each] = self.known[self._base(element)] @ _pose(element)
+            self.known[each] = self.known[self._base(each, asker)] @ self._step(each, asker)
         return self.known[name]
 
     def of_joint(self, joint: XmlElement) -> Frame:
         """Return a joint's own frame, which stands in its child link unless it says otherwise."""
-        return self.named(self._base(joint), joint) @ _pose(joint)
+        return self.named(_relative_to(joint), joint) @ _pose(joint)
 
-    def _base(self, element: XmlElement) -> str:
-        pose = element.first("pose")
-        said = "" if pose is None else pose.attributes.get("relative_to", "")
-        if not said and element.tag == "frame":
-            return element.attributes.get("attached_to", "")
-        return said or (element.child_text("child") if element.tag == "joint" else "")
+    def link(self, name: str, names: Mapping[tuple[_Scope, str], str]) -> str:
+        """Return what the link of a name is called, or the one that a frame, joint or model is fixed to."""
+        scope, at, seen = self, name, set[tuple[_Scope, str]]()
+        while (scope, at) not in names and (scope, at) not in seen:
+            seen.add((scope, at))
+            head, _, rest = at.partition("::")
+            element = scope.elements.get(head)
+            if head in scope.models:
+                scope, at = scope.models[head], rest or _canonical(scope.elements[head])
+            elif element is None:
+                break
+            else:
+                at = element.attributes.get("attached_to", "") if element.tag == "frame" else at
+                at = element.child_text("child") if element.tag == "joint" else at
+                at = at or _canonical(scope.element)
+        return names.get((scope, at), name)
+
+    def _base(self, name: str, asker: XmlElement) -> str:
+        """Return the name of the frame that a named one is given in."""
+        head, _, rest = name.partition("::")
+        if rest and head in self.models:
+            return head
+        if name not in self.elements:
+            asker.refuse(f"must be relative to a link, joint or frame of the model, got {shown(name)}")
+        return _relative_to(self.elements[name])
+
+    def _step(self, name: str, asker: XmlElement) -> Frame:
+        """Return a named frame in the one that it is given in."""
+        head, _, rest = name.partition("::")
+        if rest and head in self.models:
+            return self.models[head].named(rest, asker)
+        element = self.elements[name]
+        placed = element.attributes.get("placement_frame", "") if element.tag == "model" else ""
+        own = _pose(element)
+        return own @ self.models[name].named(placed, element).inverse if placed else own
+
+
+def _canonical(model: XmlElement) -> str:
+    first = model.first("link")
+    own = "" if first is None else first.attributes.get("name", "")
+    return model.attributes.get("canonical_link", "") or own
+
+
+def _relative_to(element: XmlElement) -> str:
+    pose = element.first("pose")
+    said = "" if pose is None else pose.attributes.get("relative_to", "")
+    if not said and element.tag == "frame":
+        return element.attributes.get("attached_to", "")
+    return said or (element.child_text("child") if element.tag == "joint" else "")
 
 
 def _pose(element: XmlElement) -> Frame:
     pose = element.first("pose")
     if pose is None or not pose.text.strip():
         return Frame()
+    if pose.attributes.get("rotation_format") == "quat_xyzw":
+        x, y, z, *turn = pose.read("pose", pose.text, 7)
+        qx, qy, qz, qw = pose.direction(turn, "quaternion").tolist()
+        return Frame(from_quaternion(qw, qx, qy, qz), np.array([x, y, z]))
     values = pose.read("pose", pose.text, 6)
     unit = np.pi / 180 if pose.attributes.get("degrees") == "true" else 1.0
     return Frame.by_angles(values[:3], unit * np.array(values[3:]))
@@ -136,28 +255,27 @@ def _pose_in_link(element: XmlElement) -> Frame:
     return _pose(element)
 
 
-def _joint(joint: XmlElement, frames: _Frames) -> Iterator[ModelJoint]:
+def _joint(joint: XmlElement, scope: _Scope, name: str) -> Iterator[ModelJoint]:
     kind = joint.attributes.get("type", "")
     if kind == "fixed":
         return
-    name = joint.attributes["name"]
-    frame = frames.of_joint(joint)
+    frame = scope.at @ scope.of_joint(joint)
     for i, tag in enumerate(("axis", "axis2") if kind == "universal" else ("axis",)):
         axis = joint.first(tag)
         if kind not in _KINDS or axis is None:
             why = f"{joint.where} must be revolute or universal with its axes, got type {shown(kind)}"
             yield ModelJoint(name, kind, np.zeros(3), frame.position, refusal=why)
             return
-        yield _coordinate(joint, axis, f"{name} axis2" if i else name, frame, frames)
+        yield _coordinate(joint, axis, f"{name} axis2" if i else name, frame, scope)
 
 
-def _coordinate(joint: XmlElement, axis: XmlElement, name: str, frame: Frame, frames: _Frames) -> ModelJoint:
+def _coordinate(joint: XmlElement, axis: XmlElement, name: str, frame: Frame, scope: _Scope) -> ModelJoint:
     along = axis.first("xyz")
     turned = frame.rotation
-    if frames.old or axis.child_text("use_parent_model_frame") in ("true", "1"):
-        turned = np.eye(3)
+    if scope.old or axis.child_text("use_parent_model_frame") in ("true", "1"):
+        turned = scope.at.rotation
     if along is not None and along.attributes.get("expressed_in"):
-        turned = frames.named(along.attributes["expressed_in"], along).rotation
+        turned = (scope.at @ scope.named(along.attributes["expressed_in"], along)).rotation
     direction = joint.direction(axis.child_numbers("xyz", 3, "0 0 1"))
     dynamics = axis.first("dynamics") or axis
     stiffness, rest, friction, damping = (

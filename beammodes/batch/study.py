@@ -31,9 +31,11 @@ from beammodes.batch.study_axes import (
     number_units,
 )
 from beammodes.chains.rules import is_closed
-from beammodes.checks import Shown, shown, whole_number
+from beammodes.checks import Shown, kind_given, shown, whole_number
 from beammodes.numerics.distributions import MAX_SEED, Normal, Uniform
 from beammodes.problem.axial_ends import AxialBoundary
+from beammodes.problem.dimensions import unit_attributes
+from beammodes.problem.ends import check_multiples
 from beammodes.problem.sections import SECTIONS
 from beammodes.progress import Progress, ProgressLine, progress_of
 from beammodes.version import __version__
@@ -416,7 +418,18 @@ def _default_chunk(named: Mapping[str, Axis], quantities: tuple[Quantity, ...]) 
 
 
 def _own_numbers(axes: Mapping[str, Any]) -> set[str]:
-    """Return which axes are numbers of the structures that another axis names."""
+    """Return which axes are numbers of the structures that another axis names.
+
+    Numbers of ends and loads that came with units need a beam beside them.
+    """
+    if "length" not in axes and "structure" not in axes:
+        if "boundary" in axes:
+            check_multiples(axes["boundary"])
+        if named := [name for name, value in axes.items() if name in SIDED and kind_given(value) is not None]:
+            raise ValueError(
+                f"{named[0]} must be a multiple of the beam's own numbers without a beam, got "
+                f"{shown(axes[named[0]])}: give length, bending_stiffness and mass_per_length too"
+            )
     return own_numbers(axes, lambda value: axis_values("structure", value)[0])
 
 
@@ -642,16 +655,16 @@ def _attributes(name: str, own: bool, moving: bool) -> dict[str, str]:
     if own and moving and units != "1":
         # Those of twist and stretch have √(k/(m L²)) in the place of √(EI/(ρA L⁴)).
         units += " of bending, with sqrt(GJ / (rhoIp L^2)) of twist, sqrt(EA / (rhoA L^2)) of stretch"
-    return {"long_name": quantity.long_name, "units": units}
+    return {"long_name": quantity.long_name, **unit_attributes(units)}
 
 
 def _coordinate(axis: Axis, own: bool, motions: tuple[str, ...]) -> tuple[Any, ...]:
     kind, labels = axis.kind, axis.labels()
     attributes = {"long_name": kind.long_name}
     if kind.is_number and axis.name in SIDED and not axis.own:
-        attributes["units"] = number_units(axis.name, own, motions)
+        attributes |= unit_attributes(number_units(axis.name, own, motions))
     elif kind.is_number:
-        attributes["units"] = kind.own_units if own else kind.units
+        attributes |= unit_attributes(kind.own_units if own else kind.units)
     elif not isinstance(labels[0], str):
         attributes["units"] = "1"
     return (axis.dimension, labels, attributes) if axis.dimension else ((), labels[0], attributes)

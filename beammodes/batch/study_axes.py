@@ -23,10 +23,11 @@ from beammodes.accuracy.statics import LOADS
 from beammodes.batch.given_structures import StructureOf, structure_of
 from beammodes.chains.axial_chain import AnyAxialRule, AxialLayout
 from beammodes.chains.rules import RULES, Layout, layout_of
-from beammodes.checks import choice, positive_real, real, shown, whole_number
+from beammodes.checks import choice, kind_given, positive_real, real, shown, unwrapped, whole_number
 from beammodes.closed_form.uniform_chains import MAX_MODE, MAX_SEGMENTS
 from beammodes.numerics.distributions import Distribution, Normal, Uniform, draw
 from beammodes.problem.axial_ends import AxialBoundary
+from beammodes.problem.dimensions import unit_of
 from beammodes.problem.ends import Boundary
 from beammodes.problem.loading import PLANES, Load
 from beammodes.problem.motions import MOTIONS
@@ -122,6 +123,7 @@ def number_units(name: str, own: bool, motions: Iterable[str]) -> str:
 
 def _end_number(name: str, value: Any) -> float:
     """Return a number of an end or a load, which its own class has checked."""
+    value = unwrapped(name, value, _unit_of_number(name))
     try:
         if name in NUMBERS:
             with_numbers(_ANY_ENDS, Load(), {name: value})
@@ -130,6 +132,14 @@ def _end_number(name: str, value: Any) -> float:
     except (TypeError, ValueError) as error:
         raise type(error)(f"{name}: {error}") from None
     return float(value)
+
+
+def _unit_of_number(name: str) -> str | None:
+    """Return the unit of a number of an end, None of a load, whose name says it."""
+    side, _, field = name.partition("_")
+    if side not in ("left", "right"):
+        return None
+    return {"stiffness": "N m or N/m", "inertia": "kg m2"}.get(field) or unit_of(field)
 
 
 def _ends(value: Any) -> Boundary | AxialBoundary:
@@ -317,6 +327,8 @@ def axis_values(name: str, value: Any, *, own: bool = False) -> tuple[tuple[Any,
     (((1, 2, 3), True), (('lag',), False))
     """
     kind = kind_of(name, own)
+    if kind_given(value) is not None:
+        value = unwrapped(name, value, _unit_of_number(name) if name in _NUMBERS else None)
     if isinstance(value, Normal | Uniform):
         raise TypeError(
             f"{name} must not be a distribution here: Study.sampled takes them, got {shown(value)}"

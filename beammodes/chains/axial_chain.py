@@ -254,9 +254,9 @@ class AxialChain(Shown):
             raise ValueError(f"boundary must hold the chain under loads, got {self.boundary.name}")
         force = np.zeros(self.pieces)
         edges = np.concatenate([[0.0], self.hinge_position, [self.beam.length]])
-        near = 1e-9 * self.beam.length
+        near, unit = 1e-9 * self.beam.length, self.motion.load_unit
         for place, load in loads.items():
-            x, value = real("position in loads", place), real("load in loads", load)
+            x, value = real("position in loads", place, "m"), real("load in loads", load, unit)
             if not -near <= x <= self.beam.length + near:
                 raise ValueError(
                     f"position in loads must be from 0 to {self.beam.length}, got {shown(place)}"

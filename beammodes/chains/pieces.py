@@ -15,7 +15,7 @@ from typing import Any, NamedTuple, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from beammodes.checks import bounded, is_text, real, shown
+from beammodes.checks import bounded, is_text, real, shown, unwrapped
 from beammodes.numerics.arrays import Floats
 
 __all__ = [
@@ -234,6 +234,7 @@ class Pieces:
 
 def piece_numbers(name: str, values: Iterable[Number] | Floats) -> tuple[Number, ...]:
     """Return numbers of pieces or hinges as given, fractions kept, arrays as floats."""
+    values = unwrapped(name, values)
     if isinstance(values, np.ndarray) and not isinstance(values, np.ma.MaskedArray):
         if values.dtype.kind not in "fiu" or values.ndim != 1 or not np.isfinite(values).all():
             raise ValueError(f"{name} must be a one-dimensional array of finite numbers, got {shown(values)}")
@@ -245,6 +246,7 @@ def piece_numbers(name: str, values: Iterable[Number] | Floats) -> tuple[Number,
 
 
 def _number(name: str, value: Number) -> Number:
+    value = unwrapped(name, value)
     number = real(name, value)
     if value and not number:
         raise ValueError(f"{name} must be within the range of floating-point numbers, got {shown(value)}")

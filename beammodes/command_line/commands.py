@@ -575,11 +575,18 @@ def _buckling(options: argparse.Namespace) -> Answer:
     return answer | said, "\n".join([text, *_units_note(options)])
 
 
-def _formats() -> dict[str, str]:
+def _formats() -> dict[str, list[str]]:
     """Return the names of the formats by their suffixes."""
     from beammodes.exporters.formats import FORMATS
 
-    return {kind.suffix: name for name, kind in FORMATS.items()}
+    found: dict[str, list[str]] = {}
+    for name, kind in FORMATS.items():
+        found.setdefault(kind.suffix, []).append(name)
+    return found
+
+
+def _format_names() -> str:
+    return ", ".join(name for names in _formats().values() for name in names)
 
 
 def _mujoco() -> str:
@@ -591,16 +598,16 @@ def _mujoco() -> str:
 @_command(
     _DURING,
     "export",
-    "can I have the chain as a file for MuJoCo, Gazebo, Drake or URDF tools?",
+    "can I have the chain as a file for MuJoCo, Gazebo, Drake, PyBullet or Exudyn?",
     f"clamped-free --segments 10 --rule gregory {_EXAMPLE} --output beam.xml",
     *_CHAIN,
     option(
         "--output",
-        lambda: ", ".join(f"{suffix} ({name})" for suffix, name in _formats().items()),
+        lambda: ", ".join(f"{suffix} ({' or '.join(names)})" for suffix, names in _formats().items()),
         required=True,
         metavar="FILE",
     ),
-    option("--format", lambda: f"{', '.join(_formats().values())} (default: by the file's ending)"),
+    option("--format", lambda: f"{_format_names()} (default: by the file's ending)"),
     option("--name", "prefix of all names in the file (default: chain)", default="chain"),
     option("--fragment", "bodies only, to include in a model (MJCF, SDF)", action="store_true"),
     option(

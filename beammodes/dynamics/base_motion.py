@@ -158,7 +158,9 @@ def harmonic(amplitude: float, angular_frequency: float) -> Course:
     >>> [float(part[0]) for part in bm.harmonic(2.0, 3.0)(np.zeros(1))]
     [0.0, 6.0, -0.0]
     """
-    return _Harmonic(real("amplitude", amplitude), positive_real("angular_frequency", angular_frequency))
+    return _Harmonic(
+        real("amplitude", amplitude, "m or rad"), positive_real("angular_frequency", angular_frequency)
+    )
 
 
 class _Course(Shown):
@@ -298,7 +300,8 @@ def point_to_point(distance: float, duration: float, start: float = 0.0) -> Cour
 
 
 def _travel(distance: float, duration: float, start: float) -> tuple[float, float, float]:
-    return real("distance", distance), positive_real("duration", duration), not_negative("start", start)
+    length = real("distance", distance, "m or rad")
+    return length, positive_real("duration", duration), not_negative("start", start, "s")
 
 
 @dataclass(frozen=True, repr=False)

@@ -25,6 +25,7 @@ from beammodes.equations.held_apart import checked_span, string_tension
 from beammodes.equations.mechanics import Algebra, Span, coordinate_names, piece_energies, tip_names
 from beammodes.files import file_target, write_atomically
 from beammodes.numerics.arrays import Floats
+from beammodes.problem.dimensions import unit_attributes
 from beammodes.problem.loading import Load
 from beammodes.progress import Progress, held, progress_of
 from beammodes.version import SOURCE
@@ -111,7 +112,7 @@ def mode_start(
     """
     model = linearize(chain, load=load, at=at) if at is not None else linearize(chain, load=load)
     number = whole_number("mode", mode, most=model.elastic_modes)
-    real("amplitude", amplitude)
+    amplitude = real("amplitude", amplitude, "rad")
     modes = solve_modes(model, number)
     rotation, deflection = modes.rotation[number - 1], modes.deflection[number - 1]
     scale = amplitude / np.abs(rotation).max()
@@ -228,7 +229,11 @@ def _motion_dataset(
     numbers = np.arange(chain.pieces + 1)
     return xarray.Dataset(
         {
-            name: (("time", each) if each else ("time",), values[name], {"long_name": text, "units": unit})
+            name: (
+                ("time", each) if each else ("time",),
+                values[name],
+                {"long_name": text, **unit_attributes(unit)},
+            )
             for name, (each, text, unit) in _HELD.items()
         },
         coords={
@@ -409,9 +414,11 @@ def simulate(
     told = progress_of(progress, "simulation", "steps")
     if path is not None:
         file_target(path)
-    if positive_real("tolerance", tolerance) < 1e-13:
+    tolerance = positive_real("tolerance", tolerance)
+    if tolerance < 1e-13:
         raise ValueError(f"tolerance must be at least 1e-13, got {shown(tolerance)}")
-    if step is not None and positive_real("step", step) > lasting:
+    step = None if step is None else positive_real("step", step)
+    if step is not None and step > lasting:
         raise ValueError(f"step must not be longer than duration, {lasting}, got {shown(step)}")
     start = _initial_state(chain, initial, ground, apart)
     motion = Motion(chain, lasting, given, drive, damping, start, wanted, apart)

@@ -18,12 +18,12 @@ from typing import Any
 import numpy as np
 
 from beammodes.chains.chain import Chain
-from beammodes.checks import Shown, bounded, flag, is_text, not_negative, shown
+from beammodes.checks import Shown, bounded, flag, is_text, not_negative, shown, unwrapped
 from beammodes.dynamics.waveforms import Waveform
 from beammodes.numerics.arrays import Floats
 from beammodes.problem.applied_loads import LineLoad, PointLoad
 from beammodes.problem.loading import NO_LOAD, Load
-from beammodes.problem.profiles import SAME_PLACE, Table
+from beammodes.problem.profiles import SAME_PLACE, Table, check_kinds
 
 __all__ = ["COLUMNS", "AnyLoad", "TimedLoad", "pattern", "read_loads"]
 
@@ -85,8 +85,10 @@ class TimedLoad(Shown):
         flag("follower", self.follower)
         if is_text(self.breaks):
             raise TypeError(f"breaks must be times, got {shown(self.breaks)}")
-        given = bounded("breaks", self.breaks, most=_MOST_BREAKS)
-        object.__setattr__(self, "breaks", tuple(sorted(not_negative("breaks", time) for time in given)))
+        if isinstance(course, Table):
+            check_kinds("course", course, x="s")
+        given = bounded("breaks", unwrapped("breaks", self.breaks, "s"), most=_MOST_BREAKS)
+        object.__setattr__(self, "breaks", tuple(sorted(not_negative("breaks", time, "s") for time in given)))
         if isinstance(load, Load):
             if load.spin_rate or load.hub_radius:
                 raise ValueError(

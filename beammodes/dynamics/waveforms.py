@@ -48,7 +48,7 @@ class Step(Shown):
 
     def __post_init__(self) -> None:
         for name in ("start", "rise"):
-            object.__setattr__(self, name, not_negative(name, getattr(self, name)))
+            object.__setattr__(self, name, not_negative(name, getattr(self, name), "s"))
 
     @property
     def breaks(self) -> tuple[float, ...]:
@@ -97,7 +97,7 @@ class Sine(Shown):
     def __post_init__(self) -> None:
         object.__setattr__(self, "frequency", positive_real("frequency", self.frequency))
         object.__setattr__(self, "phase", real("phase", self.phase))
-        object.__setattr__(self, "start", not_negative("start", self.start))
+        object.__setattr__(self, "start", not_negative("start", self.start, "s"))
 
     @property
     def breaks(self) -> tuple[float, ...]:
@@ -149,7 +149,7 @@ class Pulse(Shown):
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "duration", positive_real("duration", self.duration))
-        object.__setattr__(self, "start", not_negative("start", self.start))
+        object.__setattr__(self, "start", not_negative("start", self.start, "s"))
         choice("shape", self.shape, _SHAPES)
 
     @property
@@ -206,8 +206,8 @@ class Chirp(Shown):
     start: float = 0.0
 
     def __post_init__(self) -> None:
-        for name in ("first", "last", "start"):
-            object.__setattr__(self, name, not_negative(name, getattr(self, name)))
+        for name, unit in (("first", "Hz"), ("last", "Hz"), ("start", "s")):
+            object.__setattr__(self, name, not_negative(name, getattr(self, name), unit))
         object.__setattr__(self, "duration", positive_real("duration", self.duration))
         if not (self.first or self.last):
             raise ValueError("last must be greater than 0 where first is 0, got 0")

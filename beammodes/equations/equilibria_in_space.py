@@ -209,7 +209,7 @@ def critical_factor(
         raise TypeError(f"load must be a SpatialLoad, got {shown(load)}")
     if not isinstance(chain, SpatialChain):
         raise TypeError(f"chain must be a SpatialChain, got {shown(chain)}")
-    largest, step = positive_real("most", most), positive_real("start", start) / 8.0
+    largest, step = positive_real("most", most), positive_real("start", start, "1") / 8.0
     if not 8.0 * step <= largest <= _MOST_TRIED * step:
         raise ValueError(
             f"most must be from start to {_MOST_TRIED // 8} times that, got {shown(most)} and {shown(start)}"

@@ -68,8 +68,8 @@ def axial_displacement(
         raise TypeError(f"loads must map positions to loads, got {shown(loads)}")
     if pair.rigid_body_modes:
         raise ValueError(f"boundary must hold the beam under loads, got {pair.name}")
-    places = np.array([real("position in loads", place) for place in loads])
-    force = np.array([real("load in loads", load) for load in loads.values()])
+    places = np.array([real("position in loads", place, "m") for place in loads])
+    force = np.array([real("load in loads", load, MOTIONS[pair.motion].load_unit) for load in loads.values()])
     if ((places < 0.0) | (places > beam.length)).any():
         raise ValueError(f"position in loads must be from 0 to {beam.length}, got {shown([*loads])}")
     edges = np.unique(np.concatenate([[0.0, beam.length], places, position.ravel()]))

@@ -163,7 +163,7 @@ def chosen_step(
         The one that is asked for.
     """
     given = None if timestep is None else positive_real("timestep", timestep)
-    name = engine.partition(" ")[2]
+    name = engine.partition(" ")[2] or engine
     least, first = min(limits.values()), next(iter(limits.values()))
     if given is not None and given >= first:
         raise ValueError(

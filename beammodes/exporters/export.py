@@ -1,4 +1,4 @@
-"""A chain as a file for other programs: MJCF, SDFormat, URDF or CSV."""
+"""A chain as a file for other programs: MJCF, SDFormat, URDF, USD, CSV, or a script."""
 
 from __future__ import annotations
 
@@ -69,8 +69,9 @@ def export_chain(
     A beam runs along x from its firmer end and deflects along z. A rod in space keeps the axes of its section
     at s = 0; each node has three hinges, or a ball joint, and each piece its whole inertia and its place at
     rest, where all angles are zero. A supported far end needs "mjcf", there for small deflections.
-    Tests read files back with MuJoCo (MJCF), Drake (SDFormat, URDF) and Pinocchio (URDF), and find the
-    chain's frequencies to 1e-8. Springs come along in MJCF (which Drake reads without them) and in SDFormat.
+    Tests read files back with MuJoCo (MJCF), Drake (SDFormat, URDF), DART (SDFormat), Pinocchio (URDF),
+    PyBullet and Exudyn, and find the chain's frequencies to 1e-8; with OpenUSD to 1e-6, whose numbers are of
+    single precision. Springs come along in all but URDF and what Drake reads of MJCF.
 
     Parameters
     ----------
@@ -81,12 +82,14 @@ def export_chain(
         supports by constraints and tendons. For "sdf" its supports must hold joints along x and y, and loops
         are closed by joints, which not every physics engine takes (Drake does not). For "urdf" it must be a
         tree, supported at one joint.
-        A chain in space is for "mjcf", "sdf" or "urdf".
+        A chain in space is for all but "csv".
     path : str or Path
     format : str, optional
-        "mjcf" for MuJoCo 3 and 4, "sdf" for Gazebo and Drake, "urdf" (with the springs in a YAML file beside
-        it, `.springs.yaml`) or "csv" (see `read_chain_csv`); by default that of the suffix, .xml, .sdf, .urdf
-        or .csv.
+        "mjcf" for MuJoCo 3 and 4, "sdf" for Gazebo, DART and Drake, "urdf" (with the springs in a YAML file
+        beside it, `.springs.yaml`), "usd" for Newton and Isaac Lab (an articulation in the UsdPhysics schema,
+        each spring a drive of its joint), "pybullet" (a script, which loads a URDF file beside it and sets
+        its springs), "exudyn" (a script) or "csv" (see `read_chain_csv`); by default that of the suffix,
+        .xml, .sdf, .urdf, .usda or .csv: for scripts, .py, say which.
     name : str
         Of the model; names of its bodies and joints begin with it.
     fragment : bool
@@ -95,20 +98,21 @@ def export_chain(
         Not for "csv": the same pieces with the springs of bending along y, for hinges about both axes. They
         come in turns, about y first at every other node and about z first between them: in one fixed order a
         chain that bends out of both planes would twist by an angle of first order in 1/N, so by second order
-        only. In "sdf" and "urdf" a nearly massless link stands between the two. Twist is not modelled: a
+        only. In all but "mjcf" a nearly massless link stands between the two. Twist is not modelled: a
         `SpatialChain` has it, and needs no second one.
     damping : Damping, optional
         Of joints and supports; not for "csv". In space in proportion to stiffness only.
     timestep : float [s], optional
-        For "mjcf" and "sdf". By default half the largest stable one (`stable_time_step`, with the engine's
-        way of taking dampers), less where the integrator would shift the first frequency by more than 0.1 %
-        and by more than a tenth of its damping ratio. The file says the limit, and for which case it holds;
-        a "urdf" file, which has no step, says those of PyBullet, Drake and Newton.
+        Not for "urdf", "usd" and "csv". By default half the largest stable one (`stable_time_step`, with the
+        engine's way of taking dampers), less where the integrator would shift the first frequency by more
+        than 0.1 % and by more than a tenth of its damping ratio. The file says the limit, and for which case
+        it holds; a "urdf" file, which has no step, says those of PyBullet, Drake and Newton, a "usd" file
+        Newton's.
     integrator : str
         For "mjcf": "RK4", "Euler", "implicit" or "implicitfast". An "sdf" file's step is that of Drake's
         discrete plants.
     load : Load, optional
-        For "mjcf" and "sdf": the file carries its gravity, x along the beam and y up, and the step holds
+        Not for "urdf" and "csv": the file carries its gravity, x along the beam and y up, and the step holds
         under it and its forces (which the file cannot carry: apply them yourself). Without one the file has
         no gravity, and its step holds without gravity and with 9.81 m/s² in any direction, also for a chain
         that then hangs, which its weight and body stiffen. With one, the head also has the frequencies, and
@@ -123,7 +127,7 @@ def export_chain(
     joints : str or JointLaw
         Of a chain in space: in which order a node's three hinges turn, from s = 0 on, or "ball" where GJ and
         both EI are equal, for "mjcf" (see `equations.joint_laws`). In one order at all nodes a rod that bends
-        and twists is wrong at first order in 1/N. In "sdf" and "urdf" nearly massless links stand between
+        and twists is wrong at first order in 1/N. In all but "mjcf" nearly massless links stand between
         hinges; the file says how light.
     force : bool
         Overwrite files that exist. Without it, one of two exports to the same path at the same time succeeds.
@@ -160,8 +164,7 @@ def export_chain(
     flag("fragment", fragment), flag("force", force)
     if not isinstance(integrator, str):
         raise TypeError(f"integrator must be one of {', '.join(MUJOCO_INTEGRATORS)}, got {shown(integrator)}")
-    if units is not None:
-        choice("units", units, UNIT_SYSTEMS)
+    system = UNIT_SYSTEMS["SI" if units is None else choice("units", units, UNIT_SYSTEMS)]
     given: dict[str, object] = {"fragment": fragment or None, "second": second, "damping": damping}
     given |= {
         "timestep": timestep,
@@ -210,7 +213,7 @@ def export_chain(
             step, lines = engine_step_in_space(first, engine, tree, damping, timestep, dead, units)
             facts += lines
         for other in kind.said:
-            facts += engine_step_in_space(0.0, other, tree, damping, units=units)[1][:1]
+            facts += _limits(engine_step_in_space(0.0, other, tree, damping, None, dead, units)[1], facts)
         gravity = dead.gravity if dead is not None else (0.0, 0.0, 0.0)
     else:
         plain = load if isinstance(load, Load) else None
@@ -230,10 +233,16 @@ def export_chain(
             step, lines = engine_step(chains, engine, tree, damping, timestep, plain, units, pull)
             facts += lines
         for other in kind.said:
-            facts += engine_step(chains, other, tree, damping, units=units)[1][:1]
+            facts += _limits(engine_step(chains, other, tree, damping, None, plain, units)[1], facts)
         gravity = _gravity(plain, tree.turned)
-    model = Model(chain, tree, tuple(facts), name, paths, fragment, step, integrator, gravity)
+    model = Model(chain, tree, tuple(facts), name, paths, fragment, step, integrator, gravity, system)
     return _write(paths, force, *kind.write(model))
+
+
+def _limits(lines: list[str], said: list[str]) -> list[str]:
+    """Return what a file without a step of its own says of steps and loads, and has not said yet."""
+    wanted = ("largest stable", "this file holds gravity only")
+    return [line for line in lines if line.startswith(wanted) and line not in said]
 
 
 def _structure(chain: StructureChain, kind: Format, name: str, given: dict[str, Any]) -> list[tuple[str]]:
@@ -280,8 +289,13 @@ def _place_and_format(path: object, format: str | None) -> tuple[Path, Format]:
     place = Path(path)
     if format is not None:
         return place, FORMATS[choice("format", format, FORMATS)]
-    kinds = {kind.suffix: kind for kind in FORMATS.values()}
-    return place, kinds[choice("suffix of path, without format,", place.suffix.lower(), kinds)]
+    suffixes = dict.fromkeys(kind.suffix for kind in FORMATS.values())
+    suffix = choice("suffix of path, without format,", place.suffix.lower(), suffixes)
+    kinds = [kind for kind in FORMATS.values() if kind.suffix == suffix]
+    if len(kinds) > 1:
+        names = ", ".join(kind.name for kind in kinds)
+        raise ValueError(f"format must be given for {suffix} files, one of {names}, got {place.name}")
+    return place, kinds[0]
 
 
 def _tree(kind: Format, pieces: int, ends: object, build: Callable[[], Tree]) -> Tree:

@@ -8,6 +8,8 @@ follow from it.
   gravity and step. Gazebo's engines take the springs too, by their sources, `bullet-featherstone` since the
   end of 2025; the tests do not run Gazebo.
 - URDF, which has no place for springs: they stand in a YAML file beside it.
+- Python scripts for PyBullet, which loads a URDF beside it and sets the springs, and for Exudyn.
+- USD, for Newton and Isaac Lab, with springs as drives of joints.
 - CSV, a row for every piece, which `read_chain_csv` reads back without loss.
 """
 
@@ -25,6 +27,7 @@ import numpy as np
 from beammodes.chains.chain import Chain
 from beammodes.chains.spatial_chain import SpatialChain
 from beammodes.exporters.chain_csv import csv_lines
+from beammodes.exporters.engine_scripts import exudyn_script, pybullet_script
 from beammodes.exporters.export_facts import one_line
 from beammodes.exporters.model_tree import (
     IDENTITY,
@@ -36,13 +39,17 @@ from beammodes.exporters.model_tree import (
     Tree,
     Vector,
     links,
+    principal_moments,
 )
+from beammodes.exporters.unit_systems import UnitSystem
+from beammodes.exporters.usd_text import usd_lines
 from beammodes.numerics.arrays import Floats
 from beammodes.numerics.rotations import quaternion
 
 __all__ = [
     "FORMATS",
     "MAX_NESTED",
+    "SDF_HEAD",
     "XML_HEAD",
     "Format",
     "Model",
@@ -72,6 +79,8 @@ class Model:
     integrator : str
         As MuJoCo calls it.
     gravity : triple [m/s²]
+    units : UnitSystem
+        What the numbers are in, or are taken to be in.
     """
 
     chain: Chain | SpatialChain
@@ -83,6 +92,7 @@ class Model:
     timestep: float
     integrator: str
     gravity: Vector
+    units: UnitSystem
 
 
 #: Return the text of each file, in parts.
@@ -162,9 +172,12 @@ def _n(*values: float) -> str:
     return " ".join(repr(float(value)) for value in values)
 
 
+def _head(model: Model, *notes: str) -> tuple[str, ...]:
+    return (f"{model.name}: a flexible beam", *model.facts, *model.tree.notes, *notes)
+
+
 def _comment(model: Model, *notes: str) -> list[str]:
-    lines = (f"{model.name}: a flexible beam", *model.facts, *model.tree.notes, *notes)
-    return ["<!--", *(f"  {line}" for line in lines), "-->"]
+    return ["<!--", *(f"  {line}" for line in _head(model, *notes)), "-->"]
 
 
 def _carriers(tree: Tree) -> Iterator[str]:
@@ -177,7 +190,7 @@ def _carriers(tree: Tree) -> Iterator[str]:
 def _check_bodies(model: Model) -> None:
     """Refuse bodies that MuJoCo, Drake and Gazebo refuse: no matter has such moments of inertia."""
     for body in model.tree.bodies:
-        moments = _principal(body)[0]
+        moments = principal_moments(body)[0]
         if sum(moments) < 2 * max(moments) * (1 - 1e-12):
             raise ValueError(
                 "chain must have pieces whose inertias a body can have, each moment at most the sum of the "
@@ -203,7 +216,9 @@ def _thickness(tree: Tree) -> float:
 )
 def _mjcf(model: Model) -> Sequence[Iterable[str]]:
     tree = model.tree
-    least = min((value for body in tree.bodies for value in (body.mass, *_principal(body)[0])), default=1.0)
+    least = min(
+        (value for body in tree.bodies for value in (body.mass, *principal_moments(body)[0])), default=1.0
+    )
     if least <= _LEAST:
         raise ValueError(
             f"chain must be in units in which masses and inertias are above 1e-15, the least that MuJoCo "
@@ -269,7 +284,7 @@ def _mjcf_bodies(tree: Tree, depth: int, name: str) -> list[str]:
     for i, body in enumerate(tree.bodies):
         pad = " " * (depth + i)
         lines.append(f'{pad}<body name="{body.name}" pos="{_n(*body.position)}"{_quat(body.rotation)}>')
-        moments, axes = _principal(body)
+        moments, axes = principal_moments(body)
         mass = f'pos="{_n(*body.centre)}" mass="{_n(body.mass)}" diaginertia="{_n(*moments)}"{_quat(axes)}'
         lines.append(f"{pad} <inertial {mass}/>")
         for joint in body.joints:
@@ -283,18 +298,6 @@ def _mjcf_bodies(tree: Tree, depth: int, name: str) -> list[str]:
         if tree.anchor is not None and i + 1 == len(tree.bodies):
             lines.append(f'{pad} <site name="{name}_tip" pos="{_n(*body.tip)}"/>')
     return lines + [f"{' ' * (depth + i)}</body>" for i in reversed(range(len(tree.bodies)))]
-
-
-def _principal(body: Body) -> tuple[Vector, Rows]:
-    """Return a body's principal moments of inertia and their axes, as columns."""
-    (xx, xy, xz), (_, yy, yz), (_, _, zz) = body.inertia
-    if not (xy or xz or yz):
-        return (xx, yy, zz), IDENTITY
-    moments, axes = np.linalg.eigh(np.array(body.inertia))
-    axes[:, 0] *= np.sign(np.linalg.det(axes))
-    x, y, z = moments.tolist()
-    one, two, three = map(tuple, axes.tolist())
-    return (x, y, z), (one, two, three)
 
 
 def _quat(rotation: Rows) -> str:
@@ -345,6 +348,9 @@ def mjcf_ties(ties: Sequence[Tie], timestep: float) -> Iterator[str]:
 
 
 XML_HEAD = '<?xml version="1.0" encoding="utf-8"?>'
+#: The first version with springs of joints. DART's own reader takes none after 1.6, and finds gravity only
+#: where 1.5 has it, in <physics>; Gazebo's and Drake's bring older files up to date.
+SDF_HEAD = '<sdf version="1.5">'
 _KINDS = {"hinge": "revolute", "slide": "prismatic"}
 
 
@@ -387,15 +393,15 @@ def _sdf(model: Model) -> Sequence[Iterable[str]]:
     if not model.fragment:
         inner = [
             f'<world name="{model.name}_world">',
-            f" <gravity>{_n(*gravity)}</gravity>",
             ' <physics name="fixed_step" default="true" type="ode">',
             f"  <max_step_size>{model.timestep!r}</max_step_size>",
             "  <real_time_factor>1</real_time_factor>",
+            f"  <gravity>{_n(*gravity)}</gravity>",
             " </physics>",
             *(f" {line}" for line in inner),
             "</world>",
         ]
-    head = [XML_HEAD, *_comment(model, *notes), '<sdf version="1.7">']
+    head = [XML_HEAD, *_comment(model, *notes), SDF_HEAD]
     return (["\n".join([*head, *(f" {line}" for line in inner), "</sdf>", ""])],)
 
 
@@ -454,11 +460,14 @@ def _urdf(model: Model) -> Sequence[Iterable[str]]:
     notes = (
         f"URDF knows no springs: without those in {one_line(model.paths[1].name)} this is a loose chain",
         "gravity is not part of a URDF file: with it the beam sags and rings at other frequencies",
-        "PyBullet: set each spring's torque before every step, force=0 for the motor that a joint has by",
-        "default, and linearDamping=0, angularDamping=0, which are 0.04 by default",
-        *_carriers(model.tree),
+        'for PyBullet, the format "pybullet" writes a script beside it that sets them',
     )
-    lines = [XML_HEAD, *_comment(model, *notes), f'<robot name="{model.name}">']
+    return [_urdf_text(model, *notes)], ["\n".join([*_springs_yaml(model), ""])]
+
+
+def _urdf_text(model: Model, *notes: str) -> str:
+    carriers = _carriers(model.tree)
+    lines = [XML_HEAD, *_comment(model, *notes, *carriers), f'<robot name="{model.name}">']
     if not any(joint.kind == "free" for body in model.tree.bodies for joint in body.joints):
         lines.append(' <link name="world"/>')
     thickness = _thickness(model.tree)
@@ -480,7 +489,7 @@ def _urdf(model: Model) -> Sequence[Iterable[str]]:
                 f"  <limit {_URDF_LIMITS[link.joint.kind]}/>",
             ]
         lines.append(" </joint>")
-    return ["\n".join([*lines, "</robot>", ""])], ["\n".join([*_springs_yaml(model), ""])]
+    return "\n".join([*lines, "</robot>", ""])
 
 
 def _urdf_link(body: Body, thickness: float) -> Iterator[str]:
@@ -521,6 +530,59 @@ def yaml_number(value: float) -> str:
     """
     text = repr(float(value))
     return text if "." in text else text.replace("e", ".0e")
+
+
+@_format(
+    "pybullet",
+    ".py",
+    ("second", "damping", "timestep", "load"),
+    engine="PyBullet",
+    beside=".urdf",
+    most_bodies=_MAX_LINKS,
+)
+def _pybullet(model: Model) -> Sequence[Iterable[str]]:
+    script, urdf = (path.name for path in model.paths)
+    notes = f"for {one_line(script)}, which sets its springs: URDF knows none", *_weight(model)
+    facts = *model.facts, *_weight(model)
+    text = pybullet_script(model.name, facts, model.tree, model.timestep, model.gravity, urdf)
+    return [text], [_urdf_text(model, *notes)]
+
+
+@_format(
+    "exudyn",
+    ".py",
+    ("second", "damping", "timestep", "load"),
+    engine="Exudyn RK44",
+    most_bodies=_MAX_LINKS,
+)
+def _exudyn(model: Model) -> Sequence[Iterable[str]]:
+    facts = *model.facts, *_weight(model)
+    return ([exudyn_script(model.name, facts, model.tree, model.timestep, model.gravity)],)
+
+
+def _weight(model: Model) -> Iterator[str]:
+    """Yield what the head says on gravity."""
+    on = any(model.gravity)
+    yield f"gravity is {'on: the' if on else 'off: with it the'} beam sags and rings at other frequencies"
+
+
+@_format(
+    "usd",
+    ".usda",
+    ("second", "damping", "load"),
+    said=("Newton MuJoCo", "Newton Featherstone"),
+    most_bodies=_MAX_LINKS,
+)
+def _usd(model: Model) -> Sequence[Iterable[str]]:
+    notes = (
+        "springs and dampers are drives to zero, of hinges per degree: the schema's unit",
+        f"gravity is {'on' if any(model.gravity) else 'off'} in the scene, which a reference to the file",
+        "leaves out; with it the beam sags and rings at other frequencies than without load",
+        *_carriers(model.tree),
+    )
+    _check_bodies(model)
+    lines = usd_lines(model.tree, model.name, _head(model, *notes), model.gravity, model.units)
+    return (["\n".join([*lines, ""])],)
 
 
 @_format("csv", ".csv")

@@ -16,7 +16,21 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-__all__ = ["IDENTITY", "NEARLY_NOTHING", "Body", "Joint", "Link", "Rows", "Tie", "Tree", "Vector", "links"]
+import numpy as np
+
+__all__ = [
+    "IDENTITY",
+    "NEARLY_NOTHING",
+    "Body",
+    "Joint",
+    "Link",
+    "Rows",
+    "Tie",
+    "Tree",
+    "Vector",
+    "links",
+    "principal_moments",
+]
 
 Vector = tuple[float, float, float]
 #: Of a matrix.
@@ -127,3 +141,15 @@ def links(tree: Tree) -> Iterator[Link]:
             parent, position, rotation = name, still, IDENTITY
         yield Link(parent, position, rotation, body, body.joints[-1] if body.joints else None)
         parent = body.name
+
+
+def principal_moments(body: Body) -> tuple[Vector, Rows]:
+    """Return a body's principal moments of inertia and their axes, as columns."""
+    (xx, xy, xz), (_, yy, yz), (_, _, zz) = body.inertia
+    if not (xy or xz or yz):
+        return (xx, yy, zz), IDENTITY
+    moments, axes = np.linalg.eigh(np.array(body.inertia))
+    axes[:, 0] *= np.sign(np.linalg.det(axes))
+    x, y, z = moments.tolist()
+    one, two, three = map(tuple, axes.tolist())
+    return (x, y, z), (one, two, three)

@@ -17,7 +17,7 @@ from beammodes.chains.structure_chain import StructureChain
 from beammodes.checks import percent, shown
 from beammodes.exporters.engine_step import chosen_step
 from beammodes.exporters.export_facts import one_line
-from beammodes.exporters.formats import MAX_NESTED, XML_HEAD, mjcf_firm, mjcf_ties, yaml_number
+from beammodes.exporters.formats import MAX_NESTED, SDF_HEAD, XML_HEAD, mjcf_firm, mjcf_ties, yaml_number
 from beammodes.exporters.structure_tree import HINGE, Closure, StructureTree, TreeBody, structure_tree
 from beammodes.problem.loading import Load
 from beammodes.vibration.damping import Damping
@@ -248,11 +248,11 @@ def _sdf(name: str, tree: StructureTree, facts: tuple[str, ...], run: Run) -> li
     lines = [
         XML_HEAD,
         *_comment(*facts, *notes),
-        '<sdf version="1.7">',
+        SDF_HEAD,
         f' <world name="{name}_world">',
-        f"  <gravity>{_n(run.gravity[0], 0, run.gravity[1])}</gravity>",
         f'  <physics name="fixed_step" default="true" type="ode"><max_step_size>{run.step!r}</max_step_size>'
-        "<real_time_factor>1</real_time_factor></physics>",
+        "<real_time_factor>1</real_time_factor>"
+        f"<gravity>{_n(run.gravity[0], 0, run.gravity[1])}</gravity></physics>",
         f'  <model name="{name}">',
     ]
     for body in bodies:

@@ -19,6 +19,8 @@ class UnitSystem:
         ASCII, as files carry them.
     metres : float [m]
         The unit of length.
+    kilograms : float [kg]
+        The unit of mass.
 
     Examples
     --------
@@ -31,6 +33,7 @@ class UnitSystem:
     mass: str
     mass_per_length: str
     metres: float
+    kilograms: float
 
     @property
     def joint_stiffness(self) -> str:
@@ -48,11 +51,14 @@ class UnitSystem:
         return f"{self.length}, {self.mass}, s, {self.force} and rad"
 
 
+#: International inch and pound at standard gravity, exact by definition.
+_INCH, _POUND_FORCE = 0.0254, 0.45359237 * 9.80665
+
 #: By the names that the option --units and the argument `units` take.
 UNIT_SYSTEMS: Mapping[str, UnitSystem] = MappingProxyType(
     {
-        "SI": UnitSystem("m", "N", "kg", "kg/m", 1.0),
-        "mm-N-t": UnitSystem("mm", "N", "t", "t/mm", 1e-3),
-        "in-lbf-s": UnitSystem("in", "lbf", "lbf s2/in", "lbf s2/in2", 0.0254),
+        "SI": UnitSystem("m", "N", "kg", "kg/m", 1.0, 1.0),
+        "mm-N-t": UnitSystem("mm", "N", "t", "t/mm", 1e-3, 1e3),
+        "in-lbf-s": UnitSystem("in", "lbf", "lbf s2/in", "lbf s2/in2", _INCH, _POUND_FORCE / _INCH),
     }
 )

@@ -4,10 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
-from beammodes.checks import Shown, bounded, is_text, shown
+import numpy as np
+
+from beammodes.checks import Shown, bounded, is_text, shown, unwrapped
 from beammodes.problem.loading import Number, kept_number
-from beammodes.problem.profiles import Table
+from beammodes.problem.profiles import Table, check_kinds
 
 __all__ = ["AppliedLoad", "LineLoad", "PointLoad"]
 
@@ -59,7 +62,7 @@ class PointLoad(Shown):
             raise ValueError(f"member must be left out of a load at a joint, got {shown(self.member)}")
         if self.x is not None:
             object.__setattr__(self, "x", _place("x", self.x))
-        pair = self.force
+        pair: Any = _listed("force", self.force)
         if isinstance(pair, Sequence) and not is_text(pair):
             items = bounded("force", pair, most=2)
             if len(items) != 2:
@@ -105,13 +108,15 @@ class LineLoad(Shown):
     member: str | None = None
 
     def __post_init__(self) -> None:
-        given = self.per_length
+        given: Any = _listed("per_length", self.per_length)
         if isinstance(given, Sequence) and not is_text(given):
             listed = bounded("per_length", given, most=_MOST_COEFFICIENTS)
             if not listed:
                 raise ValueError(f"per_length must have one coefficient at least, got {shown(given)}")
             given = tuple(kept_number("per_length", c) for c in listed)
-        elif not isinstance(given, Table):
+        elif isinstance(given, Table):
+            check_kinds("per_length", given)
+        else:
             given = (kept_number("per_length", given),)
         object.__setattr__(self, "per_length", given)
         object.__setattr__(self, "start", _place("start", self.start))
@@ -129,6 +134,11 @@ def _check_words(**words: str | None) -> None:
     for name, word in words.items():
         if word is not None and not isinstance(word, str):
             raise TypeError(f"{name} must be the name of a {name}, got {shown(word)}")
+
+
+def _listed(name: str, value: object) -> Any:
+    plain = unwrapped(name, value)
+    return plain.tolist() if isinstance(plain, np.ndarray) and plain.ndim == 1 else plain
 
 
 def _place(name: str, value: object) -> Number:

@@ -12,14 +12,14 @@ import difflib
 import math
 import re
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import lru_cache
 from typing import Any, NoReturn
 
 import numpy as np
 from numpy.typing import NDArray
 
-from beammodes.checks import Shown, bounded, choice, distinct, not_negative, shown
+from beammodes.checks import Shown, bounded, choice, distinct, kind_given, not_negative, shown
 from beammodes.problem.ends import ENDS, Boundary, End, ends_in, is_pair
 from beammodes.problem.motions import MOTIONS, Motion, motion_named
 
@@ -51,10 +51,15 @@ class AxialEnd(Shown):
 
     stiffness: float = 0.0
     inertia: float = 0.0
+    #: The motions in whose units its numbers came, "" of plain ones.
+    in_si: str = field(default="", init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
-        for name in ("stiffness", "inertia"):
-            number = not_negative(name, getattr(self, name), infinite=name == "stiffness")
+        for name, unit in (("stiffness", "N m or N/m"), ("inertia", "kg m2 or kg")):
+            kind = kind_given(getattr(self, name))
+            if kind is not None:
+                object.__setattr__(self, "in_si", self.in_si + ("twist" if kind[1] else "stretch"))
+            number = not_negative(name, getattr(self, name), unit, infinite=name == "stiffness")
             object.__setattr__(self, name, number)
         if self.is_fixed:
             object.__setattr__(self, "inertia", 0.0)
@@ -128,6 +133,8 @@ class AxialBoundary(Shown):
         for name, end in (("left", self.left), ("right", self.right)):
             if not isinstance(end, AxialEnd):
                 raise TypeError(f"{name} must be an AxialEnd, got {shown(end)}; AxialBoundary.of reads names")
+            if end.in_si.replace(axial_motion(self.motion).name, ""):
+                raise TypeError(f"{name} must be in units of {self.motion}, got those of {end.in_si}: {end}")
         axial_motion(self.motion)
 
     @classmethod

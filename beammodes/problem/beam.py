@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import sys
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, fields, is_dataclass
 from typing import TYPE_CHECKING, Any, TypeAlias
@@ -10,7 +11,17 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from beammodes.checks import Shown, bounded, flag, is_text, positive_real, real, real_numbers, shown
+from beammodes.checks import (
+    Shown,
+    bounded,
+    flag,
+    is_text,
+    positive_real,
+    real,
+    real_numbers,
+    shown,
+    unwrapped,
+)
 from beammodes.numerics.arrays import Floats
 from beammodes.problem.profiles import (
     SAME_PLACE,
@@ -18,6 +29,7 @@ from beammodes.problem.profiles import (
     BrokenFunction,
     Profile,
     Table,
+    check_kinds,
     mean_over,
     profile_breaks,
     table_with_breaks,
@@ -44,7 +56,7 @@ _OPTIONAL = ("shear_stiffness", "torsional_stiffness", "polar_inertia_per_length
 _GRID, _MAY_VANISH, _MOST_PARTS = 65, "rotary_inertia_per_length", 100_000
 
 
-def kept_property(name: str, given: object, length: float, breaks: tuple[float, ...] = ()) -> Profile:
+def kept_property(name: str, given: Any, length: float, breaks: tuple[float, ...] = ()) -> Profile:
     """Return a property of a beam of this length as it is kept: a number, a table or a function.
 
     A table and a function take the `breaks` with them.
@@ -59,10 +71,12 @@ def kept_property(name: str, given: object, length: float, breaks: tuple[float, 
     >>> kept_property("bending_stiffness", [2, 1], 1.0)
     Table(x=(0.0, 0.5, 0.5, 1.0), value=(2.0, 2.0, 1.0, 1.0))
     """
+    given = unwrapped(name, given)
     if isinstance(given, Table) or _is_row(given):
         kept = _spanning(name, given, length) if isinstance(given, Table) else _steps(name, given, length)
         return table_with_breaks(kept, breaks) if isinstance(kept, Table) else kept
     if callable(given):
+        given = _in_plain_numbers(name, given, length)
         _try(name, given, length)
         own = given.breaks if isinstance(given, BrokenFunction) else ()
         places = each_place_once(sorted((*own, *breaks)), length)
@@ -74,6 +88,31 @@ def kept_property(name: str, given: object, length: float, breaks: tuple[float, 
     if number < 0.0:
         raise ValueError(f"{name} must not be negative, got {shown(given)}")
     return number + 0.0
+
+
+def _in_plain_numbers(name: str, function: Any, length: float) -> Any:
+    """Return a function that may give quantities with units as one that gives plain numbers."""
+    if "pint" not in sys.modules:
+        return function
+    try:
+        value = function(0.5 * length)
+    except Exception:
+        # What is wrong with it is told where it is tried along the beam.
+        return function
+    if unwrapped(name, value) is value:
+        return function
+    if isinstance(function, BrokenFunction):
+        return BrokenFunction(_InPlainNumbers(name, function.function), function.breaks)
+    return _InPlainNumbers(name, function)
+
+
+@dataclass(frozen=True)
+class _InPlainNumbers:
+    name: str
+    function: Callable[[Any], Any]
+
+    def __call__(self, x: Any) -> Any:
+        return unwrapped(self.name, self.function(x))
 
 
 def kept_breaks(given: object, length: float) -> tuple[float, ...]:
@@ -89,6 +128,7 @@ def kept_breaks(given: object, length: float) -> tuple[float, ...]:
     >>> kept_breaks([0.7, 0.2], 1.0)
     (0.2, 0.7)
     """
+    given = unwrapped("breaks", given)
     if not isinstance(given, Sequence | np.ndarray) or (isinstance(given, np.ndarray) and given.ndim != 1):
         raise TypeError(f"breaks must be a sequence of positions, got {shown(given)}")
     places = sorted(real("breaks", place) for place in bounded("breaks", given))
@@ -136,6 +176,7 @@ def _spanning(name: str, table: Table, length: float) -> Profile:
         raise ValueError(
             f"{name} must be tabulated from 0 to the beam's length {length}, got a table up to {table.x[-1]}"
         )
+    check_kinds(name, table)
     for x, value in zip(table.x, table.value, strict=True):
         _allowed(name, value, f" at x = {x}")
     if min(table.value) == max(table.value):

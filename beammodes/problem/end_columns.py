@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from beammodes.checks import Shown, plain_array, real_numbers, shown
+from beammodes.checks import Shown, kind_given, plain_array, real_numbers, shown
 from beammodes.numerics.arrays import Floats
 from beammodes.problem.ends import NUMBERS_OF_END, Boundary, End, ManyEnds, check_no_hub
 
@@ -188,6 +188,7 @@ class Ends(Shown, ManyEnds):
         on_segment: Any = False,
     ) -> None:
         given = (translational_stiffness, rotational_stiffness, mass, rotary_inertia, offset)
+        self.in_si = any(kind_given(each) is not None for each in given)
         numbers = [_number(name, value) for name, value in zip(NUMBERS_OF_END, given, strict=True)]
         flags = plain_array("on_segment", on_segment)
         if not all(isinstance(flag, bool) for flag in flags.ravel().tolist()):

@@ -14,7 +14,7 @@ from typing import Any, NoReturn
 import numpy as np
 from numpy.typing import NDArray
 
-from beammodes.checks import Catalogue, Shown, bounded, choice, distinct, real, shown
+from beammodes.checks import Catalogue, Shown, bounded, choice, distinct, kind_given, real, shown, unwrapped
 
 __all__ = [
     "BOUNDARIES",
@@ -107,6 +107,8 @@ class End(Shown):
     offset: float | Fraction = 0.0
     on_segment: bool = field(default=False, kw_only=True)
     hub_radius: float | Fraction = field(default=0.0, kw_only=True)
+    #: Whether a number came with a unit, so that it is no multiple of a beam's own.
+    in_si: bool = field(default=False, init=False, repr=False, compare=False)
 
     @classmethod
     def hub(
@@ -140,7 +142,10 @@ class End(Shown):
 
     def __post_init__(self) -> None:
         for name in (*NUMBERS_OF_END, "hub_radius"):
-            value = getattr(self, name)
+            given = getattr(self, name)
+            value = unwrapped(name, given)
+            if kind_given(given) is not None:
+                object.__setattr__(self, "in_si", True)
             held = name.endswith("stiffness") and isinstance(value, float) and value == math.inf
             number = math.inf if held else real(name, value)
             if value and not number:
@@ -325,6 +330,29 @@ def check_no_hub(*ends: End) -> None:
                 f"boundary must have no hub_radius here, got {shown(str(end))}: chains, linearize, simulate, "
                 "euler_bernoulli and frequency_error take hubs"
             )
+
+
+def check_multiples(boundary: object) -> None:
+    """Raise ValueError if a number of an end came with a unit, where it is to be a multiple of a beam's own.
+
+    Examples
+    --------
+    >>> check_multiples(("clamped", End(mass=0.5)))
+    """
+    if _in_si(boundary):
+        raise ValueError(
+            "boundary must have multiples of a beam's own numbers, such as ρA L and EI/L³, got "
+            f"{shown(boundary)} in SI: give the beam with it"
+        )
+
+
+def _in_si(boundary: object) -> bool:
+    if isinstance(boundary, np.ndarray):
+        return boundary.dtype.kind == "O" and any(map(_in_si, boundary.ravel()))
+    if isinstance(boundary, tuple | list):
+        return any(map(_in_si, boundary))
+    ends = (getattr(boundary, side, None) for side in ("left", "right"))
+    return any(getattr(end, "in_si", False) for end in (boundary, *ends))
 
 
 #: A pair of ends of which either may stand for many.

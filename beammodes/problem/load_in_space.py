@@ -5,7 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from beammodes.checks import Shown, real, shown
+import numpy as np
+
+from beammodes.checks import Shown, real, shown, unwrapped
 
 __all__ = ["SpatialLoad"]
 
@@ -60,7 +62,8 @@ class SpatialLoad(Shown):
 
 
 def _three(name: str, given: object) -> Three:
-    values = given.tolist() if hasattr(given, "tolist") else given
+    plain = unwrapped(name, given)
+    values = plain.tolist() if isinstance(plain, np.ndarray) else plain
     if not isinstance(values, list | tuple) or len(values) != 3:
         raise TypeError(f"{name} must be three numbers, along x, y and z, got {shown(given)}")
     x, y, z = (real(name, value) + 0.0 for value in values)

@@ -5,7 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from fractions import Fraction
 
-from beammodes.checks import Shown, choice, real, shown
+import numpy as np
+
+from beammodes.checks import Shown, choice, real, shown, unwrapped
 
 __all__ = [
     "NO_LOAD",
@@ -163,12 +165,15 @@ def kept_number(name: str, value: object) -> Number:
         raise TypeError(
             f"{name} must be a number, got {shown(value)}: a TimedLoad is a load times a function of time"
         )
+    value = unwrapped(name, value)
     number = real(name, value)
     # A minus sign on zero would make two loads of one.
     return value if isinstance(value, Fraction) else number + 0.0
 
 
 def _vector(name: str, value: object, sign: int) -> Vector:
+    value = unwrapped(name, value)
+    value = value.tolist() if isinstance(value, np.ndarray) and value.ndim == 1 else value
     if isinstance(value, tuple | list):
         if len(value) != 2:
             raise ValueError(f"{name} must have two components, got {shown(value)}")

@@ -69,6 +69,17 @@ class Motion:
     displacement_unit: str
     along: bool = True
 
+    @property
+    def load_unit(self) -> str:
+        """Unit of a load, a stiffness times a displacement.
+
+        Examples
+        --------
+        >>> MOTIONS["twist"].load_unit, MOTIONS["stretch"].load_unit
+        ('N m', 'N')
+        """
+        return self.spring_unit.removesuffix(f"/{self.displacement_unit}")
+
     def numbers(self, beam: Beam) -> tuple[Profile, Profile]:
         """Return the beam's stiffness and inertia per length in this motion.
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import lru_cache
 from itertools import pairwise
 from typing import Any, TypeAlias
@@ -11,7 +11,7 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from beammodes.checks import Shown, bounded, real, real_numbers, shown
+from beammodes.checks import Shown, bounded, kind_given, real, real_numbers, shown, unwrapped
 from beammodes.numerics.arrays import Floats
 
 __all__ = [
@@ -236,13 +236,35 @@ class Table(Shown):
 
     x: tuple[float, ...]
     value: tuple[float, ...]
+    #: The kinds of both where they were given with units, for whoever takes the table.
+    kinds: tuple[tuple[float, float, float] | None, ...] = field(
+        default=(None, None), repr=False, compare=False
+    )
 
     def __init__(self, x: Sequence[float] | NDArray[Any], value: Sequence[float] | NDArray[Any]) -> None:
-        object.__setattr__(self, "x", _row("x", x))
+        object.__setattr__(self, "kinds", (kind_given(x), kind_given(value)))
+        object.__setattr__(self, "x", _row("x", x, "m or s"))
         _check_positions(self.x)
-        object.__setattr__(self, "value", _row("value", value))
+        object.__setattr__(self, "value", _row("value", value, "any"))
         if len(self.value) != len(self.x):
             raise ValueError(f"value must be as many numbers as x, {len(self.x)}, got {len(self.value)}")
+
+
+def check_kinds(name: str, table: Table, *, x: str = "m", value: str | None = None) -> None:
+    """Raise TypeError if a table was given in units of other kinds than these; `value` is that of the name.
+
+    Examples
+    --------
+    >>> check_kinds("bending_stiffness", Table((0.0, 1.0), (2.0, 1.0)))
+    """
+    if table.kinds == (None, None):
+        return
+    from beammodes.problem.dimensions import kind_of, unit_of
+
+    units = x, unit_of(name) if value is None else value
+    for what, kind, unit in zip(("x", "value"), table.kinds, units, strict=True):
+        if kind is not None and kind != kind_of(unit):
+            raise TypeError(f"{name} must be a table whose {what} is in {unit} or a unit of that kind")
 
 
 def table_with_breaks(table: Table, breaks: Sequence[float]) -> Table:
@@ -404,7 +426,8 @@ def _line_at(table: Table, position: Floats) -> tuple[Floats, Floats]:
     return value[cell] + slope * (position - x[cell]), slope
 
 
-def _row(name: str, value: object) -> tuple[float, ...]:
+def _row(name: str, value: object, unit: str) -> tuple[float, ...]:
+    value = unwrapped(name, value, unit)
     if not isinstance(value, Sequence | np.ndarray) or (isinstance(value, np.ndarray) and value.ndim != 1):
         raise TypeError(f"{name} must be a sequence of real numbers, got {shown(value)}")
     row = tuple((real_numbers(name, bounded(name, value)) + 0.0).tolist())

@@ -18,7 +18,7 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from beammodes.checks import bounded, real, real_numbers, shown
+from beammodes.checks import bounded, real, real_numbers, shown, unwrapped
 from beammodes.numerics.arrays import Floats
 from beammodes.numerics.rotations import accumulated, carried
 from beammodes.problem.profiles import SAME_PLACE, function_values
@@ -241,6 +241,7 @@ def kept_curvature(given: CurvatureLike, length: float, breaks: tuple[float, ...
         return _tried(BendsAlong(given.function, given.breaks or breaks), length)
     if callable(given):
         return _tried(BendsAlong(given, breaks), length)
+    given = unwrapped("curvature", given)
     if not isinstance(given, Iterable) or isinstance(given, (str, bytes)):
         raise TypeError(
             f"curvature must be {_WANTED}, or a function of s that returns three, got {shown(given)}"

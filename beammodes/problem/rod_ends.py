@@ -9,7 +9,7 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
-from beammodes.checks import Shown, flag, not_negative, real, shown
+from beammodes.checks import Shown, flag, not_negative, real, shown, unwrapped
 from beammodes.numerics.arrays import Floats
 from beammodes.numerics.rotations import cross_matrix
 from beammodes.problem.ends import ENDS, Boundary, End, check_no_hub, end_of, pair_of
@@ -197,14 +197,19 @@ def _triple(name: str, given: object) -> Three:
 
 def _each(name: str, given: object, *, infinite: bool = False) -> Three:
     """Return three numbers that are not negative; one stands for all three."""
-    values = given.tolist() if isinstance(given, np.ndarray) else given
+    values = _listed(name, given)
     three = _three_of(name, values) if isinstance(values, list | tuple) else [values] * 3
     x, y, z = (not_negative(name, value, infinite=infinite) for value in three)
     return x, y, z
 
 
+def _listed(name: str, given: object) -> Any:
+    plain = unwrapped(name, given)
+    return plain.tolist() if isinstance(plain, np.ndarray) else plain
+
+
 def _three_of(name: str, given: object) -> Sequence[object]:
-    values = given.tolist() if isinstance(given, np.ndarray) else given
+    values = _listed(name, given)
     if not isinstance(values, list | tuple):
         raise TypeError(f"{name} must be three numbers, along x, y and z, got {shown(given)}")
     if len(values) != 3:
@@ -213,7 +218,7 @@ def _three_of(name: str, given: object) -> Sequence[object]:
 
 
 def _tensor(given: object) -> Tensor:
-    rows = given.tolist() if isinstance(given, np.ndarray) else given
+    rows = _listed("rotary_inertia", given)
     if isinstance(rows, list | tuple) and len(rows) == 3 and isinstance(rows[0], list | tuple):
         x, y, z = (_triple("rotary_inertia", row) for row in rows)
         matrix = np.array([x, y, z])

@@ -20,7 +20,17 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from beammodes.checks import Shown, bounded, choice, is_text, not_negative, real, shown, told_fields
+from beammodes.checks import (
+    Shown,
+    bounded,
+    choice,
+    is_text,
+    not_negative,
+    real,
+    shown,
+    told_fields,
+    unwrapped,
+)
 from beammodes.problem.beam import Beam
 from beammodes.problem.ends import NUMBERS_OF_END, Boundary, BoundaryLike, End, check_no_hub
 from beammodes.problem.profiles import SAME_PLACE, BrokenFunction, Profile, Table, table_limit, value_at
@@ -614,6 +624,7 @@ def _check_length(member: Member, start: Joint, end: Joint) -> None:
 
 
 def _row(name: str, value: object, count: int) -> list[Any]:
+    value = unwrapped(name, value)
     items = bounded(name, value, most=count) if isinstance(value, Iterable) else []
     if len(items) != count:
         raise TypeError(f"{name} must be {count} numbers, got {shown(value)}")

@@ -23,7 +23,7 @@ from beammodes.exact.exact_beam import plain_modes, wavenumber
 from beammodes.numerics.arrays import Floats, frozen
 from beammodes.problem.axial_ends import AxialBoundaryLike
 from beammodes.problem.beam import Beam
-from beammodes.problem.ends import Boundary, BoundaryLike
+from beammodes.problem.ends import Boundary, BoundaryLike, check_multiples
 from beammodes.problem.motions import motion_named
 from beammodes.springs.axial_matching import AxialMatched, AxialMatchedSprings, match_axial_springs
 from beammodes.springs.inverse_eigenvalue import (
@@ -183,6 +183,8 @@ class SpringTask:
     ) -> SpringTask:
         """Return the task, or raise what `match_springs` says it raises."""
         pair = Boundary.of(boundary)
+        if beam is None:
+            check_multiples(pair)
         count = _matchable(segments)
         layout = Chain(Beam.unit(), pair.canonical, count, "naive")
         wanted_modes = whole_number("modes", modes)

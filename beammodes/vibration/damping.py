@@ -31,6 +31,7 @@ from beammodes.checks import (
     positive_real,
     real_numbers,
     shown,
+    unwrapped,
     whole_number,
 )
 from beammodes.numerics.arrays import Floats
@@ -101,11 +102,9 @@ class Damping(Shown):
     joint: float | tuple[float, ...] = 0.0
 
     def __post_init__(self) -> None:
-        for name in ("mass", "stiffness"):
-            object.__setattr__(self, name, not_negative(name, getattr(self, name)))
-        given: Any = self.joint
-        if isinstance(given, np.ndarray) and given.ndim == 0:
-            (given,) = bounded("joint", given)
+        for name, unit in (("mass", "1/s"), ("stiffness", "s")):
+            object.__setattr__(self, name, not_negative(name, getattr(self, name), unit))
+        given: Any = unwrapped("joint", self.joint)
         if isinstance(given, Sequence | np.ndarray) and not is_text(given):
             kept: float | tuple[float, ...] = tuple(
                 not_negative(f"joint[{i}]", d) for i, d in enumerate(bounded("joint", given, most=MAX_PIECES))
