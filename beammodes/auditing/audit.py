@@ -12,7 +12,6 @@ from beammodes.accuracy.chain_against_beam import stout_remark
 from beammodes.auditing.body_tree import SpringPlace
 from beammodes.auditing.judged_pieces import SOLVED, UNKNOWN, Columns, JudgedPieces
 from beammodes.chains.chain import Chain
-from beammodes.chains.rules import RULES
 from beammodes.checks import Shown, percent, row_shown, shown, small_fraction
 from beammodes.numerics.arrays import Floats
 from beammodes.problem.beam import Beam
@@ -24,8 +23,6 @@ __all__ = ["Audit", "StepVerdict", "Suggestion", "audit_chain", "listed_errors"]
 
 #: Names of suggestions that are no rule for the chain's own hinges.
 _TUNED, _MOVED, _HINGED = "first_spring_tuned", "gregory", "gregory with a hinge at the body"
-#: The corrected rule with the hinges of a stub.
-_CORRECTED = {0.0: "gregory", 0.5: "half_stub_corrected", 1.0: "rigid_stub_corrected"}
 #: Springs nearer to those of the corrected rule are its own already.
 _SAME_SPRING = 1e-4
 #: A smaller relative difference of lengths or masses is not reported.
@@ -389,13 +386,13 @@ def _better(judged: JudgedPieces) -> Iterator[Suggestion]:
 
 def _corrected(judged: JudgedPieces) -> Iterator[Suggestion]:
     """Yield the springs of the corrected rule with these hinges, unless the chain has them."""
-    if not judged.likeliest or not len(judged.springs):
-        return
-    own, count = judged.likeliest[0]
-    rule = RULES[_CORRECTED[float(own.stub)]]
-    weights = np.array(rule.hinge_weights(judged.rule_boundary, count), dtype=np.float64)
-    if weights.min() > 0 and judged.departure(rule, count) > _SAME_SPRING:
-        yield _for_same_hinges(judged, rule.name, judged.unit(count) / weights)
+    found = []
+    for rule, count in judged.corrected() if len(judged.springs) else ():
+        weights = judged.weights(rule, count)
+        if weights.min() > 0 and judged.departure(rule, count) > _SAME_SPRING:
+            found.append(_for_same_hinges(judged, rule.name, judged.unit(count) / weights))
+    # Which of two suits a body on the last segment better, its inertia tells.
+    yield from sorted(found, key=lambda each: np.nan_to_num(np.abs(each.errors)).max())
 
 
 def _tuned(judged: JudgedPieces) -> Iterator[Suggestion]:
@@ -453,7 +450,7 @@ def _by_search(judged: JudgedPieces, at: int) -> float:
 
 def _moved(judged: JudgedPieces) -> Iterator[Suggestion]:
     """Yield the rule with hinges at the walls, of as many rods, unless the hinges are there already."""
-    stubless = any(rule.stub == 0 for rule, _ in judged.likeliest)
+    stubless = any(rule.stub == 0 for rule, _ in judged.likeliest) and not judged.is_welded
     # What armature would cost at other hinges is not known.
     if not stubless and any(judged.bends) and not np.any(judged.armature):
         yield from _by_rule(judged, judged.rule_boundary, _MOVED)

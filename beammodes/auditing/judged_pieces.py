@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
+from fractions import Fraction
 from functools import cached_property
 from typing import Any
 
@@ -19,7 +20,7 @@ from beammodes.checks import percent, shown, whole_number
 from beammodes.exact.beam_theory import euler_bernoulli
 from beammodes.numerics.arrays import Floats
 from beammodes.problem.beam import Beam
-from beammodes.problem.ends import Boundary
+from beammodes.problem.ends import Boundary, End
 from beammodes.problem.loading import Load
 from beammodes.problem.profiles import mean_over
 from beammodes.vibration.damping import Damping, ModalDamping, damped_eigenvalues, damped_pairs
@@ -43,6 +44,33 @@ _SAME = 1e-3
 _KIND = 0.01
 #: Less is the rounding of numbers in files, and of frequencies that are solved for.
 _ROUNDING, SOLVED = 1e-5, 1e-10
+
+
+#: The corrected rule with the hinges of a stub.
+_CORRECTED = {0.0: "gregory", 0.5: "half_stub_corrected", 1.0: "rigid_stub_corrected"}
+#: Springs where the wall holds the first segment, while the body at the other end has a hinge of its own. Of
+#: such a wall the beam feels what it feels of a heavy body on its segment.
+_CLAMP = End(mass=1.0, rotary_inertia=1.0, on_segment=True)
+_WELDED = (
+    Rule("rigid_stub", ["1"], guided=["1"]),
+    Rule("rigid_stub_corrected", RULES["gregory"].clamped, carried=RULES["rigid_stub_corrected"].clamped),
+)
+#: The corrected rules with other springs where a body is part of the last segment, which suit a body whose
+#: rotary inertia counts: of hinges a segment away those of rigid_stub_corrected, of hinges half a segment away
+#: those of half_stub_corrected.
+_AT_BODIES = {
+    name: Rule(
+        f"{name} with springs for the body",
+        rule.clamped,
+        guided=rule.guided,
+        carried=RULES[
+            "half_stub_corrected" if rule.stub == Fraction(1, 2) else "rigid_stub_corrected"
+        ].clamped,
+        stub=rule.stub,
+    )
+    for name, rule in RULES.items()
+    if name in _CORRECTED.values()
+}
 
 
 # A chain with the armature a and the dampers d of its hinges. In undamped modes of unit modal mass hinges
@@ -234,28 +262,57 @@ class JudgedPieces:
     @cached_property
     def _told(self) -> tuple[Boundary, list[Found]]:
         """The ends by which a rule is told, and the rules with this chain's hinges, each with its N."""
-        found = self._layouts(self.boundary)
-        if found:
-            return self.boundary, found
-        # A body without a hinge of its own is on the last segment.
         ends = (self.boundary.left, self.boundary.right)
+        # A body without a hinge of its own is on the last segment.
         carried = Boundary(*(end if end.holds_rotation else replace(end, on_segment=True) for end in ends))
-        return carried, self._layouts(carried)
+        for boundary in (self.boundary, carried):
+            bodies = any(end.statics == "carried" for end in (boundary.left, boundary.right))
+            found = self._layouts(boundary, [*RULES.values(), *(_AT_BODIES.values() if bodies else ())])
+            if found:
+                return boundary, found
+        clamps = [end.statics == "clamped" and end.holds_rotation for end in ends]
+        welded = Boundary(*(_CLAMP if clamp else end for end, clamp in zip(ends, clamps, strict=True)))
+        found = self._layouts(welded, _WELDED) if any(clamps) and not all(clamps) else []
+        return (welded, found) if found else (carried, [])
+
+    @property
+    def is_welded(self) -> bool:
+        """True if a wall holds a whole segment, and the body at the other end has a hinge of its own."""
+        return any(found is rule for found, _ in self.layouts for rule in _WELDED)
 
     @property
     def rule_boundary(self) -> Boundary:
-        """The ends by which a rule is told."""
-        return self._told[0]
+        """The ends of a chain of these rods by a rule."""
+        return self.boundary if self.is_welded else self._told[0]
 
     @property
     def layouts(self) -> list[Found]:
         """The rules that put hinges where this chain has them, each with its N."""
         return self._told[1]
 
-    def _layouts(self, boundary: Boundary) -> list[Found]:
+    def corrected(self) -> list[Found]:
+        """Return the corrected rules with this chain's hinges, and N."""
+        if not self.likeliest:
+            return []
+        own, count = self.likeliest[0]
+        name = _CORRECTED[float(own.stub)]
+        rules = [_WELDED[1] if self.is_welded else RULES[name]]
+        return [(rule, count) for rule in [*rules, *([_AT_BODIES[name]] if self._carries else [])]]
+
+    @property
+    def _carries(self) -> bool:
+        """True if a body is part of an outer segment."""
+        ends = (self.rule_boundary.left, self.rule_boundary.right)
+        return any(end.statics == "carried" for end in ends)
+
+    def weights(self, rule: Rule, count: int) -> Floats:
+        """Return a rule's flexibility weights of this chain's hinges."""
+        return np.array(rule.hinge_weights(self._told[0], count), dtype=np.float64)
+
+    def _layouts(self, boundary: Boundary, rules: Iterable[Rule]) -> list[Found]:
         pieces, total = len(self.length), self.length.sum()
         found = []
-        for rule in RULES.values():
+        for rule in rules:
             for count in range(max(1, pieces - 2), pieces + 1):
                 cut = np.array(rule.piece_lengths(boundary, count), dtype=np.float64)
                 if (
@@ -283,8 +340,8 @@ class JudgedPieces:
 
     def departure(self, rule: Rule, count: int) -> float:
         """Return the largest relative difference of a spring from the rule's."""
-        weights = np.array(rule.hinge_weights(self.rule_boundary, count), dtype=np.float64)
-        return float(np.abs(self.springs * weights / self.unit(count) - 1).max(initial=0.0))
+        off = self.springs * self.weights(rule, count) / self.unit(count) - 1
+        return float(np.abs(off).max(initial=0.0))
 
     def unit(self, count: int) -> float:
         """Return EI/ell."""
@@ -296,7 +353,7 @@ class JudgedPieces:
         What a section has of rotary inertia beyond the beam's does not change with N: the error falls with
         the rule's order down to what that costs. Other rotary inertia than a rod's is an error of order 2.
         """
-        declared = rule.declared_order(self.rule_boundary)
+        declared = rule.declared_order(self._told[0])
         kept = self._is_uniform and self._has_section and not self.beam.has_rotary_inertia
         return declared if kept else min(declared, 2)
 
@@ -405,6 +462,9 @@ class JudgedPieces:
     def _where(self, rule: Rule) -> str:
         stub = float(rule.stub)
         left, right = self.bends
+        if self.is_welded:
+            first, last = ("first", "last") if self.boundary.left.holds_rotation else ("last", "first")
+            return f"{first} segment is rigid with its parent, {last} hinge is at the body at that end"
         if not (left or right):
             middle = "at the middles of equal segments" if stub == 0.5 else "where equal segments meet"
             return f"hinges are {middle}"
