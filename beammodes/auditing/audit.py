@@ -39,7 +39,8 @@ class Suggestion(Shown):
     ----------
     name : str
         Of the rule, or "first_spring_tuned": only the spring nearest the held end is changed, so that
-        mode 1 is exact; or "gregory with a hinge at the body", which is rigid with the last segment now.
+        mode 1 is exact; or, where a body is rigid with the last segment, of a rule "with springs for the
+        body", which suit one of much rotary inertia, or "gregory with a hinge at the body".
     moves_hinges : bool
         Whether the hinges are others than the chain's; if so its rods are the rule's too.
     hinge_position : ndarray, shape (hinges,) [m]

@@ -49,7 +49,7 @@ from beammodes.auditing.serial_chains import (
     hinge_line,
     hinge_paths,
     root_support,
-    with_inner_motors_held,
+    with_motors_held,
     without_stretch,
 )
 from beammodes.auditing.space_audit import SpatialAudit, audit_along, audit_in_space
@@ -175,7 +175,7 @@ def audit_file(
         file: held where the ground carries the chain, pinned on a hinge without a spring, free at the tip
         unless fixed tendons support it, with a body where an outer piece is heavier than its neighbours. Your
         word counts for what a file cannot say: that a motor holds its joint, such as an elbow between two
-        flexible links, or that a body which moves is held.
+        flexible links or a hand at the tip, or that a body which moves is held.
     modes, tolerance
         As `audit_chain` takes them.
     chain : str, optional
@@ -404,9 +404,14 @@ def _read(place: Path, asked: _Request, springs: Path | None) -> _Read:
 
 
 def _of_file(model: Model, asked: _Request) -> _Read:
-    held, motors = with_inner_motors_held(model) if asked.boundary is not None else (model, [])
+    held, motors = with_motors_held(model)
     if not motors:
         return _in_any_plane(model, asked)
+    if asked.boundary is None:
+        try:
+            return _in_any_plane(model, asked)
+        except BadModel as error:
+            raise BadModel(f"{error}{_if_held(held, motors, asked)}") from None
     reads: list[_Read] = []
     why = f"{' and '.join(motors)} held, because you say so"
     for each, said in ((model, ()), (held, (why,))):
@@ -420,6 +425,15 @@ def _of_file(model: Model, asked: _Request) -> _Read:
     # What carries an elbow may be a part of the beam or what holds it: the length says which is meant.
     off = [abs(sum(p.length for p in read.chains[0].pieces) / asked.beam.length - 1) for read in reads]
     return reads[0] if len(reads) == 1 or off[0] <= off[1] + 1e-6 else reads[1]
+
+
+def _if_held(model: Model, motors: Sequence[str], asked: _Request) -> str:
+    """Return what the boundary is if motors hold these joints, empty if that makes no chain either."""
+    try:
+        name = ended_chains(_in_any_plane(model, asked).chains[0], None)[0].boundary.name
+    except ValueError:
+        return ""
+    return f'; with {" and ".join(motors)} held it is "{name}"'
 
 
 def _from_csv(place: Path, length: float) -> _Read:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
-from fractions import Fraction
 from functools import cached_property
 from typing import Any
 
@@ -56,20 +55,20 @@ _WELDED = (
     Rule("rigid_stub_corrected", RULES["gregory"].clamped, carried=RULES["rigid_stub_corrected"].clamped),
 )
 #: The corrected rules with other springs where a body is part of the last segment, which suit a body whose
-#: rotary inertia counts: of hinges a segment away those of rigid_stub_corrected, of hinges half a segment away
-#: those of half_stub_corrected.
+#: rotary inertia counts, and the rule whose springs these are.
 _AT_BODIES = {
     name: Rule(
         f"{name} with springs for the body",
-        rule.clamped,
-        guided=rule.guided,
-        carried=RULES[
-            "half_stub_corrected" if rule.stub == Fraction(1, 2) else "rigid_stub_corrected"
-        ].clamped,
-        stub=rule.stub,
+        RULES[name].clamped,
+        guided=RULES[name].guided,
+        carried=RULES[springs].clamped,
+        stub=RULES[name].stub,
     )
-    for name, rule in RULES.items()
-    if name in _CORRECTED.values()
+    for name, springs in {
+        "gregory": "rigid_stub_corrected",
+        "rigid_stub_corrected": "rigid_stub_corrected",
+        "half_stub_corrected": "half_stub_corrected",
+    }.items()
 }
 
 
@@ -460,6 +459,15 @@ class JudgedPieces:
         return ""
 
     def _where(self, rule: Rule) -> str:
+        ends = {"first": self.rule_boundary.left, "last": self.rule_boundary.right}
+        bodies = [
+            f", a body is part of the {which} segment"
+            for which, end in ends.items()
+            if end.statics == "carried"
+        ]
+        return "".join([self._where_hinges_are(rule), *bodies])
+
+    def _where_hinges_are(self, rule: Rule) -> str:
         stub = float(rule.stub)
         left, right = self.bends
         if self.is_welded:

@@ -241,6 +241,10 @@ def planar_chain(path: HingePath, line: HingeLine, far: FarEnd, length: float, w
     _check(path, line, root)
     reach = line.places[-1] - line.places[0]
     near, tip = _near_lengths(path, line, root), _far_lengths(path, line, far, reach, root)
+    segment = _segment(path, line, 1, root)
+    if segment and near.certain and abs(near.values[0] - 0.5 * segment.length) <= _ALIKE * segment.length:
+        # Where half a segment begins the chain, half a segment may end it.
+        tip = tip if tip.certain else replace(tip, values=(*tip.values, 0.5 * segment.length))
     if far.turning and root is not None:
         # Beyond the far hinge the beam may go on, so its length does not tell where it begins.
         near = _Lengths(near.values[:1])
@@ -249,7 +253,6 @@ def planar_chain(path: HingePath, line: HingeLine, far: FarEnd, length: float, w
     cuts = [line.places[0] - start, *line.places, line.places[-1] + end]
     spans = itertools.pairwise(cuts[1:])
     moving = [_piece(group, line, *span) for group, span in zip(path.groups, spans, strict=True)]
-    segment = _segment(path, line, 1, root)
     if root is not None:
         first = _piece(path.root, line, cuts[0], cuts[1])
     else:
@@ -308,7 +311,7 @@ def _check(path: HingePath, line: HingeLine, support: RootSupport | None) -> Non
                     f"{other.joints[0].name} on body {group.name} must be a hinge with a spring, parallel "
                     f"to {line.hinges[0].name}: nothing else may move on the chain. If a motor holds it, "
                     "say by boundary what the chain's ends are: a hinge without a spring between hinges with "
-                    "springs is then held"
+                    "springs, or beyond them, is then held"
                 )
     in_space = len(path.axes()) > 1 or path.in_space or (support is not None and support.in_space)
     for group in (*([path.root] if support else []), *path.groups):

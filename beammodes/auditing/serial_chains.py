@@ -28,7 +28,7 @@ __all__ = [
     "hinge_paths",
     "lone_segment",
     "root_support",
-    "with_inner_motors_held",
+    "with_motors_held",
     "without_stretch",
 ]
 
@@ -246,10 +246,11 @@ def without_stretch(model: Model) -> tuple[Model, list[str]]:
     return replace(model, bodies=bodies), list(at_rest.values())
 
 
-def with_inner_motors_held(model: Model) -> tuple[Model, list[str]]:
-    """Return a model whose hinges without a spring between hinges with springs are held, and their names.
+def with_motors_held(model: Model) -> tuple[Model, list[str]]:
+    """Return a model whose joints without springs in a chain or at its tip are held, and their names.
 
-    No beam has a hinge inside: who says what a beam's ends are says that a motor holds such an elbow.
+    No beam has a hinge inside: who says what a beam's ends are says that a motor holds such an elbow, or what
+    carries a hand at the tip and its fingers.
     """
     sprung = [any(joint.is_sprung for joint in body.joints) for body in model.bodies]
     above = list(sprung)
@@ -261,8 +262,10 @@ def with_inner_motors_held(model: Model) -> tuple[Model, list[str]]:
             below[body.parent] |= below[i] or sprung[i]
     bodies, names = list(model.bodies), []
     for i, body in enumerate(model.bodies):
-        loose = body.joints and all(joint.kind == "hinge" and not joint.stiffness for joint in body.joints)
-        if loose and above[i] and below[i]:
+        loose = bool(body.joints) and not sprung[i] and above[i]
+        elbow = below[i] and all(joint.kind == "hinge" for joint in body.joints)
+        hand = not below[i] and body.parent >= 0 and not below[body.parent]
+        if loose and (elbow or hand):
             bodies[i] = replace(body, joints=())
             names += [joint.name for joint in body.joints]
     return replace(model, bodies=tuple(bodies)), names
