@@ -165,8 +165,10 @@ def read_xml(path: str | os.PathLike[str], file: str = "") -> XmlElement:
     ...     read_xml(file.name).children[0].tag
     'worldbody'
     """
-    data = _tolerated(bounded_bytes(path))
-    builder = _Builder(file)
+    whole = bounded_bytes(path)
+    data = _tolerated(whole)
+    # Nothing but a mark at the head is shorter than in the file.
+    builder = _Builder(file, len(whole) - len(data))
     try:
         for start in range(0, max(len(data), 1), _CHUNK):
             builder.parser.Parse(data[start : start + _CHUNK], False)
@@ -202,7 +204,7 @@ def _tolerated(data: bytes) -> bytes:
 class _Builder:
     """Collects elements while expat reports them."""
 
-    def __init__(self, file: str) -> None:
+    def __init__(self, file: str, mark: int) -> None:
         self.root = XmlElement("", {}, 0)
         self.open = [self.root]
         self.parser: Any = expat.ParserCreate()
@@ -212,7 +214,7 @@ class _Builder:
         self.parser.CharacterDataHandler = self._text
         self.parser.StartDoctypeDeclHandler = self._doctype
         self.count = 0
-        self.file = file
+        self.file, self.mark = file, mark
 
     def _start(self, tag: str, attributes: dict[str, str]) -> None:
         self.count += 1
@@ -221,7 +223,9 @@ class _Builder:
             raise BadModel(f"line {line}: must have at most {MAX_ELEMENTS} elements")
         if len(self.open) > MAX_DEPTH:
             raise BadModel(f"line {line}: must have elements nested at most {MAX_DEPTH} deep")
-        element = XmlElement(tag, attributes, line, file=self.file, start=self.parser.CurrentByteIndex)
+        element = XmlElement(
+            tag, attributes, line, file=self.file, start=self.mark + self.parser.CurrentByteIndex
+        )
         name = attributes.get("name", "")
         if len(name) > _LONGEST_NAME or not name.isprintable():
             element.refuse(f"must have a printable name of at most {_LONGEST_NAME} characters")
