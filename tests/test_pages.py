@@ -50,7 +50,7 @@ def blocks(source: str, language: str) -> list[str]:
 
 
 #: Pages that tell one story from the first block to the last.
-STORIES = ("audit", "cables", "units")
+STORIES = ("audit", "cables", "tutorial", "units")
 PYTHON = [
     (page.stem, block) for page in EVERY for block in blocks(text(page), "python") if page.stem not in STORIES
 ]
