@@ -23,10 +23,11 @@ import numpy as np
 
 from beammodes.auditing.audit import Audit, StepVerdict, audit_chain, listed_errors
 from beammodes.auditing.axial_audit import AxialAudit
-from beammodes.auditing.body_tree import FileStep, Model
+from beammodes.auditing.body_tree import FileStep, Model, ModelRod
 from beammodes.auditing.bounded_xml import BadModel, read_xml
 from beammodes.auditing.judged_pieces import UNKNOWN, longest_step
 from beammodes.auditing.model_ends import EndedChain, ended_chains
+from beammodes.auditing.mujoco_flex import rod_in_plane
 from beammodes.auditing.planar_chain import (
     Piece,
     PlanarChain,
@@ -507,6 +508,9 @@ def _axis_by_axis(model: Model, asked: _Request) -> _Read | None:
 
 
 def _of_model(model: Model, asked: _Request) -> _Read:
+    rod = _rod(model, asked.chain)
+    if rod is not None:
+        return _of_rod(model, rod, asked)
     paths = hinge_paths(model)
     path = chosen_path(paths, asked.chain)
     names = [each.name for each in paths if each is not path]
@@ -519,6 +523,57 @@ def _of_model(model: Model, asked: _Request) -> _Read:
             raise
         raise BadModel(f"{error}; {others}: say by chain which one is the beam") from None
     return replace(read, given=(*read.given, others)) if others else read
+
+
+def _rod(model: Model, name: str | None) -> ModelRod | None:
+    """Return the rod of points that is meant: the one of that name, or the longest if nothing has springs."""
+    for rod in model.rods:
+        if name is not None and rod.has(name):
+            return rod
+    if not model.rods or any(joint.is_sprung for body in model.bodies for joint in body.joints):
+        return None
+    if name is not None:
+        choice("chain", name, [rod.name for rod in model.rods])
+    return max(model.rods, key=lambda rod: len(rod.points))
+
+
+def _of_rod(model: Model, rod: ModelRod, asked: _Request) -> _Read:
+    if rod.refusal:
+        raise BadModel(rod.refusal)
+    planes = dict(zip(_letters(rod.across), (0, 1), strict=True))
+    off = [abs(math.log(rigidity / asked.beam.mean_bending_stiffness)) for rigidity in rod.rigidity]
+    label = min(planes, key=lambda each: off[planes[each]])
+    if asked.plane is not None:
+        label = choice("plane", asked.plane, planes)
+    held = [why for name, why in model.held if rod.has(name)]
+    if held and asked.boundary is None:
+        raise BadModel(f"{held[0]} holds the rod: say by boundary what its ends are")
+    others = [each.name for each in model.rods if each is not rod][:_LISTED]
+    said = [*rod.given, f"deflection along {label}; there are springs for {', '.join(planes)}"]
+    said += [f"other rods in the file: {', '.join(others)}"] if others else []
+    pull = np.cross(*rod.across) @ model.gravity
+    across = float(np.linalg.norm([each @ model.gravity for each in rod.across]))
+    return _Read(
+        (rod_in_plane(rod, planes[label]),),
+        tuple(said),
+        (*model.notes, *rod.notes, *held),
+        _rod_step(model.step, rod),
+        (float(pull), across),
+        label,
+        off[planes[label]],
+    )
+
+
+def _rod_step(step: FileStep | None, rod: ModelRod) -> FileStep | None:
+    """Return the file's step with a record that takes a flex's damping as MuJoCo does, explicitly.
+
+    MuJoCo 4 does not move flexes by its implicit integrators.
+    """
+    if step is None or step.integrator.startswith("implicit"):
+        return None
+    if not rod.damping or step.integrator != "Euler":
+        return step
+    return replace(step, record="semi_implicit_euler")
 
 
 def _of_path(model: Model, path: HingePath, asked: _Request) -> _Read:
@@ -601,10 +656,14 @@ def _words(path: HingePath, line: HingeLine, given: Boundary | None) -> list[str
 
 def _labelled(lines: Sequence[HingeLine]) -> dict[str, HingeLine]:
     """Return lines by the axis along which they deflect; of two alike, each has a letter of its own."""
-    found: dict[str, HingeLine] = {}
-    for line in lines:
-        order = np.argsort(-np.abs(line.across).round(6), kind="stable")
-        found[next(letter for letter in ("xyz"[i] for i in order) if letter not in found)] = line
+    return dict(zip(_letters([line.across for line in lines]), lines, strict=True))
+
+
+def _letters(directions: Sequence[Floats]) -> list[str]:
+    found: list[str] = []
+    for direction in directions:
+        order = np.argsort(-np.abs(direction).round(6), kind="stable")
+        found.append(next(letter for letter in ("xyz"[i] for i in order) if letter not in found))
     return found
 
 

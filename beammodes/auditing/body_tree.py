@@ -20,6 +20,7 @@ __all__ = [
     "Model",
     "ModelBody",
     "ModelJoint",
+    "ModelRod",
     "ModelTie",
     "Solid",
     "SpringPlace",
@@ -329,6 +330,34 @@ class ModelTie:
     place: SpringPlace | None = None
 
 
+@dataclass(frozen=True, eq=False)
+class ModelRod:
+    """Points in their order along a rod whose edges bend against each other, in the world at rest.
+
+    `masses` [kg], `held` and `names` are those of the points and their bodies; `rigidity` [N m²] is EI for
+    deflections along the two directions `across`; `damping` [s] is how much of each spring resists its speed;
+    `place` says why a file cannot set single springs; `given` what the rod's numbers come from, `notes` what
+    is left out, `refusal` why it is not judged, empty if it is.
+    """
+
+    name: str
+    points: Floats
+    masses: Floats
+    held: tuple[bool, ...]
+    names: tuple[str, ...] = ()
+    rigidity: tuple[float, float] = (0.0, 0.0)
+    across: tuple[Floats, Floats] = (np.zeros(3), np.zeros(3))
+    damping: float = 0.0
+    place: SpringPlace | None = None
+    given: tuple[str, ...] = ()
+    notes: tuple[str, ...] = ()
+    refusal: str = ""
+
+    def has(self, name: str) -> bool:
+        """Return True if the rod or the body of one of its points has that name."""
+        return name == self.name or name in self.names
+
+
 @dataclass(frozen=True)
 class FileStep:
     """The time step of a model file [s], its integrator as the file names it, and its record's name."""
@@ -345,7 +374,8 @@ class Model:
     `held` are bodies and joints that other constraints act on, each with the constraint's name; `notes` say
     what the reader left out; `step` is None where the format or the file has none; `gravity` is in m/s²;
     `hint` says where springs may be missing, for a model without any; `in_space` that some hinges have been
-    put at rest; `given` what its springs come from, if they are no numbers of the file.
+    put at rest; `given` what its springs come from, if they are no numbers of the file; `rods` what is made
+    of points in place of bodies on hinges.
     """
 
     bodies: tuple[ModelBody, ...]
@@ -357,6 +387,7 @@ class Model:
     hint: str = ""
     in_space: bool = False
     given: tuple[str, ...] = ()
+    rods: tuple[ModelRod, ...] = ()
 
 
 @dataclass(eq=False)

@@ -89,7 +89,7 @@ def _fits(supports: tuple[float, float], end: End) -> bool:
 
 def _inferred(chain: PlanarChain) -> EndedChain:
     pieces = list(chain.pieces)
-    if chain.far[0] < chain.far[1] == math.inf:
+    if chain.far[0] < chain.far[1] == math.inf and chain.bodies is None:
         _pass_point_on(pieces)
     assumed = chain.assumed
     if chain.hub and chain.near_hinge:
@@ -107,7 +107,10 @@ def _inferred(chain: PlanarChain) -> EndedChain:
         between = [piece for piece in pieces[1:-1] if piece.length]
         own = _outward(pieces[at], at)
         neighbour = between[at] if between else chain.segment
-        body = _body(own, _outward(neighbour, at) if neighbour else None, supports)
+        if chain.bodies is not None:
+            body = (0.0 if supports[0] == math.inf else chain.bodies[at], 0.0, 0.0)
+        else:
+            body = _body(own, _outward(neighbour, at) if neighbour else None, supports)
         # Ten digits: what is beyond is left from taking the rod off.
         mass, inertia, offset = (float(f"{value:.10g}") for value in body)
         # A body that is rigid with a segment has no hinge of its own to the beam.

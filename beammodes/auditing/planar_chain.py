@@ -91,7 +91,8 @@ class PlanarChain:
     `near` and `far` hold the outer pieces across and in turning, infinite where held; `near_hinge` is the
     hinge behind `near`, for its damping and armature. `assumed` says what was assumed in reading it so;
     `segment` is what segments are like, where no piece between two hinges shows one; `hub` [m] is how much of
-    the first piece, which turns on the near hinge, is a hub and no beam.
+    the first piece, which turns on the near hinge, is a hub and no beam. `bodies` [kg] are points at its ends
+    that are no part of it, where that is known; else the outer pieces tell.
     """
 
     pieces: tuple[Piece, ...]
@@ -102,6 +103,7 @@ class PlanarChain:
     assumed: tuple[str, ...] = ()
     segment: Piece | None = None
     hub: float = 0.0
+    bodies: tuple[float, float] | None = None
 
 
 def held_piece(length: float, others: Sequence[Piece] = ()) -> Piece:

@@ -6,7 +6,7 @@ In order: included files; settings and default classes; frames and replicates; m
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -19,6 +19,7 @@ from beammodes.auditing.body_tree import (
     Model,
     ModelBody,
     ModelJoint,
+    ModelRod,
     ModelTie,
     Solid,
     SpringPlace,
@@ -40,6 +41,7 @@ from beammodes.auditing.mujoco_cable import (
     settings_of,
     with_cable_springs,
 )
+from beammodes.auditing.mujoco_flex import MOST_POINTS, flexcomp_points, listed, ordered, rod_of_points
 from beammodes.checks import shown
 from beammodes.numerics.arrays import Floats
 from beammodes.vibration.integrators import find_integrator
@@ -195,6 +197,8 @@ class _Reader:
         #: Joints that an equality constraint holds where they are, and that constraint.
         self.locked = dict(self._locked_joints())
         self.acted_sites = dict(self._acted_sites())
+        #: Flexcomps of rods: the element, the index of its body, its own and the body's frame, its name.
+        self.flexes: list[tuple[XmlElement, int, Frame, Frame, str]] = []
         #: The body of each site.
         self.homes: dict[str, str] = {}
 
@@ -213,6 +217,7 @@ class _Reader:
             self._gravity() if self.alone else np.zeros(3),
             hint=self._hint(),
             given=tuple(cables),
+            rods=tuple(self._rods()),
         )
 
     def _hint(self) -> str:
@@ -323,13 +328,17 @@ class _Reader:
     def _read_bodies(self, world: XmlElement) -> None:
         """Read the bodies below an element, without recursion: a chain nests as deep as it is long."""
         waiting = [(*found, -1, Frame()) for found in self._inside(world, "main", "body")][::-1]
+        self._note_flexes(world, "main", -1, Frame(), "")
         for odd, *_ in self._inside(world, "main", *_UNREAD):
+            if _is_rod(odd):
+                continue
             self.notes.append(f"{odd.where} is left out here: {_UNREAD[odd.tag]}")
         while waiting:
             element, place, class_name, suffix, parent, outer = waiting.pop()
             class_name = element.attributes.get("childclass", class_name)
             frame = outer @ place @ self._pose(element)
             index = len(self.bodies)
+            self._note_flexes(element, class_name, index, frame, suffix)
             self.bodies.append(self._body(element, parent, frame, class_name, suffix))
             self.frames.append(frame)
             if index > _MOST_BODIES:
@@ -351,7 +360,7 @@ class _Reader:
             (
                 found
                 for found, *_ in self._inside(element, class_name, *_UNREAD)
-                if cable is None or found.tag != "plugin"
+                if not _is_rod(found) and (cable is None or found.tag != "plugin")
             ),
             None,
         )
@@ -371,6 +380,111 @@ class _Reader:
             f"joint {j.name} is held by {self.locked[j.name]}" for j in joints if j.name in self.locked
         ]
         return replace(found.placed(frame), joints=tuple(j for j in joints if j.name not in self.locked))
+
+    def _note_flexes(
+        self, element: XmlElement, class_name: str, index: int, frame: Frame, suffix: str
+    ) -> None:
+        for flex, place, _, more in self._inside(element, class_name, "flexcomp"):
+            if _is_rod(flex):
+                name = flex.attributes.get("name", f"flexcomp on line {flex.line}") + suffix + more
+                self.flexes.append((flex, index, frame @ place @ self._pose(flex), frame, name))
+
+    def _rods(self) -> Iterator[ModelRod]:
+        """Yield the rods that flexes of dim 1 are, made by a flexcomp or of bodies."""
+        for flex, parent, frame, outer, name in self.flexes:
+            points, elements, pinned = flexcomp_points(flex)
+            order = ordered(flex, elements, len(points))
+            share = flex.at_least_0("mass", flex.number("mass", "1")) / len(points)
+            rod = ModelRod(
+                name,
+                np.array([frame.point(points[i]) for i in order]),
+                np.full(len(points), share),
+                tuple(pinned[i] for i in order),
+                tuple(f"{name}_{i}" for i in order),
+                refusal=self._why_no_rod(flex, parent),
+            )
+            yield rod_of_points(flex, rod, outer.rotation)
+        for flex in self._within("deformable", "flex"):
+            if _is_rod(flex):
+                yield self._rod_of_bodies(flex)
+
+    def _why_no_rod(self, flex: XmlElement, parent: int) -> str:
+        dof = flex.attributes.get("dof", "full")
+        if dof != "full":
+            return f"{flex.where} must have a dof of full, got {shown(dof)}"
+        if flex.attributes.get("rigid") == "true":
+            return f"{flex.where} must not be rigid"
+        if flex.first("plugin") is not None:
+            return f"{flex.where} must have no plugin"
+        return (
+            "" if self._is_still(parent) else f"{flex.where} must be on the ground, or on what does not move"
+        )
+
+    def _is_still(self, index: int) -> bool:
+        while index >= 0:
+            if self.bodies[index].joints:
+                return False
+            index = self.bodies[index].parent
+        return True
+
+    def _rod_of_bodies(self, flex: XmlElement) -> ModelRod:
+        """Return the rod of a flex whose points are bodies on three slides, or on what does not move."""
+        names = flex.attributes.get("body", "").split(maxsplit=2 * MOST_POINTS)
+        count = len(names)
+        vertices = np.array(flex.read("vertex", flex.attributes.get("vertex", "0 " * 3 * count), 3 * count))
+        elements = [int(i) for i in listed(flex, "element", 2).ravel()]
+        order = ordered(flex, elements, count)
+        index = {body.name: i for i, body in enumerate(self.bodies)} | {"world": -1}
+        unknown = next((name for name in names if name not in index), None)
+        if unknown is not None:
+            flex.refuse(f"must be of bodies of the model, got {shown(unknown)}")
+        homes = [index[names[i]] for i in order]
+        frames = [self.frames[home] if home >= 0 else Frame() for home in homes]
+        points = [at.point(vertices.reshape(-1, 3)[i]) for at, i in zip(frames, order, strict=True)]
+        held = tuple(map(self._is_still, homes))
+        masses = self._masses_of_points(homes, held)
+        odd = next((names[i] for i, mass in zip(order, masses, strict=True) if math.isnan(mass)), None)
+        refusal = self._why_no_rod(flex, -1)
+        if odd is not None and not refusal:
+            refusal = f"{flex.where} must be of bodies on three slides, or on what does not move, not {odd}"
+        rod = ModelRod(
+            flex.attributes.get("name", f"flex on line {flex.line}"),
+            np.array(points),
+            masses,
+            held,
+            tuple(names[i] for i in order),
+            refusal=refusal,
+        )
+        return rod_of_points(flex, rod, frames[0].rotation)
+
+    def _masses_of_points(self, homes: Sequence[int], held: Sequence[bool]) -> Floats:
+        """Return the masses that points move, NaN if not as points; held ones are as heavy as most."""
+        carried = [body.inertial.mass for body in self.bodies]
+        free = [body.joints == () for body in self.bodies]
+        for i in range(len(self.bodies) - 1, -1, -1):
+            parent = self.bodies[i].parent
+            if parent >= 0:
+                carried[parent] += carried[i] if free[i] else math.nan
+        masses = np.array(
+            [
+                0.0 if still else carried[i] * self._moves_as_a_point(i)
+                for i, still in zip(homes, held, strict=True)
+            ]
+        )
+        moving = masses[~np.array(held)]
+        masses[np.array(held)] = np.nanmedian(moving) if np.isfinite(moving).any() else 0.0
+        return masses
+
+    def _moves_as_a_point(self, index: int) -> float:
+        """Return 1 for a body on three slides at right angles and nothing else, else NaN."""
+        body = self.bodies[index]
+        axes = np.array([joint.axis for joint in body.joints])
+        slides = [
+            joint.kind == "slide" and not joint.is_sprung and not joint.armature for joint in body.joints
+        ]
+        square = len(axes) == 3 and np.abs(axes @ axes.T - np.eye(3)).max() < 1e-6
+        odd = body.refusal or any(joint.refusal for joint in body.joints)
+        return 1.0 if all(slides) and square and not odd and self._is_still(body.parent) else math.nan
 
     def _cable_piece(self, element: XmlElement, class_name: str, suffix: str) -> CablePiece | None:
         """Return what a body is in a cable, None if the plugin of cables does not move it."""
@@ -666,6 +780,11 @@ class _Reader:
             for end in ("site1", "site2"):
                 if given.get(end) in self.homes:
                     yield self.homes[given[end]], element.where
+
+
+def _is_rod(element: XmlElement) -> bool:
+    """Return True for a flex or flexcomp of points in a row."""
+    return element.tag in ("flex", "flexcomp") and element.attributes.get("dim", "2") == "1"
 
 
 def _place(element: XmlElement, kind: str = "hinge", *, copied: bool = False) -> SpringPlace:
