@@ -150,6 +150,8 @@ class Audit(Shown):
         Sentences on what the file does not say and was taken for granted, and on what is left out.
     step : StepVerdict or None
         None where the file has no time step or the chain more than 500 hinges.
+    weight : tuple of str
+        Sentences on what the file's gravity does to the chain and to the beam; none without gravity.
     theory : str
         The error of Euler-Bernoulli theory itself on this beam, where its section is known and the chain errs
         less on the theory; else empty.
@@ -181,6 +183,7 @@ class Audit(Shown):
     given: tuple[str, ...] = ()
     assumed: tuple[str, ...] = ()
     step: StepVerdict | None = None
+    weight: tuple[str, ...] = ()
     theory: str = ""
     other_readings: tuple[str, ...] = ()
     spring_places: tuple[SpringPlace | None, ...] = ()
@@ -223,7 +226,7 @@ class Audit(Shown):
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """All that is said beside the verdict: what is given, assumed, and found of damping and time step."""
+        """All that is said beside the verdict: what is given, assumed, found of damping, weight and step."""
         return (*self.given, *self.assumed, *self._motion(), *self.other_readings)
 
     def _motion(self) -> list[str]:
@@ -242,7 +245,7 @@ class Audit(Shown):
                 for value in self.damping_ratio.tolist()
             ]
             lines.append(f"the dampers of its hinges give the modes damping ratios of {', '.join(ratios)}")
-        return [*lines, *([str(self.step)] if self.step else [])]
+        return [*lines, *self.weight, *([str(self.step)] if self.step else [])]
 
     @property
     def text(self) -> str:

@@ -54,8 +54,10 @@ from beammodes.auditing.serial_chains import (
     without_stretch,
 )
 from beammodes.auditing.space_audit import SpatialAudit, audit_along, audit_in_space
+from beammodes.auditing.touching import touching_remark
+from beammodes.auditing.weight_effect import weight_remarks
 from beammodes.chains.chain import Chain
-from beammodes.checks import choice, instead, shown, small_fraction
+from beammodes.checks import choice, instead, percent, shown, small_fraction
 from beammodes.exporters.chain_csv import read_chain_csv
 from beammodes.numerics.arrays import Floats
 from beammodes.problem.axial_ends import AxialBoundary, AxialBoundaryLike
@@ -93,6 +95,10 @@ class _Read:
     left_out: tuple[str, ...] = ()
     step: FileStep | None = None
     gravity: tuple[float, float] = (0.0, 0.0)
+    #: Of the part across the chain, what bends it in its plane [m/s²].
+    sagging: float = 0.0
+    #: The share of the chain's mass that is in round caps of capsules.
+    caps: float = 0.0
     plane: str = ""
     #: Difference of the plane's springs from EI/ell, as a logarithm.
     distance: float = 0.0
@@ -350,6 +356,8 @@ def _audited(beam: Beam, read: _Read, found: EndedChain, modes: int, tolerance: 
     damping = np.array([spring.damping for spring in found.springs])
     ends = f"ends {found.boundary.name}"
     assumed = [*found.assumed, *([] if found.said else [f"{ends}, as far as the file tells"]), *read.left_out]
+    if any(read.gravity):
+        assumed.append("gravity is left out here: frequencies and errors are those without weight")
     try:
         # Numbers that are too far apart for each other end here, not in results that are none.
         with np.errstate(divide="raise", invalid="raise"):
@@ -367,6 +375,7 @@ def _audited(beam: Beam, read: _Read, found: EndedChain, modes: int, tolerance: 
                 tolerance=tolerance,
             )
             step = _step(read, chain, armature, damping)
+            weight = tuple(weight_remarks(beam, found.boundary, chain, (read.gravity[0], read.sagging)))
     except (ValueError, *_OUT_OF_RANGE) as error:
         first, last = found.springs[0].name, found.springs[-1].name
         raise BadModel(f"chain from hinge {first} to hinge {last} cannot be judged: {error}") from None
@@ -377,7 +386,26 @@ def _audited(beam: Beam, read: _Read, found: EndedChain, modes: int, tolerance: 
         given=(*read.given, *([ends] if found.said else [])),
         assumed=tuple(assumed),
         step=step,
+        weight=weight,
+        matter=(*_of_caps(read.caps, audit), *audit.matter),
     )
+
+
+def _caps(path: HingePath) -> float:
+    bodies = [body for group in path.groups for body in group.bodies]
+    mass = sum(body.inertial.mass for body in bodies)
+    return sum(body.caps for body in bodies) / mass if mass else 0.0
+
+
+def _of_caps(share: float, audit: Audit) -> list[str]:
+    """Return what capsules do that reach past their segments: with a density they make a chain heavier."""
+    if share <= 1e-6:
+        return []
+    heavier = share / (1 - share)
+    said = f"round caps of capsules, which reach past segments, hold {100 * share:.3g} % of the chain's mass"
+    if abs(audit.mass_mismatch - heavier) < 1e-2 * heavier:
+        said += f": by them it is {percent(heavier)} off the beam's"
+    return [said]
 
 
 def _step(read: _Read, chain: Chain, armature: Floats, damping: Floats) -> StepVerdict | None:
@@ -610,15 +638,18 @@ def _of_path(model: Model, path: HingePath, asked: _Request) -> _Read:
         'motion="space" judges all that the chain does'
     ]
     damped = [tie.name for tie in model.ties if tie.damping and names & dict(tie.terms).keys()]
+    touching = touching_remark(model, path, line)
     undamped = [f"the damping of tendon {name} is left out" for name in damped]
     along = float(model.gravity @ line.along)
     across = float(np.linalg.norm(model.gravity - along * line.along))
     return _Read(
         tuple(chains),
         tuple(said),
-        (*model.notes, *undamped, *(twist if balls else []), *held),
+        (*model.notes, *undamped, *(twist if balls else []), *held, *([touching] if touching else [])),
         model.step,
         (along, across if across > 1e-9 * abs(along) else 0.0),
+        abs(float(model.gravity @ line.across)),
+        _caps(path),
         label,
         _distance(line, beam),
     )

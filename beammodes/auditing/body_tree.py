@@ -22,6 +22,7 @@ __all__ = [
     "ModelJoint",
     "ModelRod",
     "ModelTie",
+    "Shape",
     "Solid",
     "SpringPlace",
     "about",
@@ -295,12 +296,46 @@ class Solid:
 
 
 @dataclass(frozen=True, eq=False)
+class Shape:
+    """What a solid, or a plane by its normal, takes part in contacts with: the box around it.
+
+    The columns of `half`, shape (3, 3), are half the box's edges [m]. Two shapes touch if a bit of one's
+    `kinds` is a bit of the other's `partners`.
+    """
+
+    middle: Floats
+    half: Floats
+    kinds: int
+    partners: int
+    normal: Floats | None = None
+
+    @classmethod
+    def of(cls, kind: str, size: Sequence[float], bits: tuple[int, int]) -> Shape:
+        """Return the shape of a solid about its middle, with sizes as `solid` takes them."""
+        if kind == "plane":
+            return cls(np.zeros(3), np.zeros((3, 3)), *bits, np.array([0.0, 0.0, 1.0]))
+        radius, last = size[0], size[-1]
+        edges = list(size[:3]) if kind in ("box", "ellipsoid") else [radius, radius, last]
+        if kind == "capsule":
+            edges[2] += radius
+        return cls(np.zeros(3), np.diag(edges), *bits)
+
+    def seen_from(self, frame: Frame) -> Shape:
+        """Return the same in the outer frame."""
+        normal = None if self.normal is None else frame.rotation @ self.normal
+        half = frame.rotation @ self.half
+        return Shape(frame.point(self.middle), half, self.kinds, self.partners, normal)
+
+
+@dataclass(frozen=True, eq=False)
 class ModelBody:
     """A rigid body, in the world's frame at rest.
 
     `parent` is the index of the body that it is fixed or jointed to, -1 the ground; without joints it is
     welded there. `extent` has the ends of its geometry, `solids` the solids that it is made of, none where
     the file gives its mass as one number; `refusal` says why it must not be in a chain, empty if it may.
+    `shapes` take part in contacts; `moves_with` and `moves_on` are the indices of the body with joints that
+    it is rigid with and of the one that carries that, -1 the ground; `caps` is the mass in round caps [kg].
     """
 
     name: str
@@ -310,12 +345,18 @@ class ModelBody:
     joints: tuple[ModelJoint, ...] = ()
     refusal: str = ""
     solids: Sequence[Solid] = ()
+    shapes: Sequence[Shape] = ()
+    moves_with: int = -1
+    moves_on: int = -1
+    caps: float = 0.0
 
     def placed(self, frame: Frame) -> ModelBody:
         """Return a body whose inertial, extent and solids are in its own frame in the world's."""
         solids = [Solid(s.inertial.seen_from(frame), frame.points(s.ends)) for s in self.solids]
         inertial = self.inertial.seen_from(frame)
-        return replace(self, inertial=inertial, extent=frame.points(self.extent), solids=solids)
+        shapes = [shape.seen_from(frame) for shape in self.shapes]
+        extent = frame.points(self.extent)
+        return replace(self, inertial=inertial, extent=extent, solids=solids, shapes=shapes)
 
 
 @dataclass(frozen=True)
@@ -373,9 +414,10 @@ class Model:
 
     `held` are bodies and joints that other constraints act on, each with the constraint's name; `notes` say
     what the reader left out; `step` is None where the format or the file has none; `gravity` is in m/s²;
-    `hint` says where springs may be missing, for a model without any; `in_space` that some hinges have been
-    put at rest; `given` what its springs come from, if they are no numbers of the file; `rods` what is made
-    of points in place of bodies on hinges.
+    `ground` are shapes of the ground, `apart` pairs of bodies that make no contact; `neighbours_touch` says
+    that a body may touch the one that it is jointed to. `hint` says where springs may be missing, for a model
+    without any; `in_space` that some hinges have been put at rest; `given` what its springs come from, if
+    they are no numbers of the file; `rods` what is made of points in place of bodies on hinges.
     """
 
     bodies: tuple[ModelBody, ...]
@@ -388,6 +430,9 @@ class Model:
     in_space: bool = False
     given: tuple[str, ...] = ()
     rods: tuple[ModelRod, ...] = ()
+    ground: Sequence[Shape] = ()
+    apart: frozenset[frozenset[str]] = frozenset()
+    neighbours_touch: bool = False
 
 
 @dataclass(eq=False)

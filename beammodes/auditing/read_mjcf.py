@@ -21,6 +21,7 @@ from beammodes.auditing.body_tree import (
     ModelJoint,
     ModelRod,
     ModelTie,
+    Shape,
     Solid,
     SpringPlace,
     about,
@@ -199,6 +200,7 @@ class _Reader:
         self.acted_sites = dict(self._acted_sites())
         #: Flexcomps of rods: the element, the index of its body, its own and the body's frame, its name.
         self.flexes: list[tuple[XmlElement, int, Frame, Frame, str]] = []
+        self.ground: list[Shape] = []
         #: The body of each site.
         self.homes: dict[str, str] = {}
 
@@ -218,7 +220,15 @@ class _Reader:
             hint=self._hint(),
             given=tuple(cables),
             rods=tuple(self._rods()),
+            ground=self.ground,
+            apart=frozenset(self._apart()),
+            neighbours_touch=self.flags.attributes.get("filterparent") == "disable",
         )
+
+    def _apart(self) -> Iterator[frozenset[str]]:
+        """Yield pairs of bodies that make no contact."""
+        for element in self._within("contact", "exclude"):
+            yield frozenset(element.attributes.get(key, "") for key in ("body1", "body2"))
 
     def _hint(self) -> str:
         joints = [joint for body in self.bodies for joint in body.joints]
@@ -252,8 +262,6 @@ class _Reader:
         for name in ("spring", "passive"):
             if self.flags.attributes.get(name) == "disable":
                 self.flags.refuse(f'must not have {name}="disable", which switches springs off')
-        if self.alone and any(self._gravity()):
-            yield "gravity is left out here: with it the chain sags and rings at other frequencies"
         if self.option.number("density", "0") or self.option.number("viscosity", "0"):
             yield "the fluid around is left out here: its drag and added mass lower frequencies"
 
@@ -329,6 +337,8 @@ class _Reader:
         """Read the bodies below an element, without recursion: a chain nests as deep as it is long."""
         waiting = [(*found, -1, Frame()) for found in self._inside(world, "main", "body")][::-1]
         self._note_flexes(world, "main", -1, Frame(), "")
+        for child, place, inherited, _ in self._inside(world, "main", "geom"):
+            self.ground += self._of_ground(self._with_defaults(child, "geom", inherited), place)
         for odd, *_ in self._inside(world, "main", *_UNREAD):
             if _is_rod(odd):
                 continue
@@ -347,6 +357,16 @@ class _Reader:
                 (child, at, inner, suffix + more, index, frame)
                 for child, at, inner, more in self._inside(element, class_name, "body")
             ][::-1]
+
+    def _of_ground(self, geom: XmlElement, place: Frame) -> list[Shape]:
+        kind = geom.attributes.get("type", "sphere")
+        if kind == "plane" and "mesh" not in geom.attributes:
+            frame, size = self._pose(geom), [0.0]
+        elif kind in _SIZES and "mesh" not in geom.attributes:
+            _, frame, size = self._geometry(geom, kind)
+        else:
+            return []
+        return [shape.seen_from(frame).seen_from(place) for shape in self._shapes(geom, kind, size)]
 
     def _body(
         self, element: XmlElement, parent: int, frame: Frame, class_name: str, suffix: str
@@ -370,6 +390,7 @@ class _Reader:
         refusals = [f"{odd.where} must be left out: {_UNREAD[odd.tag]}" if odd else ""]
         refusals += [self.acted_sites.get(site, "") for site in sites] + [matter.refusal]
         found = replace(matter, name=name, parent=parent, refusal=next(filter(None, refusals), ""))
+        above = self.bodies[parent].moves_with if parent >= 0 else -1
         joints = tuple(
             self._joint(joint, frame @ at, inner, f"joint {i} of {own_name}", suffix, more)
             for i, (joint, at, inner, more) in enumerate(
@@ -379,7 +400,15 @@ class _Reader:
         self.notes += [
             f"joint {j.name} is held by {self.locked[j.name]}" for j in joints if j.name in self.locked
         ]
-        return replace(found.placed(frame), joints=tuple(j for j in joints if j.name not in self.locked))
+        moves_with, moves_on = (len(self.bodies), above) if joints else (above, -1)
+        if not joints and above >= 0:
+            moves_on = self.bodies[above].moves_on
+        return replace(
+            found.placed(frame),
+            joints=tuple(j for j in joints if j.name not in self.locked),
+            moves_with=moves_with,
+            moves_on=moves_on,
+        )
 
     def _note_flexes(
         self, element: XmlElement, class_name: str, index: int, frame: Frame, suffix: str
@@ -513,7 +542,8 @@ class _Reader:
         """Return a body by its <inertial> or its solids, in its own frame."""
         extent: list[Floats] = []
         solids: list[Solid] = []
-        refusal = ""
+        shapes: list[Shape] = []
+        caps, refusal = 0.0, ""
         for child, place, inherited, _ in self._inside(element, class_name, "geom"):
             geom = self._with_defaults(child, "geom", inherited)
             kind = "mesh" if "mesh" in geom.attributes else geom.attributes.get("type", "sphere")
@@ -528,17 +558,28 @@ class _Reader:
                 needed = f"must be a {', '.join(_SIZES)}, filled, or have its body's mass in <inertial>"
                 refusal = f"{geom.where} {needed}"
                 continue
-            found, frame = self._geometry(geom, kind)
+            found, frame, size = self._geometry(geom, kind)
             ends = place.points(frame.points(found.ends))
             extent += ends
+            shapes += [shape.seen_from(frame).seen_from(place) for shape in self._shapes(geom, kind, size)]
             if counts:
                 solids.append(Solid(found.inertial.seen_from(frame).seen_from(place), ends))
+                if kind == "capsule":
+                    # Two half balls beside a tube of length 2 h: 4r/3 to 2h + 4r/3.
+                    caps += found.inertial.mass * size[0] / (1.5 * size[1] + size[0])
         given = element.first("inertial")
         if given is not None and self.inertia_from_geometry != "true":
-            return ModelBody("", -1, self._inertial(given), extent)
+            return ModelBody("", -1, self._inertial(given), extent, shapes=shapes)
         if self.inertia_from_geometry == "false":
-            return ModelBody("", -1, joined([]), extent)
-        return ModelBody("", -1, joined(s.inertial for s in solids), extent, refusal=refusal, solids=solids)
+            return ModelBody("", -1, joined([]), extent, shapes=shapes)
+        inertial = joined(s.inertial for s in solids)
+        return ModelBody("", -1, inertial, extent, refusal=refusal, solids=solids, shapes=shapes, caps=caps)
+
+    def _shapes(self, geom: XmlElement, kind: str, size: list[float]) -> list[Shape]:
+        """Return what a geometry takes part in contacts with about its middle, if in any."""
+        bits = (int(geom.number("contype", "1")), int(geom.number("conaffinity", "1")))
+        off = self.flags.attributes.get("contact") == "disable" or not any(bits)
+        return [] if off else [Shape.of(kind, size, bits)]
 
     def _inertial(self, element: XmlElement) -> Inertial:
         frame = self._pose(element)
@@ -549,8 +590,8 @@ class _Reader:
             moments = [*element.numbers("diaginertia", 3), 0.0, 0.0, 0.0]
         return Inertial.of(mass, moments).seen_from(frame)
 
-    def _geometry(self, geom: XmlElement, kind: str) -> tuple[Solid, Frame]:
-        """Return a solid about its middle, and the frame of its middle in its body's."""
+    def _geometry(self, geom: XmlElement, kind: str) -> tuple[Solid, Frame, list[float]]:
+        """Return a solid about its middle, the frame of its middle in its body's, and its sizes."""
         count = _SIZES[kind]
         frame = self._pose(geom)
         by_ends = "fromto" in geom.attributes
@@ -571,7 +612,8 @@ class _Reader:
         density = geom.number("density", "1000")
         if density < 0 or (mass or 0.0) < 0:
             geom.refuse("must have a mass and a density of at least 0")
-        return Solid(solid(kind, size[:count], mass, density), tuple(ends_of(kind, size))), frame
+        found = Solid(solid(kind, size[:count], mass, density), tuple(ends_of(kind, size)))
+        return found, frame, size[:count]
 
     def _compiled(self) -> list[ModelBody]:
         """Return the bodies with masses scaled to a total; refuse settings that change a single body."""

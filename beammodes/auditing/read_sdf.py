@@ -74,11 +74,10 @@ def read_sdf(root: XmlElement) -> Model:
             own = (ModelJoint(f"free motion of {name}", "free", np.zeros(3), frame.position),)
         inertial, extent = _matter(element)
         bodies.append(ModelBody(name, above, inertial, extent, own).placed(frame))
-    if world is not None and any(_gravity(world)):
-        notes.append("gravity is left out here: with it the chain sags and rings at other frequencies")
     sprung = any(joint.stiffness for body in bodies for joint in body.joints)
     hint = "SDFormat has a spring as <spring_stiffness> in the <dynamics> of a joint's <axis>"
-    return Model(tuple(bodies), notes=tuple(notes), hint="" if sprung else hint)
+    gravity = np.zeros(3) if world is None else np.array(_gravity(world))
+    return Model(tuple(bodies), notes=tuple(notes), gravity=gravity, hint="" if sprung else hint)
 
 
 def _gravity(world: XmlElement) -> list[float]:
