@@ -95,13 +95,13 @@ class _Read:
     left_out: tuple[str, ...] = ()
     step: FileStep | None = None
     gravity: tuple[float, float] = (0.0, 0.0)
+    plane: str = ""
+    #: Difference of the plane's springs from EI/ell, as a logarithm.
+    distance: float = 0.0
     #: Of the part across the chain, what bends it in its plane [m/s²].
     sagging: float = 0.0
     #: The share of the chain's mass that is in round caps of capsules.
     caps: float = 0.0
-    plane: str = ""
-    #: Difference of the plane's springs from EI/ell, as a logarithm.
-    distance: float = 0.0
 
 
 @overload
@@ -589,6 +589,7 @@ def _of_rod(model: Model, rod: ModelRod, asked: _Request) -> _Read:
         (float(pull), across),
         label,
         off[planes[label]],
+        sagging=abs(float(rod.across[planes[label]] @ model.gravity)),
     )
 
 
@@ -648,10 +649,10 @@ def _of_path(model: Model, path: HingePath, asked: _Request) -> _Read:
         (*model.notes, *undamped, *(twist if balls else []), *held, *([touching] if touching else [])),
         model.step,
         (along, across if across > 1e-9 * abs(along) else 0.0),
-        abs(float(model.gravity @ line.across)),
-        _caps(path),
         label,
         _distance(line, beam),
+        abs(float(model.gravity @ line.across)),
+        _caps(path),
     )
 
 
