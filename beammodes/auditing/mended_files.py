@@ -173,6 +173,8 @@ def mend_file(
       errors +0.000515 %, -0.00976 %, -0.218 %; that meets 1 %
     """
     flag("force", force)
+    if not isinstance(suggestion, str | None):
+        raise TypeError(f"suggestion must be the name of one, or None, got {shown(suggestion)}")
     place = _target(written, path, springs, force=force)
     asked: dict[str, Any] = {"modes": modes, "tolerance": tolerance, "chain": chain, "plane": plane}
     found = audit_file(path, beam, boundary, springs=springs, **asked)
@@ -230,13 +232,16 @@ def _chosen(found: Audit, name: str | None) -> Suggestion:
     """Return the suggestion of that name, or the first, of those for the same hinges."""
     kept = {each.name: each for each in found.suggestions if not each.moves_hinges}
     moved = {each.name for each in found.suggestions} - kept.keys()
-    if name is not None and name in moved:
+    if name in moved:
         others = f"; of springs for the same hinges there are {', '.join(kept)}" if kept else ""
         raise ValueError(f"suggestion must keep the hinges, got {shown(name)}, which moves them{others}")
     if kept:
         return kept[choice("suggestion", next(iter(kept)) if name is None else name, kept)]
     more = f"; {', '.join(sorted(moved))} would need other hinges" if moved else ""
-    raise BadModel(f"no springs for the same hinges are better than these: {found.remark}{more}")
+    raise BadModel(
+        "suggestion must be one for the same hinges, and there is none: no springs of a rule are better than "
+        f"these: {found.remark}{more}"
+    )
 
 
 def _numbers(found: Audit, chosen: Suggestion) -> dict[SpringPlace, NewNumber]:
