@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import difflib
+import json
 import os
 from pathlib import Path
 from typing import Any
@@ -14,7 +15,9 @@ from numpy.typing import NDArray
 from test_engine_steps import drake_plant
 from test_engines import ALL, elastic_frequencies, matrices, pinocchio_matrices
 
+from beammodes.__main__ import main
 from beammodes.auditing import mended_files
+from beammodes.auditing.audit_model import audit_file
 from beammodes.auditing.mended_files import mend_file
 from beammodes.chains.chain import Chain
 from beammodes.exporters.export import export_chain
@@ -187,7 +190,7 @@ def test_the_springs_of_urdf_change_by_their_numbers_only(mark: str, tmp_path: P
     mended = mend_file(path, tmp_path / "mended.springs.yaml", BEAM)
     k0, k1, k2, _ = new_springs(mended)
     assert mended.path.read_bytes() == (mark + YAML.format(k0, k1, k2)).encode()
-    assert mended.model == path and "to go with model.urdf" in mended.text
+    assert mended.model == path and "to take the place of model.springs.yaml beside" in mended.text
     pinocchio = pytest.importorskip("pinocchio")
     model = pinocchio.buildModelFromUrdf(str(path))
     numbers = dict(zip(mended.before.hinge_names, mended.suggestion.joint_stiffness.tolist(), strict=True))
@@ -241,6 +244,24 @@ def test_what_is_there_is_never_overwritten_unasked(tmp_path: Path) -> None:
     assert path.read_text() == sdf(*["10"] * 4)
 
 
+def test_the_command_writes_and_its_exit_code_is_that_of_the_written_file(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path, written = str(tmp_path / "model.sdf"), str(tmp_path / "mended.sdf")
+    export_chain(Chain(BEAM, "clamped-free", 10, "naive"), path)
+    call = ["audit", path, "--length", "0.8", "--ei", "2", "--rho-a", "0.5", "--json"]
+    assert main([*call, "--write", written]) == 0
+    answer = json.loads(capsys.readouterr().out)
+    assert (answer["meets"], answer["written"]["meets"]) == (False, True)
+    assert [row["hinge"] for row in answer["written"]["numbers"]] == [f"chain_hinge_{i}" for i in (1, 2, 3)]
+    found = audit_file(written, BEAM)
+    assert [row["frequency_hz"] for row in answer["written"]["modes"]] == found.frequency.tolist()
+    tuned = ["--suggestion", "first_spring_tuned"]
+    assert main([*call, "--write", written, "--force", *tuned]) == 1
+    assert main([*call, *tuned]) == 2
+    assert "--suggestion must be left out without --write" in capsys.readouterr().err
+
+
 def test_a_file_that_does_not_keep_its_promise_is_not_written(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -263,10 +284,20 @@ def test_what_cannot_be_written_is_said(tmp_path: Path) -> None:
     whole, parts = tmp_path / "whole.xml", tmp_path / "parts.xml"
     whole.write_text(f'<mujoco>{default}<worldbody><include file="arm.xml"/></worldbody></mujoco>')
     parts.write_text(f'<mujoco><include file="class.xml"/><worldbody>{body}</worldbody></mujoco>')
-    with pytest.raises(ValueError, match=r"they stand in 'arm\.xml', which the model includes"):
-        mend_file(whole, tmp_path / "mended.xml", BEAM)
+    # What is written takes the place of the file that has the numbers.
+    mended = mend_file(whole, tmp_path / "new_arm.xml", BEAM)
+    assert (mended.model.name, mended.original.name) == ("whole.xml", "arm.xml")
+    assert "to take the place of arm.xml beside whole.xml: 3 springs changed" in mended.text
+    whole.write_text(whole.read_text().replace("arm.xml", "new_arm.xml"))
+    again = audit_file(whole, BEAM)
+    np.testing.assert_array_equal(again.errors, mended.audit.errors)
     # Of a class in another file nothing is changed there: the hinge gets a number of its own.
     assert 'name="j1" stiffness=' in mend_file(parts, tmp_path / "mended.xml", BEAM).path.read_text()
+    with pytest.raises(ValueError, match="written must be another file than those that are read"):
+        mend_file(parts, tmp_path / "class.xml", BEAM, force=True)
+    whole.write_text(f'<mujoco>{default}<worldbody><include file="{tmp_path}/arm.xml"/></worldbody></mujoco>')
+    with pytest.raises(ValueError, match="must be included by its plain name"):
+        mend_file(whole, tmp_path / "again.xml", BEAM)
     folder = tmp_path / "elsewhere"
     folder.mkdir()
     with pytest.raises(ValueError, match=r"written must be in the folder of parts\.xml.*line 1: <include>"):

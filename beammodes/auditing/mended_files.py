@@ -6,6 +6,7 @@ import os
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
@@ -15,6 +16,7 @@ from beammodes.auditing.audit_model import audit_file
 from beammodes.auditing.body_tree import SpringPlace
 from beammodes.auditing.bounded_xml import BadModel, XmlElement, bounded_bytes, read_xml
 from beammodes.auditing.changed_springs import NewNumber, with_numbers
+from beammodes.auditing.read_mjcf import include_files
 from beammodes.checks import choice, flag, percent, row_shown, shown
 from beammodes.files import file_target, named_path, write_atomically
 from beammodes.numerics.arrays import Floats
@@ -37,8 +39,9 @@ class MendedFile:
     ----------
     path : Path
         The file that was written.
-    model : Path
-        The model file whose springs it mends: for a file of springs the URDF file that goes with it.
+    model, original : Path
+        The model file, and the file whose place the written one can take: the model itself, a URDF file's
+        springs, or a file that the model includes.
     suggestion : Suggestion
         Whose springs are written.
     before, audit : Audit
@@ -54,6 +57,7 @@ class MendedFile:
 
     path: Path
     model: Path
+    original: Path
     suggestion: Suggestion
     before: Audit
     audit: Audit
@@ -100,7 +104,9 @@ class MendedFile:
     def text(self) -> str:
         """A short report."""
         count = len(self.hinge_names)
-        where = "" if self.path.suffix == self.model.suffix else f", to go with {self.model.name}"
+        where = ""
+        if self.original != self.model:
+            where = f", to take the place of {self.original.name} beside {self.model.name}"
         lines = [
             f"{self.path}{where}: {count} spring{'s' * (count != 1)} changed, nothing else",
             self.promise,
@@ -129,8 +135,9 @@ def mend_file(
     """Audit the chain in a model file, and write the file again with better springs for the same hinges.
 
     Every byte but those of the changed numbers stays: comments, order, blanks, line ends, encoding. A hinge
-    of MJCF that has its stiffness from a default class gets an attribute of its own. Of a URDF file what is
-    written is the file with its springs, unless `<gazebo>` elements have these.
+    of MJCF that has its stiffness from a default class gets an attribute of its own. What is written is the
+    file that has the springs: of URDF the one beside the model, unless `<gazebo>` elements have them; of MJCF
+    the one that the model includes, if they stand there.
 
     Before it takes its place, the written file is read back: its audit must give the springs and frequencies
     that are promised, else nothing is written.
@@ -190,14 +197,16 @@ def mend_file(
     read_back: list[Audit] = []
 
     def check(temporary: Path) -> None:
-        files = (temporary, springs) if holder == model else (model, temporary)
-        read_back.append(audit_file(files[0], beam, boundary, springs=files[1], **asked))
+        with TemporaryDirectory() as folder:
+            files = _read_with(temporary, model, holder, springs, Path(folder))
+            read_back.append(audit_file(files[0], beam, boundary, springs=files[1], **asked))
         _check_promise(model, found, chosen, read_back[0])
 
     write_atomically(place, lambda file: file.write(data), new=not force, check=check)
     return MendedFile(
         place,
         model,
+        holder,
         chosen,
         found,
         read_back[0],
@@ -213,7 +222,7 @@ def _target(written: object, path: object, springs: object, *, force: bool) -> P
     try:
         there = named_path(written)
         for read in (path, springs):
-            if isinstance(read, str | os.PathLike) and there.exists() and Path(read).exists():
+            if isinstance(read, str | os.PathLike) and Path(read).exists():
                 _check_apart(there, Path(read))
         return file_target(there, new=not force)
     except (TypeError, ValueError, OSError) as error:
@@ -266,31 +275,50 @@ def _numbers(found: Audit, chosen: Suggestion) -> dict[SpringPlace, NewNumber]:
 
 
 def _holder(model: Path, numbers: Iterable[SpringPlace]) -> Path:
-    """Return the file that has the numbers; refuse several, and files that the model includes."""
-    files = {place.file: place for place in numbers}
+    """Return the file that has the numbers; refuse several."""
+    files = {place.file for place in numbers}
     if len(files) > 1:
         listed = " and ".join(sorted(shown(name or model.name) for name in files))
         raise BadModel(f"the springs cannot be written: they stand in {listed}, and one file is written")
-    (name, place), *_ = files.items()
-    if name and place.kind != "scalar":
-        raise BadModel(
-            f"the springs cannot be written: they stand in {shown(name)}, which the model includes; mend "
-            "that file by itself if it holds the whole chain, or put its content in the place of <include>"
-        )
-    return Path(name) if name else model
+    (name,) = files
+    return model.parent / name if name else model
+
+
+def _read_with(
+    new: Path, model: Path, holder: Path, springs: str | os.PathLike[str] | None, folder: Path
+) -> tuple[Path, str | os.PathLike[str] | None]:
+    """Return the model and its springs as they are to be read with a new file in the holder's place.
+
+    Of files that the model includes copies are put into a folder of their own.
+    """
+    if holder == model:
+        return new, springs
+    root = read_xml(model)
+    if root.tag == "robot":
+        return model, new
+    for name in ("", *include_files(root, model.parent)):
+        if Path(name).is_absolute() or ".." in Path(name).parts:
+            raise BadModel(f"the springs cannot be written: {shown(name)} must be included by its plain name")
+        old = model.parent / name if name else model
+        copy = folder / (name or model.name)
+        copy.parent.mkdir(parents=True, exist_ok=True)
+        copy.write_bytes(bounded_bytes(new if old == holder else old))
+    return folder / model.name, springs
 
 
 def _check_target(place: Path, model: Path, holder: Path) -> None:
-    if place.exists():
-        _check_apart(place, holder)
+    root = read_xml(model)
+    named = _named_files(root)
+    included = [] if root.tag in ("robot", "sdf") else include_files(root, model.parent)
+    for read in (holder, *(model.parent / name for name in included)):
+        _check_apart(place, read)
     if holder != model:
-        if place.suffix.lower() == model.suffix.lower():
+        if holder.suffix.lower() != model.suffix.lower() == place.suffix.lower():
             raise ValueError(
                 f"written must be a YAML file, got {shown(str(place))}: {model.name} has no springs, those "
                 f"in {holder.name} are written"
             )
         return
-    named = _named_files(read_xml(model))
     if named and place.parent.resolve() != model.parent.resolve():
         raise ValueError(
             f"written must be in the folder of {model.name}, which names files beside it ({named}), got "

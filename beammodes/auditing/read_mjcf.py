@@ -47,7 +47,7 @@ from beammodes.checks import shown
 from beammodes.numerics.arrays import Floats
 from beammodes.vibration.integrators import find_integrator
 
-__all__ = ["read_mjcf"]
+__all__ = ["include_files", "read_mjcf"]
 
 _MOST_INCLUDED = 20
 _MOST_BODIES = 20_000
@@ -89,7 +89,7 @@ def read_mjcf(root: XmlElement, folder: Path) -> Model:
     cannot be honoured is refused where a chain needs it: composites, plugins, flexes, meshes, balls without a
     spring, dry friction, stops at rest, servos that act like springs, spatial tendons with springs.
     """
-    _include(root, folder)
+    include_files(root, folder)
     expand_cables(root)
     if root.tag not in ("mujoco", "mujocoinclude"):
         root.refuse("must be <mujoco>")
@@ -98,9 +98,9 @@ def read_mjcf(root: XmlElement, folder: Path) -> Model:
     return _Reader(root).model()
 
 
-def _include(root: XmlElement, folder: Path) -> None:
-    """Put what <include> elements name in their place, as MuJoCo does."""
-    inside, seen = folder.resolve(), set()
+def include_files(root: XmlElement, folder: Path) -> list[str]:
+    """Put what <include> elements name in their place, as MuJoCo does; return the names."""
+    inside, seen, names = folder.resolve(), set(), []
     waiting = [root]
     while waiting:
         element = waiting.pop()
@@ -118,6 +118,7 @@ def _include(root: XmlElement, folder: Path) -> None:
             if place in seen:
                 child.refuse(f"must not include a file twice, got {shown(name)}")
             seen.add(place)
+            names.append(name)
             if len(seen) > _MOST_INCLUDED:
                 child.refuse(f"must be one of at most {_MOST_INCLUDED} files")
             try:
@@ -128,6 +129,7 @@ def _include(root: XmlElement, folder: Path) -> None:
                 child.refuse(f"must name a file that can be read: {shown(name)}: {error}")
         element.children = children
         waiting += children
+    return names
 
 
 def _merged(elements: list[XmlElement], tag: str) -> XmlElement:
