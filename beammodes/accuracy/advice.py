@@ -153,6 +153,12 @@ def recommend(
     motion : str
         "bending"; or "twist" or "stretch" of a `Beam`, with the ends of `frequency_error`.
 
+    Returns
+    -------
+    list of Recommendation
+        One for each rule that meets the tolerance. Rules that no N up to their limit satisfies are left
+        out.
+
     Raises
     ------
     TypeError, ValueError

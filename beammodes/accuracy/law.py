@@ -127,6 +127,11 @@ def error_law(
         "bending", "twist" or "stretch". In these two f = T², T the torque or axial force, and no rule gets
         beyond order 2 (`axial_law_terms`). Numbers of ends are multiples of GJ/L and ρIp L, EA/L and ρA L.
 
+    Returns
+    -------
+    ErrorLaw
+        c, p and the law's value at any N.
+
     Raises
     ------
     TypeError, ValueError

@@ -222,6 +222,11 @@ def structure_statics(structure: Structure, load: Loads) -> StructureStatics:
     load : PointLoad, LineLoad, a sequence of these, or Load
         Of a `Load` the gravity only.
 
+    Returns
+    -------
+    StructureStatics
+        Deflection, rotation, moment and shear at any place, and reactions at the supports.
+
     Raises
     ------
     TypeError, ValueError
@@ -255,6 +260,11 @@ def structure_chain_statics(chain: StructureChain, load: Loads) -> StructureStat
     chain : StructureChain
     load : PointLoad, LineLoad, a sequence of these, or Load
         Anywhere, at hinges or not.
+
+    Returns
+    -------
+    StructureStatics
+        Deflection, rotation, moment and shear at any place, and reactions at the supports.
 
     Examples
     --------

@@ -113,6 +113,11 @@ def segments_needed(
         part of its peak at the beam's resonance, |e_k| ≤ ζ √(1/(1 - tolerance)² - 1) by the law of
         `response_error`.
 
+    Returns
+    -------
+    int
+        N; of a `Structure`, all segments together.
+
     Raises
     ------
     TypeError, ValueError

@@ -84,6 +84,11 @@ def structure_modes_under(
     modes : int
         1 to 100, and at most as many as a chain has.
 
+    Returns
+    -------
+    StructureModes or StructureChainModes
+        Of the kind that is given, frequencies in increasing order.
+
     Raises
     ------
     TypeError, ValueError

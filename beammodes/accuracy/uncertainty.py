@@ -333,6 +333,11 @@ def segments_within_spread(
     fraction : float
         Greater than 0 and at most 1.
 
+    Returns
+    -------
+    EnoughSegments
+        N, the width of the band, and the mode that decides.
+
     Raises
     ------
     TypeError, ValueError

@@ -147,6 +147,11 @@ def harmonic(amplitude: float, angular_frequency: float) -> Course:
     amplitude : float [m or rad]
     angular_frequency : float [rad/s]
 
+    Returns
+    -------
+    Course
+        To be given to `BaseMotion`, as a shift [m] or an angle [rad].
+
     Raises
     ------
     TypeError, ValueError
@@ -197,6 +202,11 @@ def spin_up(rate: float, duration: float) -> Course:
         Ω.
     duration : float [s]
         T.
+
+    Returns
+    -------
+    Course
+        To be given to `BaseMotion` as its angle [rad].
 
     Raises
     ------
@@ -251,6 +261,11 @@ def bang_bang(distance: float, duration: float, start: float = 0.0) -> Course:
     start : float [s]
         When it begins, from 0.
 
+    Returns
+    -------
+    Course
+        To be given to `BaseMotion`, as a shift [m] or an angle [rad].
+
     Raises
     ------
     TypeError, ValueError
@@ -280,6 +295,11 @@ def point_to_point(distance: float, duration: float, start: float = 0.0) -> Cour
         T.
     start : float [s]
         When it begins, from 0.
+
+    Returns
+    -------
+    Course
+        To be given to `BaseMotion`, as a shift [m] or an angle [rad].
 
     Raises
     ------

@@ -99,6 +99,11 @@ def mode_start(
     at : Equilibrium, optional
         The shape that it vibrates about, straight by default.
 
+    Returns
+    -------
+    Start
+        To be given to `simulate` as `start=`.
+
     Raises
     ------
     TypeError, ValueError

@@ -49,6 +49,11 @@ def derive_chain(chain: Chain) -> DerivedChain:
     chain : Chain
         Of up to about 40 segments: the derivation grows as N², the eigenvalues as N³ in 30-digit arithmetic.
 
+    Returns
+    -------
+    DerivedChain
+        The frequencies, with the matrices in exact rationals that they are from.
+
     Raises
     ------
     TypeError

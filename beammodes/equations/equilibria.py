@@ -189,6 +189,11 @@ def find_equilibrium(
     tolerance : float [rad]
         Largest last step of Newton's method (of deflections: relative to the chain's length), 1e-13 to 1e-3.
 
+    Returns
+    -------
+    Equilibrium
+        Angles, nodes and reactions, and whether the shape is stable.
+
     Raises
     ------
     TypeError, ValueError

@@ -127,6 +127,11 @@ def spatial_equilibrium(
     end_frame : ndarray, shape (3, 3), optional
         The axes in which its rotation is held or resisted, likewise.
 
+    Returns
+    -------
+    SpatialEquilibrium
+        Nodes, rotations and reactions, and the stiffness of each motion about the shape.
+
     Raises
     ------
     TypeError, ValueError
@@ -185,6 +190,11 @@ def critical_factor(
         Multiple up to which it is looked for.
     start : float
         Multiple that is tried first; the load then grows by an eighth of it.
+
+    Returns
+    -------
+    float
+        The multiple, above zero [-].
 
     Raises
     ------

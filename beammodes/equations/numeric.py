@@ -81,6 +81,11 @@ def compile_equations(chain: Chain, *, load: Load | None = None) -> CompiledEqua
     load : Load, optional
         An axial force.
 
+    Returns
+    -------
+    CompiledEquations
+        Its functions take the segments' angles and their rates, as arrays.
+
     Raises
     ------
     TypeError

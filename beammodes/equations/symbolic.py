@@ -143,6 +143,11 @@ def equations_of_motion(
         True writes m, ell and EI for a segment's mass and length and the bending stiffness, beside exact
         rational factors; False puts the beam's numbers in. Default: symbols where the chain has a beam.
 
+    Returns
+    -------
+    EquationsOfMotion
+        M, h and s in symbols; its `linearize` gives the matrices of small motion.
+
     Raises
     ------
     TypeError, ValueError
@@ -175,6 +180,16 @@ def equations_of_motion(
 
 def symbolic_energies(chain: Chain, *, load: Load | None = None, symbols: bool | None = None) -> Energies:
     """Return kinetic and potential energy and the closures in the symbols of `equations_of_motion`.
+
+    Parameters
+    ----------
+    chain, load, symbols
+        As `equations_of_motion` has them.
+
+    Returns
+    -------
+    Energies
+        The energies and the closures, as SymPy's expressions.
 
     Examples
     --------

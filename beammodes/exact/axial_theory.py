@@ -38,6 +38,11 @@ def axial_modes(
     motion : str
         "twist" or "stretch".
 
+    Returns
+    -------
+    AxialModes
+        Frequencies, shapes and the boundary; modes in the order of their frequencies.
+
     Raises
     ------
     TypeError, ValueError

@@ -50,6 +50,11 @@ def euler_bernoulli(
     load : Load, optional
         One that leaves the beam straight; frequencies are those that an observer on the hub sees.
 
+    Returns
+    -------
+    BeamModes, SupportedBeamModes or SpectralBeamModes
+        As many modes as were asked for, in the order of their frequencies.
+
     Raises
     ------
     TypeError, ValueError

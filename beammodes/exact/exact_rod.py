@@ -95,6 +95,11 @@ def rod_modes(rod: Rod, boundary: RodBoundaryLike, modes: int) -> RodModes:
     modes : int
         How many, 1 to 100.
 
+    Returns
+    -------
+    RodModes
+        Frequencies and shapes, in the order of their frequencies.
+
     Raises
     ------
     TypeError, ValueError

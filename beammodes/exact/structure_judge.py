@@ -145,6 +145,11 @@ def structure_modes(structure: Structure, modes: int) -> StructureModes:
     modes : int
         Elastic modes: those of zero frequency are not counted.
 
+    Returns
+    -------
+    StructureModes
+        Frequencies in increasing order, with the shapes on every member.
+
     Raises
     ------
     TypeError, ValueError

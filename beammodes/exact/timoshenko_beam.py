@@ -171,6 +171,11 @@ def timoshenko(
         ρI in place of the beam's own, which is ρA r² where only its radius of gyration is known; 0 leaves
         shear alone.
 
+    Returns
+    -------
+    TimoshenkoModes
+        Frequencies and shapes: deflections, and rotations of the section.
+
     Raises
     ------
     TypeError, ValueError

@@ -70,6 +70,11 @@ def read_chain_csv(path: str | os.PathLike[str]) -> Chain:
     ----------
     path : str or Path
 
+    Returns
+    -------
+    Chain
+        Without a beam and a rule.
+
     Raises
     ------
     ValueError

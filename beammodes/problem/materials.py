@@ -115,6 +115,11 @@ def elastic_modulus(material: str, *, unit: str = "Pa", at: float | None = None)
         Where in a range, from 0 at its low end to 1 at its high one. A range has no modulus without it, and
         a material with one number takes none.
 
+    Returns
+    -------
+    float
+        E in the unit that is asked for.
+
     Raises
     ------
     TypeError, ValueError

@@ -600,6 +600,11 @@ def from_sectionproperties(section: Any, *, length_unit: float = 1.0) -> GivenSe
     length_unit : float [m]
         What one stands for in its geometry: 1e-3 for millimetres, in which its library sections are.
 
+    Returns
+    -------
+    GivenSection
+        A, I and, where it is known, J, in the lengths of the analysis.
+
     Raises
     ------
     TypeError

@@ -398,6 +398,11 @@ def match_springs(
         "bending"; or "twist" or "stretch", in which all frequencies can be met at once: the answer is then
         that of `match_axial_springs`, which has no criterion, held tip or highest frequency.
 
+    Returns
+    -------
+    MatchedSprings or AxialMatchedSprings
+        The springs, what is left of the errors, and what they do to statics and to mode shapes.
+
     Raises
     ------
     TypeError, ValueError
@@ -492,6 +497,11 @@ def matched(modes: int, *, motion: str = "bending") -> Matched | AxialMatched:
         How many, 1 to 200.
     motion : str
         "bending", "twist" or "stretch": what the springs are for.
+
+    Returns
+    -------
+    Matched or AxialMatched
+        To be given as `rule=`.
 
     Raises
     ------

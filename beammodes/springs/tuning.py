@@ -93,6 +93,11 @@ def mode_tuned(mode: int, *, motion: str = "bending") -> ModeTuned | AxialTuned:
     motion : str
         "bending"; with "twist" or "stretch" the record is for these, and mode n exact (`AxialTuned`).
 
+    Returns
+    -------
+    ModeTuned or AxialTuned
+        To be given as `rule=`.
+
     Raises
     ------
     TypeError, ValueError

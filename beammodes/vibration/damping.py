@@ -263,6 +263,11 @@ def joint_dampers(
     mode : int
         Of a single ratio, from 1; rigid-body modes are not counted, bending and twist in space together.
 
+    Returns
+    -------
+    Damping
+        One stiffness-proportional coefficient [s], or a damper for each joint [N m s/rad].
+
     Raises
     ------
     TypeError, ValueError

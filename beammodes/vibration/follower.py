@@ -176,6 +176,11 @@ def flutter_load(chain: Chain, *, damping: Damping | None = None) -> FlutterLoad
     chain, damping
         As of `follower_modes`.
 
+    Returns
+    -------
+    FlutterLoad
+        The compression [N], and the frequency at which the chain then flutters; zero where it buckles.
+
     Raises
     ------
     TypeError, ValueError

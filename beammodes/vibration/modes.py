@@ -109,6 +109,12 @@ def solve_modes(
     modes : int, optional
         Number of modes, from the first; all of them by default. A chain with fewer gives those it has.
 
+    Returns
+    -------
+    Modes, AxialChainModes or StructureChainModes
+        Frequencies in increasing order, shapes of unit modal mass. Rigid-body modes are counted, not
+        listed.
+
     Raises
     ------
     TypeError, ValueError

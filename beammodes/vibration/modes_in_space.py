@@ -72,6 +72,11 @@ def spatial_modes(chain: SpatialChain, modes: int = 6) -> SpatialModes:
     modes : int
         How many, from the first; a chain with fewer gives those it has.
 
+    Returns
+    -------
+    SpatialModes
+        Frequencies in increasing order, shapes of unit modal mass.
+
     Raises
     ------
     TypeError, ValueError

@@ -85,6 +85,11 @@ def published_time_step(beam: Beam | Rod, modes: int) -> float:
     modes : int
         Number of modes to be followed, 1 to 5, in the plane.
 
+    Returns
+    -------
+    float
+        The step [s].
+
     Raises
     ------
     TypeError, ValueError

@@ -115,6 +115,11 @@ def structure_chain_modes(chain: StructureChain, modes: int | None = None) -> St
     modes : int, optional
         At most as many as the chain has.
 
+    Returns
+    -------
+    StructureChainModes
+        Frequencies in increasing order, with the shapes' deflections and rotations.
+
     Raises
     ------
     TypeError, ValueError
