@@ -101,7 +101,7 @@ def module(stem: str) -> str:
 
 def test_the_reader_of_imports_reads_imports() -> None:
     assert {"beam", "chain", "ends", "exact_beam", "rules", "__init__", "__main__"} <= set(FILES)
-    assert rooms("beam") == {"arrays", "checks", "profiles", "sections"}
+    assert rooms("beam") == {"arrays", "checks", "deferred", "profiles", "sections"}
     assert {"chain", "beam", "advice"} <= rooms("commands")  # the first two inside functions
     assert "numpy" in imports("chain", inside_functions=False)
 
@@ -134,7 +134,7 @@ def test_a_folder_says_what_it_owns_and_holds_nothing_of_its_own(folder: str) ->
 
 # What a beam is: its sections, its ends, its load; and what knows no physics.
 GIVEN = {"problem", "numerics"}
-CHECKS = {"checks"}
+CHECKS = {"checks", "deferred"}
 EXACT = sorted(stem for stem, path in FILES.items() if path.parent.name == "exact")
 PROBLEM = sorted(stem for stem, path in FILES.items() if path.parent.name in GIVEN)
 

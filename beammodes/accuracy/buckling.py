@@ -14,6 +14,7 @@ from beammodes.chains.pieces import MAX_PIECES
 from beammodes.chains.rules import AnyRule
 from beammodes.chains.structure_chain import StructureChain
 from beammodes.checks import instead, shown
+from beammodes.deferred import Deferred
 from beammodes.numerics.arrays import Floats
 from beammodes.problem.beam import Beam
 from beammodes.problem.ends import Boundary, BoundaryLike
@@ -24,7 +25,10 @@ from beammodes.vibration.spectrum import FlexibilityForm, flexibility_form
 if TYPE_CHECKING:
     import xarray
 
-    from beammodes.accuracy.loaded_structures import Loads
+    from beammodes.accuracy import loaded_structures
+else:
+    xarray = Deferred("xarray")
+    loaded_structures = Deferred("beammodes.accuracy.loaded_structures")
 
 __all__ = ["buckling_dataset", "buckling_load"]
 
@@ -34,12 +38,14 @@ def buckling_load(structure: Chain) -> float: ...
 @overload
 def buckling_load(structure: Beam, boundary: BoundaryLike) -> float: ...
 @overload
-def buckling_load(structure: Structure | StructureChain, *, load: Loads | None = None) -> float: ...
+def buckling_load(
+    structure: Structure | StructureChain, *, load: loaded_structures.Loads | None = None
+) -> float: ...
 def buckling_load(
     structure: Beam | Chain | Structure | StructureChain,
     boundary: BoundaryLike | None = None,
     *,
-    load: Loads | None = None,
+    load: loaded_structures.Loads | None = None,
 ) -> float:
     """Return the smallest compression at which a straight beam or chain buckles, or the factor of a load.
 

@@ -14,6 +14,7 @@ from beammodes.chains.axial_chain import AxialChain
 from beammodes.chains.chain import Chain
 from beammodes.chains.structure_chain import StructureChain
 from beammodes.checks import shown, whole_number
+from beammodes.deferred import Deferred
 from beammodes.exact.axial_theory import axial_modes
 from beammodes.exact.beam_theory import euler_bernoulli
 from beammodes.exact.timoshenko_beam import MOST_MODES, theory_error_of
@@ -25,7 +26,9 @@ from beammodes.vibration.linear import linearize
 from beammodes.vibration.modes import solve_modes
 
 if TYPE_CHECKING:
-    from beammodes.accuracy.loaded_structures import Loads
+    from beammodes.accuracy import loaded_structures
+else:
+    loaded_structures = Deferred("beammodes.accuracy.loaded_structures")
 
 __all__ = ["SlendernessWarning", "chain_errors", "stout_remark", "theory_errors"]
 
@@ -38,7 +41,7 @@ class SlendernessWarning(UserWarning):
 
 
 def chain_errors(
-    chain: Chain | AxialChain | StructureChain, modes: int = 3, *, load: Loads | None = None
+    chain: Chain | AxialChain | StructureChain, modes: int = 3, *, load: loaded_structures.Loads | None = None
 ) -> Floats:
     """Return the relative frequency errors of a chain against its own exact beam or structure.
 

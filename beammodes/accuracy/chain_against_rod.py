@@ -11,6 +11,7 @@ from beammodes.accuracy.error_table import labelled, listed, numbered
 from beammodes.chains.rules import AnyRule, Layout, layout_of
 from beammodes.chains.spatial_chain import SpatialChain
 from beammodes.checks import instead, shown, whole_number
+from beammodes.deferred import Deferred
 from beammodes.exact.exact_rod import MOST_ROD_MODES, rod_modes
 from beammodes.numerics.arrays import Floats, ratios_less_one
 from beammodes.problem.rod import Rod
@@ -19,6 +20,8 @@ from beammodes.vibration.modes_in_space import spatial_modes
 
 if TYPE_CHECKING:
     import xarray
+else:
+    xarray = Deferred("xarray")
 
 __all__ = ["rod_error_dataset", "rod_errors"]
 

@@ -15,6 +15,7 @@ from beammodes.chains.chain import Chain
 from beammodes.chains.rules import AnyRule, layout_of
 from beammodes.checks import bounded, choice, shown, whole_number
 from beammodes.closed_form.uniform_chains import MAX_SEGMENTS
+from beammodes.deferred import Deferred
 from beammodes.numerics.arrays import Floats
 from beammodes.problem.axial_ends import AxialBoundaryLike, AxialEnd
 from beammodes.problem.beam import Beam
@@ -29,6 +30,8 @@ from beammodes.vibration.modes import solve_modes
 
 if TYPE_CHECKING:
     import xarray
+else:
+    xarray = Deferred("xarray")
 
 __all__ = [
     "MAX_VALUES",

@@ -22,6 +22,7 @@ from beammodes.chains.rules import (
 from beammodes.checks import distinct, together, whole_number, whole_numbers
 from beammodes.closed_form.relative_errors import relative_error
 from beammodes.closed_form.uniform_chains import MAX_MODE, MAX_SEGMENTS
+from beammodes.deferred import Deferred
 from beammodes.exact.exact_beam import wavenumber
 from beammodes.numerics.arrays import Floats
 from beammodes.problem.beam import Beam
@@ -39,9 +40,12 @@ from beammodes.problem.ends import (
 from beammodes.problem.loading import NO_LOAD, Load
 
 if TYPE_CHECKING:
-    from beammodes.accuracy.rooted_errors import Pairs
-    from beammodes.problem.axial_ends import AxialBoundary
-    from beammodes.problem.structure import Structure
+    from beammodes.accuracy import rooted_errors
+    from beammodes.problem import axial_ends, structure
+else:
+    rooted_errors = Deferred("beammodes.accuracy.rooted_errors")
+    axial_ends = Deferred("beammodes.problem.axial_ends")
+    structure = Deferred("beammodes.problem.structure")
 
 __all__ = ["MAX_MODES", "errors_in_multiples", "exact_frequencies", "frequency_error"]
 
@@ -57,7 +61,7 @@ _MODES_KEPT = 8
 
 @overload
 def frequency_error(
-    boundary: str | Boundary | AxialBoundary | Structure,
+    boundary: str | Boundary | axial_ends.AxialBoundary | structure.Structure,
     *,
     segments: int,
     mode: int,
@@ -70,7 +74,12 @@ def frequency_error(
 
 @overload
 def frequency_error(
-    boundary: BoundaryLike | AxialBoundary | ManyPairs | Iterable[BoundaryLike] | NDArray[Any] | Structure,
+    boundary: BoundaryLike
+    | axial_ends.AxialBoundary
+    | ManyPairs
+    | Iterable[BoundaryLike]
+    | NDArray[Any]
+    | structure.Structure,
     *,
     segments: ArrayLike,
     mode: ArrayLike,
@@ -82,7 +91,12 @@ def frequency_error(
 
 
 def frequency_error(
-    boundary: BoundaryLike | AxialBoundary | ManyPairs | Iterable[BoundaryLike] | NDArray[Any] | Structure,
+    boundary: BoundaryLike
+    | axial_ends.AxialBoundary
+    | ManyPairs
+    | Iterable[BoundaryLike]
+    | NDArray[Any]
+    | structure.Structure,
     *,
     segments: ArrayLike,
     mode: ArrayLike,
@@ -276,7 +290,7 @@ def _errors_of_roots(
     return error.reshape(shape) if shape else float(error[0])
 
 
-def _alike_in_hubs(pairs: Pairs, hubs: NDArray[np.bool_]) -> list[Pairs]:
+def _alike_in_hubs(pairs: rooted_errors.Pairs, hubs: NDArray[np.bool_]) -> list[rooted_errors.Pairs]:
     """Return the pairs without hubs, then each that has one alone."""
     if not isinstance(pairs, list) or not hubs.any():
         return [pairs]
@@ -286,7 +300,7 @@ def _alike_in_hubs(pairs: Pairs, hubs: NDArray[np.bool_]) -> list[Pairs]:
     ]
 
 
-def _pairs(boundary: Any) -> tuple[Pairs, NDArray[np.intp]]:
+def _pairs(boundary: Any) -> tuple[rooted_errors.Pairs, NDArray[np.intp]]:
     """Return pairs of ends, and the place of each wanted among them, in its shape."""
     from beammodes.problem.end_columns import pairs_of_columns
 

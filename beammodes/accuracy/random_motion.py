@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 from beammodes.accuracy.driven_systems import HIGHEST, UNITS, Driven, Place
 from beammodes.chains.chain import Chain
 from beammodes.checks import bounded, not_negative, real_numbers, shown, small_fraction, unwrapped
+from beammodes.deferred import Deferred
 from beammodes.numerics.arrays import Floats
 from beammodes.numerics.split_integrals import split_integral
 from beammodes.problem.beam import Beam
@@ -21,6 +22,8 @@ from beammodes.vibration.damping import Damping
 
 if TYPE_CHECKING:
     import xarray
+else:
+    xarray = Deferred("xarray")
 
 __all__ = ["random_response"]
 

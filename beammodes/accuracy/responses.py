@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 from beammodes.accuracy.driven_systems import UNITS, Driven, Place
 from beammodes.chains.chain import Chain
 from beammodes.checks import real_numbers, shown
+from beammodes.deferred import Deferred
 from beammodes.numerics.arrays import Floats
 from beammodes.numerics.marched_states import Complex
 from beammodes.problem.beam import Beam
@@ -20,6 +21,8 @@ from beammodes.vibration.damping import Damping
 
 if TYPE_CHECKING:
     import xarray
+else:
+    xarray = Deferred("xarray")
 
 __all__ = ["frequency_response"]
 

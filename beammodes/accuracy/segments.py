@@ -15,6 +15,7 @@ from beammodes.chains.axial_chain import AnyAxialRule
 from beammodes.chains.rules import Layout, fits_of
 from beammodes.checks import shown, small_fraction, whole_number
 from beammodes.closed_form.uniform_chains import MAX_SEGMENTS
+from beammodes.deferred import Deferred
 from beammodes.numerics.blas import one_thread
 from beammodes.problem.axial_ends import AxialBoundaryLike
 from beammodes.problem.beam import Beam
@@ -25,7 +26,9 @@ from beammodes.problem.rod_ends import RodBoundaryLike, RodEnds
 from beammodes.problem.structure import Structure
 
 if TYPE_CHECKING:
-    from beammodes.accuracy.judged_motions import JudgedMotion
+    from beammodes.accuracy import judged_motions
+else:
+    judged_motions = Deferred("beammodes.accuracy.judged_motions")
 
 __all__ = [
     "MAX_MODES_SOUGHT",
@@ -206,7 +209,7 @@ def _segments_of_rod(
     return max(segments_of_motion(judge, limit, rule) for judge in judged_rod(rod, ends, modes))
 
 
-def segments_of_motion(judge: JudgedMotion, tolerance: float, rule: Layout) -> int:
+def segments_of_motion(judge: judged_motions.JudgedMotion, tolerance: float, rule: Layout) -> int:
     """Return the N from which on chains of a judged motion stay within a tolerance.
 
     Raises

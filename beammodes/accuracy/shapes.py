@@ -18,6 +18,7 @@ from beammodes.chains.chain import Chain
 from beammodes.chains.pieces import MAX_PIECES
 from beammodes.chains.rules import AnyRule
 from beammodes.checks import real_numbers, shown, whole_number
+from beammodes.deferred import Deferred
 from beammodes.exact.beam_theory import euler_bernoulli
 from beammodes.numerics.arrays import Floats
 from beammodes.problem.beam import Beam
@@ -27,6 +28,8 @@ from beammodes.vibration.modes import solve_modes
 
 if TYPE_CHECKING:
     import xarray
+else:
+    xarray = Deferred("xarray")
 
 __all__ = ["modal_assurance", "shape_dataset"]
 

@@ -32,6 +32,7 @@ from beammodes.chains.rules import AnyRule
 from beammodes.chains.structure_chain import StructureChain
 from beammodes.chains.units import Units
 from beammodes.checks import Shown, choice, instead, shown
+from beammodes.deferred import Deferred
 from beammodes.numerics.arrays import Floats
 from beammodes.problem.applied_loads import LineLoad, PointLoad
 from beammodes.problem.beam import Beam
@@ -42,7 +43,10 @@ from beammodes.problem.profiles import profile_parts, value_at
 if TYPE_CHECKING:
     import xarray
 
-    from beammodes.accuracy.loaded_structures import Loads, StructureStatics
+    from beammodes.accuracy import loaded_structures
+else:
+    xarray = Deferred("xarray")
+    loaded_structures = Deferred("beammodes.accuracy.loaded_structures")
 
 __all__ = [
     "LOADS",
@@ -140,10 +144,14 @@ def beam_statics(beam: Beam, boundary: BoundaryLike, load: str) -> Statics: ...
 
 
 @overload
-def beam_statics(beam: Beam, boundary: BoundaryLike, load: Loads) -> StructureStatics: ...
+def beam_statics(
+    beam: Beam, boundary: BoundaryLike, load: loaded_structures.Loads
+) -> loaded_structures.StructureStatics: ...
 
 
-def beam_statics(beam: Beam, boundary: BoundaryLike, load: str | Loads) -> Statics | StructureStatics:
+def beam_statics(
+    beam: Beam, boundary: BoundaryLike, load: str | loaded_structures.Loads
+) -> Statics | loaded_structures.StructureStatics:
     """Return the response of an Euler-Bernoulli beam to loads, or to a load of unit size.
 
     (EI y'')'' = q,  two conditions at each end: y or -(EI y'')', and y' or EI y''
@@ -210,10 +218,14 @@ def chain_statics(chain: Chain, load: str) -> Statics: ...
 
 
 @overload
-def chain_statics(chain: Chain | StructureChain, load: Loads) -> StructureStatics: ...
+def chain_statics(
+    chain: Chain | StructureChain, load: loaded_structures.Loads
+) -> loaded_structures.StructureStatics: ...
 
 
-def chain_statics(chain: Chain | StructureChain, load: str | Loads) -> Statics | StructureStatics:
+def chain_statics(
+    chain: Chain | StructureChain, load: str | loaded_structures.Loads
+) -> Statics | loaded_structures.StructureStatics:
     """Return the response of a chain to small loads, or to one of unit size.
 
     y(x) = θ₀ x + Σ M_j (x - x_j) / k_j  over the hinges left of x

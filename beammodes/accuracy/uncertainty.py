@@ -18,6 +18,7 @@ from beammodes.accuracy.errors import frequency_error
 from beammodes.accuracy.segments import segments_needed
 from beammodes.chains.rules import AnyRule, layout_of
 from beammodes.checks import Shown, bounded, choice, positive_real, real, shown, whole_number
+from beammodes.deferred import Deferred
 from beammodes.exact.beam_theory import euler_bernoulli
 from beammodes.numerics.arrays import Floats
 from beammodes.numerics.distributions import MAX_SEED, Distribution, Normal, Uniform, draw
@@ -29,6 +30,8 @@ from beammodes.version import SOURCE
 
 if TYPE_CHECKING:
     import xarray
+else:
+    xarray = Deferred("xarray")
 
 __all__ = ["EnoughSegments", "Tolerance", "frequency_spread", "segments_within_spread"]
 

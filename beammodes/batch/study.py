@@ -32,6 +32,7 @@ from beammodes.batch.study_axes import (
 )
 from beammodes.chains.rules import is_closed
 from beammodes.checks import Shown, kind_given, shown, whole_number
+from beammodes.deferred import Deferred
 from beammodes.numerics.distributions import MAX_SEED, Normal, Uniform
 from beammodes.problem.axial_ends import AxialBoundary
 from beammodes.problem.dimensions import unit_attributes
@@ -42,6 +43,8 @@ from beammodes.version import __version__
 
 if TYPE_CHECKING:
     import xarray
+else:
+    xarray = Deferred("xarray")
 
 __all__ = ["Study", "open_study"]
 

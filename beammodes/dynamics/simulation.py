@@ -14,6 +14,7 @@ import numpy as np
 
 from beammodes.chains.chain import Chain
 from beammodes.checks import bounded, choice, flag, positive_real, real, real_numbers, shown, whole_number
+from beammodes.deferred import Deferred
 from beammodes.dynamics.base_motion import BaseMotion, base_vector
 from beammodes.dynamics.forward_dynamics import checked_system
 from beammodes.dynamics.runs import Run, projection, runner
@@ -37,6 +38,8 @@ from beammodes.vibration.stability import stable_time_step
 
 if TYPE_CHECKING:
     import xarray
+else:
+    xarray = Deferred("xarray")
 
 __all__ = [
     "MOTION_INTEGRATORS",

@@ -30,6 +30,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from beammodes.checks import flag, positive_real, real_numbers, shown, whole_number
+from beammodes.deferred import Deferred
 from beammodes.dynamics.base_motion import BaseMotion
 from beammodes.exact.beam_theory import euler_bernoulli
 from beammodes.exact.exact_beam import BeamModes
@@ -47,6 +48,8 @@ if TYPE_CHECKING:
     from beammodes.exact.supported_beam import SupportedBeamModes
 
     ExactModes = BeamModes | SupportedBeamModes | SpectralBeamModes
+else:
+    xarray = Deferred("xarray")
 
 __all__ = ["modal_response"]
 

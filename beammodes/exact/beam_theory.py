@@ -8,6 +8,7 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 from beammodes.checks import instead, shown, whole_number
+from beammodes.deferred import Deferred
 from beammodes.exact.exact_beam import BeamModes, plain_modes
 from beammodes.numerics.arrays import Floats
 from beammodes.problem.beam import Beam
@@ -16,8 +17,10 @@ from beammodes.problem.loading import Load, checked_load
 from beammodes.problem.profiles import mean_over
 
 if TYPE_CHECKING:
-    from beammodes.exact.spectral_beam import SpectralBeamModes
-    from beammodes.exact.supported_beam import SupportedBeamModes
+    from beammodes.exact import spectral_beam, supported_beam
+else:
+    spectral_beam = Deferred("beammodes.exact.spectral_beam")
+    supported_beam = Deferred("beammodes.exact.supported_beam")
 
 
 __all__ = ["assumed_in_shear", "check_range", "euler_bernoulli"]
@@ -29,7 +32,7 @@ LARGEST_RATIO = 1e30
 
 def euler_bernoulli(
     beam: Beam, boundary: BoundaryLike, modes: int, *, load: Load | None = None
-) -> BeamModes | SupportedBeamModes | SpectralBeamModes:
+) -> BeamModes | supported_beam.SupportedBeamModes | spectral_beam.SpectralBeamModes:
     """Return the first elastic modes of a beam under Euler-Bernoulli theory.
 
     (EI φ'')'' - (T φ')' = ω² (ρA φ - (ρI φ')')  with two homogeneous conditions at each end.
@@ -115,7 +118,7 @@ def check_range(beam: Beam, pair: Boundary, load: Load) -> None:
 
 def _solved(
     beam: Beam, pair: Boundary, count: int, pull: Load
-) -> BeamModes | SupportedBeamModes | SpectralBeamModes:
+) -> BeamModes | supported_beam.SupportedBeamModes | spectral_beam.SpectralBeamModes:
     if not (beam.is_uniform and pull.is_axial):
         from beammodes.exact.spectral_beam import spectral_modes
 

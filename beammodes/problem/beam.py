@@ -22,6 +22,7 @@ from beammodes.checks import (
     shown,
     unwrapped,
 )
+from beammodes.deferred import Deferred
 from beammodes.numerics.arrays import Floats
 from beammodes.problem.profiles import (
     SAME_PLACE,
@@ -38,7 +39,9 @@ from beammodes.problem.profiles import (
 from beammodes.problem.sections import poisson_ratio_of
 
 if TYPE_CHECKING:
-    from beammodes.problem.sections import Section
+    from beammodes.problem import sections
+else:
+    sections = Deferred("beammodes.problem.sections")
 
 __all__ = ["Beam", "PropertyLike", "each_place_once", "kept_breaks", "kept_property", "positions_on"]
 
@@ -360,7 +363,7 @@ class Beam(Shown):
     @classmethod
     def from_section(
         cls,
-        section: Section,
+        section: sections.Section,
         *,
         density: float,
         elastic_modulus: float,
@@ -449,7 +452,7 @@ class Beam(Shown):
     def from_sections(
         cls,
         x: ArrayLike,
-        sections: Sequence[Section],
+        sections: Sequence[sections.Section],
         *,
         density: float,
         elastic_modulus: float,
@@ -607,7 +610,7 @@ _COEFFICIENT = 5 / 6
 
 
 def _in_shear(
-    section: Section, poisson_ratio: float | None, shear_coefficient: float | None
+    section: sections.Section, poisson_ratio: float | None, shear_coefficient: float | None
 ) -> tuple[float, float, tuple[str, ...]]:
     """Return ν, κ and what of them is assumed."""
     assumed = []
@@ -623,7 +626,7 @@ def _in_shear(
     return ratio, _COEFFICIENT, tuple(assumed)
 
 
-def _known(section: Section, name: str) -> float | None:
+def _known(section: sections.Section, name: str) -> float | None:
     """Return a number that a section may have, None if it has none."""
     value = getattr(section, name, None)
     return None if value is None else positive_real(f"{name} of section", value)

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from beammodes.checks import Shown, bounded, positive_real, real, real_numbers, shown
+from beammodes.deferred import Deferred
 from beammodes.numerics.arrays import Floats
 from beammodes.problem.beam import Beam, PropertyLike, each_place_once, kept_breaks, kept_property
 from beammodes.problem.profiles import SAME_PLACE, SAMPLES, Profile, mean_over, profile_breaks
@@ -29,7 +30,9 @@ from beammodes.problem.rest_shape import (
 from beammodes.problem.rod_ends import RodEnds
 
 if TYPE_CHECKING:
-    from beammodes.problem.sections import Section
+    from beammodes.problem import sections
+else:
+    sections = Deferred("beammodes.problem.sections")
 
 __all__ = ["Rod"]
 
@@ -331,7 +334,7 @@ class Rod(Shown):
 
     @staticmethod
     def of_section(
-        section: Section,
+        section: sections.Section,
         *,
         density: float,
         elastic_modulus: float,

@@ -34,6 +34,7 @@ from beammodes.checks import (
     unwrapped,
     whole_number,
 )
+from beammodes.deferred import Deferred
 from beammodes.numerics.arrays import Floats
 from beammodes.numerics.nonnegative import nearest_nonnegative
 from beammodes.problem.loading import Load
@@ -46,6 +47,8 @@ from beammodes.vibration.spectrum import is_turned
 
 if TYPE_CHECKING:
     import xarray
+else:
+    xarray = Deferred("xarray")
 
 __all__ = [
     "Damping",

@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 
 from beammodes.chains.chain import Chain
 from beammodes.checks import Shown, real, shown
+from beammodes.deferred import Deferred
 from beammodes.numerics.arrays import Floats
 from beammodes.version import SOURCE
 from beammodes.vibration.damping import Damping, damping_of_modes
@@ -29,6 +30,8 @@ from beammodes.vibration.modes import MAX_DENSE, solve_modes
 
 if TYPE_CHECKING:
     import xarray
+else:
+    xarray = Deferred("xarray")
 
 __all__ = ["FlutterLoad", "flutter_load", "follower_modes"]
 
