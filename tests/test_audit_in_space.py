@@ -6,6 +6,7 @@ which share nothing with the files.
 
 from __future__ import annotations
 
+import json
 import math
 import re
 from pathlib import Path
@@ -383,3 +384,35 @@ def test_hinges_by_turns_are_of_second_order() -> None:
     assert orders["fixed"] == pytest.approx(1.0, abs=0.05)
     assert orders["reversed"] == pytest.approx(2.0, abs=0.1)
     assert orders["by_turns"] == pytest.approx(2.0, abs=0.05)
+
+
+def test_the_command_line_says_what_the_library_finds(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    from beammodes.__main__ import main
+
+    (path,) = bm.export_chain(bm.SpatialChain(ROD, "clamped-free", 6, "gregory"), tmp_path / "rod.xml")
+    numbers = ["--length=1.2", "--ei=85", "--ei-across=40", "--gj=60", "--rho-a=0.62", "--rho-ip=1e-4"]
+
+    def ran(*words: str) -> tuple[int, str]:
+        code = main(["audit", str(path), *words])
+        return code, "".join(capsys.readouterr())
+
+    code, out = ran(*numbers, "--motion", "space", "--json", "--modes", "2", "--tolerance", "5%")
+    answer, found = json.loads(out), bm.audit_file(path, ROD, motion="space", modes=2, tolerance=0.05)
+    assert (code, answer["meets"], answer["joints"]) == (0, True, found.joints)
+    assert [mode["relative_error"] for mode in answer["modes"]] == pytest.approx(found.errors.tolist())
+    assert [mode["motion"] for mode in answer["modes"]] == list(found.mode_motion)
+    assert answer["motions"]["twist"]["layout"] == found.motions["twist"].layout
+    code, out = ran(*numbers, "--motion", "space", "--boundary", "clamped-free", "--tolerance", "1e-6")
+    assert code == 1 and "second_bending: ends clamped-free" in out and "error [%]  motion" in out
+    code, out = ran("--motion", "twist", "--length=1.2", "--gj=60", "--rho-ip=1e-4", "--json")
+    one = bm.audit_file(path, bm.Beam(1.2, 85.0, 0.62, **TWISTING), motion="twist")
+    assert json.loads(out)["modes"][0]["relative_error"] == pytest.approx(float(one.errors[0]))
+    for words, message in (
+        (["--motion", "twist"], "--length and --gj and --rho-ip must be given"),
+        ([*numbers, "--motion", "space", "--write", "new.xml"], "--write must be left out for motion space"),
+        ([*numbers, "--motion", "spice"], "--motion must be one of"),
+    ):
+        code, out = ran(*words)
+        assert code == 2 and message in out

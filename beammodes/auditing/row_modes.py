@@ -3,7 +3,7 @@
 A coordinate moves all beyond it by a twist s: a turn about an axis a through p by (p × a, a), a shift along a
 by (a, 0). With I_g the inertia of everything from group g on, about one point,
 
-    M_cd = s_cᵀ I_g(d) s_d,   g(d) the group that the farther coordinate d moves first,
+    M_cd = s_c · I_g(d) s_d,   g(d) the group that the farther coordinate d moves first,
 
 and armature is added to a coordinate's own. This shares nothing with planar chains: it is what an engine
 linearizes, for any shape at rest.

@@ -167,11 +167,12 @@ def audit_along(
     whole = row_modes(row, model.ties)
     found = axial_audit_of(model, row, which, beam, boundary, modes, tolerance)
     assumed = [*found.assumed, *model.notes]
-    resting = [each.joint.name for each in row.coordinates if each.motion != which and each.group >= 0]
-    if resting:
-        listed = list(dict.fromkeys(resting))
-        more = ", ..." if len(listed) > _LISTED else ""
-        assumed.append(f"other joints ({', '.join(listed[:_LISTED])}{more}) are taken as at rest")
+    own = {each.joint.name for each in row.coordinates if each.motion == which}
+    resting = [joint.name for joint in row.joints if joint.name not in own]
+    if resting or len(row.coordinates) > len(own):
+        more = ", ..." if len(resting) > _LISTED else ""
+        what = f"other joints ({', '.join(resting[:_LISTED])}{more})" if resting else "bending of its joints"
+        assumed.append(f"{what} {'are' if resting else 'is'} taken as at rest, as {motion} leaves them")
         if not are_apart(whole, [whole.of(which), whole.but(which)]):
             raise BadModel(
                 f"chain at body {row.name} must not bend where it moves in {motion}: one moves the other, as "

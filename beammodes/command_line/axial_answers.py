@@ -10,6 +10,7 @@ from types import MappingProxyType
 from typing import Any
 
 from beammodes.checks import percent
+from beammodes.command_line.audit_answers import audited_along
 from beammodes.command_line.options import Answer, damping_of
 from beammodes.command_line.text_tables import (
     DECLARED,
@@ -68,8 +69,14 @@ class AxialCase:
             numbers: dict[str, Any] = {"bending_stiffness": 1.0, "mass_per_length": 1.0}
             numbers |= {name: _value(options, flag) for name, flag in _FLAGS[motion.name].items()}
             beam = Beam(options.length, **numbers)
-        pair = AxialBoundary.of(options.boundary, motion)
+        # An audit takes the file's ends where none are given.
+        pair = AxialBoundary.of("fixed-free" if options.boundary is None else options.boundary, motion)
         return cls(options, motion, pair, beam, system, _renamed(motion, beam is None, units))
+
+    @property
+    def flags(self) -> tuple[str, ...]:
+        """The options that give the beam's numbers."""
+        return ("--length", *_FLAGS[self.motion.name].values())
 
     @property
     def whole_beam(self) -> Beam:
@@ -238,6 +245,7 @@ def _time_step(case: AxialCase) -> Answer:
 #: By the name of the command.
 ANSWERS: Mapping[str, Callable[[AxialCase], Answer]] = MappingProxyType(
     {
+        "audit": audited_along,
         "recommend": _recommend,
         "segments": _segments,
         "error": _error,

@@ -660,7 +660,7 @@ def _export(options: argparse.Namespace) -> Answer:
     "how wrong is the chain in my model file, and what mends it?",
     f"beam.xml {_EXAMPLE_SI} --tolerance 1%",
     option("file", "MJCF, URDF, SDFormat, or CSV as export writes it", metavar="FILE"),
-    *((flag, {**settings, "required": True}) for flag, settings in BEAM),
+    *BEAM,
     option(
         "--boundary",
         f"the beam's ends (default: the file's): {BOUNDARY[1]['help']}",
@@ -676,17 +676,23 @@ def _export(options: argparse.Namespace) -> Answer:
     ),
     modes(3),
     option("--chain", "a body of the chain to judge (default: the longest)", metavar="NAME"),
-    option("--plane", "x, y or z, along which it deflects (default: by the springs)"),
+    option(
+        "--plane",
+        "x, y or z, along which it deflects (default: by the springs); in space, along which --ei lets it",
+    ),
     option("--springs", "springs of a URDF file (default: .springs.yaml beside it)", metavar="FILE"),
     option("--write", "write the file (of URDF: its springs) with better springs", metavar="FILE"),
     option("--suggestion", "whose springs to write (default: the first for the same hinges)", metavar="NAME"),
     option("--force", "overwrite an existing file", action="store_true"),
+    moving=("twist", "stretch", "space"),
 )
 def _audit(options: argparse.Namespace) -> Answer:
     from beammodes.auditing.audit_model import audit_file
     from beammodes.auditing.mended_files import mend_file
 
     beam = _beam(options)
+    if options.length is options.ei is options.rho_a is None:
+        raise ValueError("--length, --ei and --rho-a must be given: a model file has units")
     asked = {name: getattr(options, name) for name in ("modes", "tolerance", "chain", "plane", "springs")}
     mended = None
     if options.write is not None:

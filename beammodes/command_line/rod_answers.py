@@ -8,6 +8,7 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 from beammodes.checks import percent
+from beammodes.command_line.audit_answers import audited_in_space
 from beammodes.command_line.options import Answer, damping_of
 from beammodes.command_line.rod_options import RodCase
 from beammodes.command_line.text_tables import (
@@ -255,6 +256,7 @@ def _export(case: RodCase) -> Answer:
 #: By the name of the command.
 ANSWERS_IN_SPACE: Mapping[str, Callable[[RodCase], Answer]] = MappingProxyType(
     {
+        "audit": audited_in_space,
         "recommend": _recommend,
         "segments": _segments,
         "error": _error,

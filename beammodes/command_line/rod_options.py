@@ -69,7 +69,9 @@ class RodCase:
             if getattr(options, flag, None):
                 raise ValueError(f"--{flag.replace('_', '-')} must be left out for motion space")
         system = "as given" if options.units is None else declared(options.units)
-        return cls(options, rod_of(options), RodEnds.of(options.boundary), system, UNITS[system])
+        # An audit takes the file's ends where none are given.
+        ends = RodEnds.of("clamped-free" if options.boundary is None else options.boundary)
+        return cls(options, rod_of(options), ends, system, UNITS[system])
 
     @property
     def chain(self) -> Any:
