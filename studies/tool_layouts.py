@@ -72,26 +72,35 @@ def flex_errors(segments: Sequence[int], *, shifted: bool = False) -> NDArray[np
 
 
 def held_element_errors(
-    segments: Sequence[int], *, points: bool, inside: float = 0.0, first: Sequence[float] = ()
+    segments: Sequence[int],
+    *,
+    points: bool,
+    inside: float = 0.0,
+    first: Sequence[float] = (),
+    both: bool = False,
 ) -> NDArray[np.float64]:
     """Return the errors of mode 1 of N equal elements, the first of which is held: cables, Cosserat rods.
 
     They bend at the nodes between them. `points` is for mass in points at the nodes, as PyElastica has it, of
     slender rods; `inside` is the part of the first element that is inside the wall; `first` are factors of
-    the springs nearest the wall.
+    the springs nearest the wall. `both` ends may be held so.
     """
-    exact = bm.euler_bernoulli(bm.Beam.unit(), BOUNDARY, 1).angular_frequency[0]
+    boundary = "clamped-clamped" if both else BOUNDARY
+    exact = bm.euler_bernoulli(bm.Beam.unit(), boundary, 1).angular_frequency[0]
     found = []
     for count in map(int, segments):
-        ell = 1 / (count - inside)
+        ell = 1 / (count - inside * (1 + both))
         springs = np.full(count - 1, 1 / ell)
         springs[: len(first)] *= first
+        if both:
+            springs[count - 1 - len(first) :] *= first[::-1]
+        held = [ell * (1 - inside)]
         chain = bm.Chain.from_pieces(
-            length=[ell * (1 - inside)] + [ell] * (count - 1),
+            length=[*held, *[ell] * (count - 2), *(held if both else [ell])],
             mass=[ell] * count,
             rotary_inertia=[ell**3 / (4 if points else 12)] * count,
             joint_stiffness=springs,
-            boundary=BOUNDARY,
+            boundary=boundary,
         )
         found.append(bm.solve_modes(bm.linearize(chain), modes=1).angular_frequency[0] / exact - 1)
     return np.round(found, 9)

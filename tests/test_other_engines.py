@@ -473,6 +473,18 @@ def elastica_frequencies(rod: Any) -> Array:
     return np.asarray(np.sqrt(squares))
 
 
+def elastica_simulator(elastica: Any) -> Any:
+    return type("Simulator", (elastica.BaseSystemCollection, elastica.Constraints), {})()
+
+
+def hold(elastica: Any, simulator: Any, rod: Any) -> None:
+    """Clamp a rod's first node and element, and begin."""
+    simulator.append(rod)
+    held = {"constrained_position_idx": (0,), "constrained_director_idx": (0,)}
+    simulator.constrain(rod).using(elastica.OneEndFixedBC, **held)
+    simulator.finalize()
+
+
 @pytest.mark.slow
 def test_pyelasticas_clamp_and_what_mends_it() -> None:
     elastica = pytest.importorskip("elastica")
@@ -495,26 +507,34 @@ def test_pyelasticas_clamp_and_what_mends_it() -> None:
 
 
 @pytest.mark.slow
+def test_a_released_rod_rings_at_the_frequency_of_its_matrices() -> None:
+    elastica = pytest.importorskip("elastica")
+    rod, simulator = elastica_rod(elastica, 10), elastica_simulator(elastica)
+    omega = elastica_frequencies(rod)
+    hold(elastica, simulator, rod)
+    x = rod.position_collection[0] / ROD_LENGTH
+    # As a cantilever sags under its weight: nearly mode 1 alone.
+    rod.velocity_collection[1] = 1e-3 * x**2 * (6 - 4 * x + x**2)
+    verlet, time, step, tip = elastica.PositionVerlet(), 0.0, 1.6 / omega[-1], []
+    for _ in range(round(1.7 * 2 * math.pi / omega[0] / step)):
+        time = verlet.step(simulator, time, step)
+        tip.append(rod.position_collection[1, -1])
+    motion = np.array(tip)
+    falls = np.flatnonzero((motion[:-1] > 0) & (motion[1:] <= 0))
+    times = step * (falls + motion[falls] / (motion[falls] - motion[falls + 1]))
+    assert 2 * math.pi / (times[1] - times[0]) == pytest.approx(omega[0], rel=1e-3)
+
+
+@pytest.mark.slow
 def test_the_step_at_which_pyelastica_becomes_unstable() -> None:
     elastica = pytest.importorskip("elastica")
-
-    class Simulator(elastica.BaseSystemCollection, elastica.Constraints):
-        pass
-
     limit = 2 / elastica_frequencies(elastica_rod(elastica, 10, 0.5))[-1]
     assert f"is {1e6 * limit:.1f} µs here" in page("pyelastica")
     grown = []
     for share in (0.99, 1.01):
-        rod, simulator, verlet, time = (
-            elastica_rod(elastica, 10, 0.5),
-            Simulator(),
-            elastica.PositionVerlet(),
-            0.0,
-        )
-        simulator.append(rod)
-        held = {"constrained_position_idx": (0,), "constrained_director_idx": (0,)}
-        simulator.constrain(rod).using(elastica.OneEndFixedBC, **held)
-        simulator.finalize()
+        rod, simulator = elastica_rod(elastica, 10, 0.5), elastica_simulator(elastica)
+        verlet, time = elastica.PositionVerlet(), 0.0
+        hold(elastica, simulator, rod)
         rod.velocity_collection[1, 2:] = 1e-3 * (-1.0) ** np.arange(9)
         for _ in range(4000):
             time = verlet.step(simulator, time, share * limit)

@@ -409,6 +409,16 @@ def test_numbers_in_the_text_about_drake_and_gazebo() -> None:
     assert f"here {100 * 0.001 * omega / 2:.1f} % in mode 1" in page
 
 
+def test_numbers_in_the_text_about_pyelastica() -> None:
+    page = named("pyelastica")
+    plain, moved, softer = (
+        100 * held_element_errors([10], points=True, both=True, **how)[0]
+        for how in ({}, {"inside": 0.5}, {"first": (12 / 23, 12 / 7)})
+    )
+    assert f"{plain:.1f} % too high" in page
+    assert f"leaves {moved:+.2f} %; the\nchanged springs leave {softer:+.2f} %" in page
+
+
 def test_numbers_in_the_text_about_adams() -> None:
     page = named("adams_working_model")
     second, third = (100 * adams_link_errors([10], attachment="flexible", mode=mode)[0] for mode in (2, 3))
