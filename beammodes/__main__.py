@@ -48,11 +48,12 @@ def _answered(arguments: Sequence[str]) -> int:
         answer, text = options.command(options)
         if shell.INTERRUPTS.count:
             return shell.interrupted()
+        text += f"\n{options.told}" if options.told else ""
         code = 0 if (answer.get("written") or answer).get("meets", True) else shell.NOT_MET
         if options.json:
-            import json
+            from beammodes.command_line.json_answers import as_json
 
-            text = json.dumps(answer, allow_nan=False)
+            text = as_json(answer, options.told)
         shell.put(f"{text}\n", sys.stdout)
     except shell.Unwritable as error:
         return shell.unwritable(error, code)

@@ -584,7 +584,7 @@ def test_buckling(capsys: pytest.CaptureFixture[str]) -> None:
 def test_export(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     path = tmp_path / "beam.csv"
     call = ["export", "clamped-free", "--segments", "4", *BEAM, "--output", str(path)]
-    assert Ran([*call, "--json"], capsys).json == {"files": [str(path)]}
+    assert Ran([*call, "--json"], capsys).json == {"schema_version": 1, "files": [str(path)]}
     before = path.read_bytes()
     Ran(call, capsys).refused("--force")
     assert path.read_bytes() == before

@@ -6,6 +6,7 @@ import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
+from beammodes.command_line.options import DEFAULT_RULE
 from beammodes.command_line.text_tables import number, percents, text_table
 
 if TYPE_CHECKING:
@@ -28,19 +29,12 @@ _NUMBERS = (
 
 
 def advice_rows(ways: Sequence[Recommendation]) -> list[dict[str, Any]]:
-    """Return recommendations for scripts; what is rigid is null, since strict JSON has no infinity."""
+    """Return recommendations for scripts."""
     rows = []
     for way in ways:
         row: dict[str, Any] = {name: getattr(way, name) for name in _NUMBERS}
-        stiffness = _null_where_rigid(way.joint_stiffness.tolist())
-        rows.append(row | {"joint_stiffness": stiffness, "remarks": list(way.remarks)})
+        rows.append(row | {"joint_stiffness": way.joint_stiffness.tolist(), "remarks": list(way.remarks)})
     return rows
-
-
-def _null_where_rigid(stiffness: Any) -> Any:
-    if isinstance(stiffness, list):
-        return [_null_where_rigid(each) for each in stiffness]
-    return stiffness if math.isfinite(stiffness) else None
 
 
 def advice_lines(ways: Sequence[Recommendation], integrator: str, time: str) -> list[str]:
@@ -56,6 +50,11 @@ def advice_lines(ways: Sequence[Recommendation], integrator: str, time: str) -> 
             row.insert(3, percents(max(way.static_error.values(), key=abs, default=math.nan)))
         notes.append(
             "static: worst of tip force, tip moment and uniform load; nan where the beam can move rigidly"
+        )
+    usual = [way.segments for way in ways if way.rule == DEFAULT_RULE]
+    if usual and ways[0].rule != DEFAULT_RULE:
+        notes.append(
+            f"{DEFAULT_RULE}, the default of other commands, is the report's rule: N = {usual[0]} here"
         )
     notes.append(f"cost: segments times {integrator} steps in one period of the first mode")
     if rods:

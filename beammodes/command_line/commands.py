@@ -24,6 +24,7 @@ from beammodes.command_line.options import (
     LOAD,
     MODE,
     RULE,
+    SECTION,
     SEGMENTS,
     TOLERANCE,
     UNITS,
@@ -64,11 +65,12 @@ __all__ = ["COMMANDS"]
 _Answering = Callable[[argparse.Namespace], Answer]
 
 _BEFORE, _DURING, _AFTER = "before you build a chain", "while you build it", "when you have one"
+_ABOUT = "to read on"
 _EXAMPLE = "--length 1.2 --ei 85 --rho-a 0.62"
 _EXAMPLE_SI = f"{_EXAMPLE} --units SI"
 _ARC = '--gj 65 --shape "arc(angle=1.57)"'
 
-_BEAM = (*BEAM, UNITS)
+_BEAM = (*BEAM, *SECTION, UNITS)
 _CHAIN = (BOUNDARY, SEGMENTS, *_BEAM, RULE)
 
 #: What is assumed of every frequency, step and spring that is found here.
@@ -101,7 +103,7 @@ def _command(
     """
 
     def register(answer: _Answering) -> _Answering:
-        whole, listed, call, rod = answer, options, f"beammodes {name} {example}", ""
+        whole, listed, call, rod = answer, options, f"beammodes {name} {example}".rstrip(), ""
         if "space" in moving:
             beam = "" if _EXAMPLE in example else f" {_EXAMPLE}"
             rod = f"{call}{beam} --motion space {as_rod}".replace("beam.xml", "rod.xml")
@@ -274,8 +276,11 @@ def _springs(options: argparse.Namespace) -> Answer:
                 unit = answer["units"][f"{kind}_stiffness"]
                 lines.append(f"{kind} support of the {side} end: {typed_in(stiffness)} {unit}")
     ask = f"--segments {options.segments} --rule {options.rule}"
+    compared, said = _rules_compared(options)
+    answer |= compared
     lines += [
         *_units_note(options),
+        *said,
         f"rule {_rule(options)}; how wrong it is: beammodes error {_typed(options)} {ask}",
         f"a better one: beammodes recommend {_typed(options)} --tolerance 1%",
     ]
@@ -352,7 +357,7 @@ def _damping(options: argparse.Namespace) -> Answer:
         found = ratio_from_decay([positive_real("--peaks", height) for height in heights])
         ratios, error = found.ratio, found.standard_error
         answer |= {"ratio": found.ratio, "fitted_ratio": found.fitted_ratio}
-        answer["standard_error"] = error if math.isfinite(error) else None
+        answer["standard_error"] = error
         lines += [f"damping ratio {found}"]
     asked = {"damping_ratio": ratios, "stiffness_damping": 0.0}
     fits = {"joints": damping_of(argparse.Namespace(**asked), chain)}
@@ -435,8 +440,8 @@ def _time_step(options: argparse.Namespace) -> Answer:
     time = units["time"]
     kept = accurate_step(record.name, *first[0])
     answer: dict[str, Any] = {
-        "time_step": step if math.isfinite(step) else None,
-        "accurate_time_step": kept if math.isfinite(kept) else None,
+        "time_step": step,
+        "accurate_time_step": kept,
         "highest_angular_frequency": highest,
     }
     answer |= _said_units(
@@ -630,7 +635,10 @@ def _export(options: argparse.Namespace) -> Answer:
 
     _beam(options)
     if options.length is options.ei is options.rho_a is None:
-        raise ValueError("--length, --ei and --rho-a must be given: a model file has units")
+        raise ValueError(
+            "--length, --ei and --rho-a must be given, or --length, --section and --material: a model file "
+            "has units"
+        )
     chain, load = _chain(options), _load(options)
     second = None
     if options.ei_across is not None:
@@ -661,6 +669,7 @@ def _export(options: argparse.Namespace) -> Answer:
     f"beam.xml {_EXAMPLE_SI} --tolerance 1%",
     option("file", "MJCF, URDF, SDFormat, or CSV as export writes it", metavar="FILE"),
     *BEAM,
+    *SECTION,
     option(
         "--boundary",
         f"the beam's ends (default: the file's): {BOUNDARY[1]['help']}",
@@ -691,8 +700,8 @@ def _audit(options: argparse.Namespace) -> Answer:
     from beammodes.auditing.mended_files import mend_file
 
     beam = _beam(options)
-    if options.length is options.ei is options.rho_a is None:
-        raise ValueError("--length, --ei and --rho-a must be given: a model file has units")
+    if options.length is None:
+        raise ValueError("--length, --ei and --rho-a must be given, or --length, --section and --material")
     asked = {name: getattr(options, name) for name in ("modes", "tolerance", "chain", "plane", "springs")}
     mended = None
     if options.write is not None:
@@ -789,7 +798,7 @@ def _suggestion(found: Audit, item: Suggestion) -> dict[str, Any]:
     return {
         "name": item.name,
         "moves_hinges": item.moves_hinges,
-        "relative_errors": [error if math.isfinite(error) else None for error in item.errors.tolist()],
+        "relative_errors": item.errors.tolist(),
         "hinges": [
             row | {"position_m": x} for row, x in zip(rows, item.hinge_position.tolist(), strict=True)
         ],
@@ -844,6 +853,39 @@ def _kept_hinges(found: Audit, kept: list[Suggestion], units: Mapping[str, Any])
 
 def _more_hinges(count: int) -> list[str]:
     return [f"{count} more hinges: see --json"] if count > 0 else []
+
+
+@_command(_ABOUT, "rules", "which rules are there, and what are their springs?", "")
+def _rules(_options: argparse.Namespace) -> Answer:
+    from beammodes.command_line.guides import listed_rules
+
+    return listed_rules()
+
+
+@_command(
+    _ABOUT,
+    "guide",
+    "what do the pages say, such as those on MuJoCo, units and damping?",
+    "mujoco",
+    option("page", "one of the pages (default: a list of them)", nargs="?", metavar="PAGE"),
+)
+def _guide(options: argparse.Namespace) -> Answer:
+    from beammodes.command_line.guides import guide
+
+    return guide(options.page)
+
+
+@_command(
+    _ABOUT,
+    "completion",
+    "how does my shell complete commands and options?",
+    "bash",
+    option("shell", "bash, zsh or tcsh, which reads the script that is printed", metavar="SHELL"),
+)
+def _completion(options: argparse.Namespace) -> Answer:
+    from beammodes.command_line.guides import completion
+
+    return completion(options.shell, COMMANDS)
 
 
 # What the options of several commands describe.
@@ -926,6 +968,34 @@ def _numbers_note(options: argparse.Namespace) -> str:
         "\nnumbers of ends and force are taken as multiples of ρA L, ρA L³, L, EI/L³, EI/L and EI/L²: give "
         "--length, --ei and --rho-a if they are not"
     )
+
+
+def _rules_compared(options: argparse.Namespace) -> tuple[dict[str, Any], list[str]]:
+    """Return the first mode's error with the rule that was typed, and with the one whose error is least."""
+    from beammodes.accuracy.errors import frequency_error
+    from beammodes.chains.rules import RULES
+
+    errors: dict[str, float] = {}
+    for name in dict.fromkeys((options.rule, *RULES)):
+        case = {"segments": options.segments, "mode": 1, "rule": name, "beam": _beam(options)}
+        try:
+            found: float = frequency_error(options.boundary, **case)
+        except ValueError:
+            # A rule that takes no such N, or a hub that it does not know.
+            continue
+        if math.isfinite(found):
+            errors[name] = found
+    if options.rule not in errors:
+        return {}, []
+    own = errors[options.rule]
+    # Between pinned ends several are the same but for rounding.
+    best = min(errors, key=lambda name: abs(errors[name]))
+    if abs(errors[best]) > (1 - 1e-9) * abs(own):
+        best = options.rule
+    said = "the default, as in the report" if options.rule == DEFAULT_RULE else options.rule
+    rest = "no rule has less" if best == options.rule else f"{percent(errors[best])} with --rule {best}"
+    text = f"first mode: {percent(own)} with {said}; {rest}"
+    return {"first_mode_error": own, "best_rule": best, "best_first_mode_error": errors[best]}, [text]
 
 
 def _rule(options: argparse.Namespace) -> str:

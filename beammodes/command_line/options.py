@@ -25,6 +25,7 @@ __all__ = [
     "LOAD",
     "MODE",
     "RULE",
+    "SECTION",
     "SEGMENTS",
     "TOLERANCE",
     "UNITS",
@@ -85,11 +86,15 @@ class Command:
             epilog=f"example:\n  {self.example}" + f"\n  {self.in_space}" * bool(self.in_space),
             formatter_class=argparse.RawDescriptionHelpFormatter,
         )
+        self.fill(parser)
+        return parser
+
+    def fill(self, parser: argparse.ArgumentParser) -> None:
+        """Give a parser the command's own options."""
         for flag, settings in self.options:
             text = settings["help"]
             parser.add_argument(flag, **{**settings, "help": text() if callable(text) else text})
         parser.add_argument("--json", action="store_true", help="print one JSON object")
-        return parser
 
 
 class _Parser(argparse.ArgumentParser):
@@ -120,7 +125,13 @@ def parse(arguments: Sequence[str], commands: Sequence[Command]) -> argparse.Nam
         # What argparse makes of --name=-- .
         if value == []:
             parser.error(f"--{name.replace('_', '-')} must have a value, got '--'")
-    return argparse.Namespace(**vars(options), command=known[first].answer)
+    typed, told = vars(options), ""
+    if any(typed.get(name) is not None for name in _OF_A_SECTION):
+        from beammodes.command_line.section_options import beam_of_section
+
+        made, told = beam_of_section(options)
+        typed |= made
+    return argparse.Namespace(**typed, command=known[first].answer, told=told)
 
 
 def _leave_without_command(first: str, arguments: Sequence[str], commands: Sequence[Command]) -> NoReturn:
@@ -244,6 +255,25 @@ BEAM = (
     option("--length", "L, length of the beam, such as 1.2 m", type=as_number, metavar="X"),
     option("--ei", "EI, bending stiffness, such as 85 N m²", type=as_number, metavar="X"),
     option("--rho-a", "ρA, mass per length, such as 0.62 kg/m", type=as_number, metavar="X"),
+)
+#: Options that stand for the beam's stiffnesses and masses.
+_OF_A_SECTION = ("section", "material", "elastic_modulus", "density", "poisson_ratio")
+SECTION = (
+    option(
+        "--section",
+        "in place of --ei and --rho-a: circle(diameter=0.01), tube(outer=0.02, wall=0.001), "
+        "rectangle(width=0.06, height=0.02), box, i_section or channel; heights in the plane of bending",
+        metavar="NAME",
+    ),
+    option(
+        "--material",
+        "of the section: steel, stainless steel, aluminum, brass, titanium or concrete: typical numbers. "
+        "Yours are in SI then, unless --units says otherwise",
+        metavar="NAME",
+    ),
+    option("--elastic-modulus", "E of the section, in place of the material's", type=as_number, metavar="X"),
+    option("--density", "ρ of the section, in place of the material's", type=as_number, metavar="X"),
+    option("--poisson-ratio", "of the section where it twists, likewise", type=as_number, metavar="X"),
 )
 #: What each motion is besides bending.
 _MOTIONS: Mapping[str, str] = {

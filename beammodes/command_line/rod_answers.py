@@ -90,17 +90,15 @@ def _springs(case: RodCase) -> Answer:
     for j, (s, stiffness, place) in enumerate(
         zip(chain.hinge_position.tolist(), chain.joint_stiffness.tolist(), places.tolist(), strict=True), 1
     ):
-        # Strict JSON has no infinity: what does not turn is null.
-        held = [value if math.isfinite(value) else None for value in stiffness]
         rows.append(
-            {"hinge": j, "position": s, "place": place, **dict(zip(_TURNS, held, strict=True))},
+            {"hinge": j, "position": s, "place": place, **dict(zip(_TURNS, stiffness, strict=True))},
         )
     unit = units["joint_stiffness"]
     heads = ["hinge", f"position [{units['length']}]", f"twist [{unit}]"]
     heads += [f"about y [{unit}]", f"about z [{unit}]"]
     cells = [
         [str(row["hinge"]), number(row["position"])]
-        + ["rigid" if row[turn] is None else typed_in(row[turn]) for turn in _TURNS]
+        + ["rigid" if row[turn] == math.inf else typed_in(row[turn]) for turn in _TURNS]
         for row in rows
     ]
     said = case.said(position=units["length"], place=units["length"], stiffness=unit)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import inspect
 import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -11,8 +10,9 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
-from beammodes.checks import choice, shown
+from beammodes.checks import shown
 from beammodes.command_line.text_tables import DECLARED, UNITS, declared
+from beammodes.command_line.typed_calls import typed_call
 from beammodes.files import ordinary_text
 from beammodes.problem.rod import Rod
 from beammodes.problem.rod_ends import RodEnds
@@ -124,7 +124,8 @@ def rod_of(options: argparse.Namespace) -> Rod:
             if getattr(options, flag) is not None:
                 raise ValueError(f"--{flag} must be left out with --points, which has its own")
         return Rod.through(_points(options.points), **properties)
-    word, numbers = _shape("straight" if options.shape is None else options.shape)
+    typed = "straight" if options.shape is None else options.shape
+    word, numbers = typed_call("--shape", typed, _SHAPES, without=("length",))
     if word in _LONG and options.length is not None:
         raise ValueError(f"--length must be left out for a {word}, which has its own, got {options.length}")
     if word not in _LONG:
@@ -136,31 +137,6 @@ def rod_of(options: argparse.Namespace) -> Rod:
 
 def _value(options: argparse.Namespace, flag: str) -> Any:
     return getattr(options, flag[2:].replace("-", "_"), None)
-
-
-def _shape(text: str) -> tuple[str, dict[str, Any]]:
-    """Return the word and the numbers of a shape such as "arc(angle=1.57)"."""
-    match = re.fullmatch(r"\s*([a-z]+)\s*(?:\(([^()]*)\))?\s*", text[:_LONGEST_LINE].lower())
-    word = choice("--shape", match[1] if match else text, _SHAPES)
-    parameters = inspect.signature(_SHAPES[word]).parameters.values()
-    able = {each.name: each for each in parameters if each.name != "length" and each.kind != each.VAR_KEYWORD}
-    wanted = f"--shape must be {word}({', '.join(f'{name}=...' for name in able)})"
-    numbers: dict[str, Any] = {}
-    for part in (match[2] or "").split(",") if match and match[2] else []:
-        name, equals, value = (piece.strip() for piece in part.partition("="))
-        if not equals:
-            raise ValueError(f"{wanted}, got {shown(text)}")
-        choice(f"number of {word}", name, able)
-        if name in numbers:
-            raise ValueError(f"{name} of --shape must be given once, got {shown(text)}")
-        try:
-            numbers[name] = float(value)
-        except ValueError:
-            raise ValueError(f"{name} of --shape must be a number, got {shown(value)}") from None
-    lost = [name for name, each in able.items() if each.default is each.empty and name not in numbers]
-    if lost:
-        raise ValueError(f"{wanted}, got {shown(text)} without {' and '.join(lost)}")
-    return word, numbers
 
 
 def _points(path: str) -> list[list[float]]:

@@ -1,34 +1,21 @@
-"""The report's elastic moduli, as it prints them: in millions of lbf/in², some of them as a range.
+"""Materials: the report's elastic moduli as it prints them, and the numbers that a command line needs.
 
-The table follows the words "The Elastic Modulus of some common materials are:". What the scan reads, letter
-by letter, and what is meant:
-
-========================= ==================================== ============
-the scan's line           meant                                GPa
-========================= ==================================== ============
-Wood 1-2 ... Ibffin2      wood, 1 to 2 million lbf/in²         6.89 to 13.8
-Concrete 3 ... Ibf/in2    concrete, 3 million lbf/in²          20.7
-Marble 8 ... Ibffin2      marble, 8 million lbf/in²            55.2
-Aluminum 10 ... Tbf/in2   aluminum, 10 million lbf/in²         68.9
-Brass 15 ... Ibf/in?      brass, 15 million lbf/in²            103
-Cast Tron 10-20 ...       cast iron, 10 to 20 million lbf/in²  68.9 to 138
-Steel 30 ... 1bf/in2      steel, 30 million lbf/in²            207
-========================= ==================================== ============
-
-Only letters are misread: Ibf, Tbf and 1bf are lbf, the second f of ffin2 is the stroke of f/in², in? is in²,
-Tron is Iron; no digit is in doubt. The scan prints one system of units, so pascals here are converted, never
-copied, and there is no second column to check against. The numbers are rounded to whole millions: one of 3
-says no more than 2.5 to 3.5. The table has no densities.
+The report's table follows the words "The Elastic Modulus of some common materials are:", in millions of
+lbf/in², two of them as a range: wood and cast iron. Letters of the scan are misread (Ibf for lbf, Tron for
+Iron), no digit is in doubt. It prints one system of units, so pascals here are converted, never copied, and
+there is no second column to check against. The numbers are rounded to whole millions: one of 3 says no more
+than 2.5 to 3.5. The table has no densities; those of `MATERIALS` are from handbooks.
 """
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from fractions import Fraction
 
 from beammodes.checks import Catalogue, Shown, choice, real, shown
 
-__all__ = ["MODULI", "PASCALS", "Modulus", "elastic_modulus"]
+__all__ = ["MATERIALS", "MODULI", "PASCALS", "Material", "Modulus", "elastic_modulus", "plain_name"]
 
 #: Pascals in a pound-force per square inch, exactly: 0.45359237 kg times 9.80665 m/s² over (0.0254 m)².
 PASCALS = Fraction("0.45359237") * Fraction("9.80665") / Fraction("0.0254") ** 2
@@ -46,8 +33,6 @@ class Modulus(Shown):
         Its name, in lower case.
     low, high : int [10⁶ lbf/in²]
         As printed; the same number twice where one is printed.
-    scan : str
-        The line as the scan reads it.
 
     Examples
     --------
@@ -58,7 +43,6 @@ class Modulus(Shown):
     material: str
     low: int
     high: int
-    scan: str
 
     @property
     def is_range(self) -> bool:
@@ -86,18 +70,72 @@ MODULI: Catalogue[Modulus] = Catalogue(
     {
         line.material: line
         for line in (
-            Modulus("wood", 1, 2, "Wood 1-2 million Ibffin2"),
-            Modulus("concrete", 3, 3, "Concrete 3 million Ibf/in2"),
-            Modulus("marble", 8, 8, "Marble 8 million Ibffin2"),
-            Modulus("aluminum", 10, 10, "Aluminum 10 million Tbf/in2"),
-            Modulus("brass", 15, 15, "Brass 15 million Ibf/in?"),
-            Modulus("cast iron", 10, 20, "Cast Tron 10-20 million Ibf/in2"),
-            Modulus("steel", 30, 30, "Steel 30 million 1bf/in2"),
+            Modulus("wood", 1, 2),
+            Modulus("concrete", 3, 3),
+            Modulus("marble", 8, 8),
+            Modulus("aluminum", 10, 10),
+            Modulus("brass", 15, 15),
+            Modulus("cast iron", 10, 20),
+            Modulus("steel", 30, 30),
+        )
+    },
+)
+
+
+@dataclass(frozen=True, slots=True, repr=False)
+class Material(Shown):
+    """Typical numbers of a material; measure yours where a per cent matters.
+
+    Parameters
+    ----------
+    name : str
+    elastic_modulus : float [Pa]
+    density : float [kg/m³]
+    poisson_ratio : float
+    """
+
+    name: str
+    elastic_modulus: float
+    density: float
+    poisson_ratio: float
+
+
+def _reported(name: str, density: float, poisson_ratio: float) -> Material:
+    return Material(name, MODULI[name].pascals[0], density, poisson_ratio)
+
+
+#: Materials of the command line: the report's moduli where it has one number; else values of handbooks.
+MATERIALS: Catalogue[Material] = Catalogue(
+    "materials",
+    {
+        line.name: line
+        for line in (
+            _reported("aluminum", 2700.0, 0.33),
+            _reported("brass", 8500.0, 0.34),
+            _reported("concrete", 2400.0, 0.2),
+            _reported("steel", 7850.0, 0.29),
+            # AISI 304 and Ti-6Al-4V.
+            Material("stainless steel", 193e9, 8000.0, 0.29),
+            Material("titanium", 113.8e9, 4430.0, 0.342),
         )
     },
 )
 
 _ALIASES = {"aluminium": "aluminum"}
+
+
+def plain_name(material: object, table: Mapping[str, object]) -> object:
+    """Return a material's name as a table has it, or what was given where it has none.
+
+    Examples
+    --------
+    >>> plain_name("Stainless_Steel", MATERIALS), plain_name("aluminium", MODULI)
+    ('stainless steel', 'aluminum')
+    """
+    if not isinstance(material, str):
+        return material
+    name = " ".join(material.lower().replace("_", " ").split())
+    return name if name in table else _ALIASES.get(name, material)
 
 
 def elastic_modulus(material: str, *, unit: str = "Pa", at: float | None = None) -> float:
@@ -137,11 +175,7 @@ def elastic_modulus(material: str, *, unit: str = "Pa", at: float | None = None)
     >>> elastic_modulus("wood", unit="lbf/in2", at=0.5)
     1500000.0
     """
-    word: object = material
-    if isinstance(material, str):
-        name = " ".join(material.lower().replace("_", " ").split())
-        word = name if name in MODULI else _ALIASES.get(name, material)
-    line = MODULI[choice("material", word, MODULI)]
+    line = MODULI[choice("material", plain_name(material, MODULI), MODULI)]
     factor = _UNITS[choice("unit", unit, _UNITS)] * 10**6
     if at is None:
         if line.is_range:

@@ -117,11 +117,9 @@ def _moduli() -> str:
             " to ".join(dict.fromkeys(f"{value:.3g}" for value in ends))
             for ends in ((line.low, line.high), [value / 1e9 for value in line.pascals])
         )
-        rows.append([line.material, pounds, pascals, line.scan])
-    heads = ["material", "the report, 10⁶ lbf/in²", "E, GPa", "the scan's line"]
-    return table(
-        heads, rows, f"Elastic modulus of some materials.{note('moduli')}", words=(0, 3), quoted=(1, 3)
-    )
+        rows.append([line.material, pounds, pascals])
+    heads = ["material", "the report, 10⁶ lbf/in²", "E, GPa"]
+    return table(heads, rows, f"Elastic modulus of some materials.{note('moduli')}", words=(0,), quoted=(1,))
 
 
 def _moduli_agree() -> str:
