@@ -880,7 +880,7 @@ def _guide(options: argparse.Namespace) -> Answer:
     "completion",
     "how does my shell complete commands and options?",
     "bash",
-    option("shell", "bash, zsh or tcsh, which reads the script that is printed", metavar="SHELL"),
+    option("shell", "bash or zsh, which reads the script that is printed", metavar="SHELL"),
 )
 def _completion(options: argparse.Namespace) -> Answer:
     from beammodes.command_line.guides import completion

@@ -15,7 +15,7 @@ from beammodes.command_line.text_tables import text_table
 __all__ = ["completion", "guide", "listed_rules"]
 
 PAGES = Path(__file__).parent.parent / "pages"
-_SHELLS = ("bash", "zsh", "tcsh")
+_SHELLS = ("bash", "zsh")
 
 
 def listed_rules() -> Answer:

@@ -219,16 +219,16 @@ _RECORDS = (
 
 #: Every integrator by its name.
 INTEGRATORS: Catalogue[Integrator] = Catalogue("integrators", {record.name: record for record in _RECORDS})
-_BY_ENGINE = {alias: record for record in _RECORDS for alias in record.engines}
 
 
 def find_integrator(name: str, among: Iterable[str] | None = None) -> Integrator:
     """Return an integrator by its name, or by an engine's such as "MuJoCo implicitfast".
 
-    Upper and lower case are alike. `among` are the names that are allowed: all by default, and then engines'
-    names too.
+    Upper and lower case are alike. `among` are the names that are allowed, with those that engines have for
+    them: all by default.
     """
-    known = {**INTEGRATORS, **_BY_ENGINE} if among is None else {each: INTEGRATORS[each] for each in among}
+    known = dict(INTEGRATORS) if among is None else {each: INTEGRATORS[each] for each in among}
+    known |= {alias: record for record in known.values() for alias in record.engines}
     if isinstance(name, str):
         named = {each.lower(): record for each, record in known.items()}
         if name.lower() in named:
