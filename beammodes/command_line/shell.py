@@ -48,7 +48,7 @@ EXIT_CODES = MappingProxyType(
 _SPELLED = """
 α=alpha β=beta γ=gamma δ=delta ε=epsilon ζ=zeta η=eta θ=theta κ=kappa λ=lambda μ=mu ν=nu ξ=xi π=pi ρ=rho
 σ=sigma τ=tau φ=phi χ=chi ψ=psi ω=omega Δ=Delta Σ=sum Φ=Phi Ω=Omega ℓ=ell
-ᵀ=^T ⁰=^0 ¹=^1 ²=^2 ³=^3 ⁴=^4 ⁵=^5 ⁶=^6 ⁷=^7 ⁸=^8 ⁹=^9 ₀=0 ₁=1 ₂=2 ₃=3 ₄=4 ₅=5 ₆=6 ₇=7 ₈=8 ₉=9
+ᵀ=^T ⁻=^- ⁰=^0 ¹=^1 ²=^2 ³=^3 ⁴=^4 ⁵=^5 ⁶=^6 ⁷=^7 ⁸=^8 ⁹=^9 ₀=0 ₁=1 ₂=2 ₃=3 ₄=4 ₅=5 ₆=6 ₇=7 ₈=8 ₉=9
 √=sqrt ∞=inf ∂=d ∫=integral ∝=~ ≈=~ ≠=!= ≤=<= ≥=>= ±=+- ×=x ·=* ½=1/2 ¼=1/4 ‖=| ′=' °=deg §=section
 –=- —=- −=- …=... →=-> ←=<- ’=' “=" ”=" ä=ae ö=oe ü=ue Ä=Ae Ö=Oe Ü=Ue ß=ss é=e è=e
 """
