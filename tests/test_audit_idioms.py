@@ -155,6 +155,37 @@ ALIKE: dict[str, tuple[str, str, str]] = {
 }
 
 
+def noded(joints: str, link: str = "") -> str:
+    """The rods with these joints at every node, each on a body that has what `link` says."""
+    text = ""
+    for i in reversed(range(COUNT)):
+        rod = f'<body name="s{i}">{joints.format(i=i)}{INERTIAL}{text}</body>'
+        text = f'<body name="c{i}" pos="{ELL * (i > 0)} 0 0">{link.format(i=i)}{rod}</body>'
+    return f'<mujoco><option gravity="0 0 0"/><worldbody>{text}</worldbody></mujoco>'
+
+
+BEND = f'<joint name="j{{i}}" axis="0 1 0" stiffness="{SPRING}"/>'
+TRACE = '<inertial pos="0 0 0" mass="1e-10" diaginertia="1e-13 1e-13 1e-13"/>'
+STRETCH = f'<joint name="p{{i}}" type="slide" axis="1 0 0" stiffness="1e5"/>{TRACE}'
+ALIKE |= {
+    "slides on links of their own": (
+        noded(BEND, STRETCH),
+        ".xml",
+        "slides along the chain (p1, p2, p3, p4) ",
+    ),
+    "twist that nothing holds": (
+        noded(BEND + '<joint name="t{i}" axis="1 0 0"/>'),
+        ".xml",
+        "hinges without a spring about other axes (t0, t1, t2, t3, t4) are taken as at rest",
+    ),
+    "hinges by turns about two axes": (
+        noded(f'<joint name="z{{i}}" axis="0 0 1" stiffness="{2 * SPRING}"/>', BEND + TRACE),
+        ".xml",
+        "there are hinges for z, y",
+    ),
+}
+
+
 @pytest.mark.parametrize("case", ALIKE)
 def test_the_same_chain_in_other_words(case: str, tmp_path: Path) -> None:
     text, ending, says = ALIKE[case]
@@ -239,3 +270,55 @@ def test_links_without_rotary_inertia_are_judged_and_blamed(tmp_path: Path) -> N
     np.testing.assert_allclose(found.angular_frequency / (2 * math.pi), due, rtol=1e-7)
     assert found.rotary_inertia_mismatch == pytest.approx(-1, abs=1e-6)
     assert re.search(r"rotary inertia of the segments is -100 % off", found.text)
+
+
+@pytest.mark.parametrize("plane", ["y", "z"])
+@pytest.mark.parametrize("welded", [False, True])
+def test_small_links_between_hinges_leave_the_rods_their_length(
+    plane: str, welded: bool, tmp_path: Path
+) -> None:
+    """Cross-pieces of 4 g at every node: an outer rod without one, or welded to the ground, is a segment."""
+    cross = BEND + '<geom size="0.01" mass="0.004"/>'
+    text = noded(f'<joint name="z{{i}}" axis="0 0 1" stiffness="{SPRING}"/>', cross)
+    if welded:
+        text = re.sub(r'<joint name="[jz]0".*?/>', "", text)
+    path = tmp_path / "model.xml"
+    path.write_text(text)
+    found = audit_file(path, BEAM, plane=plane)
+    assert (found.segments, found.layout) == (COUNT, "rigid_stub" if welded else "naive")
+    assert found.length_mismatch == pytest.approx(0, abs=1e-9)
+    # The moving crosses are no mass of the beam; each is 4 % of a rod.
+    assert found.mass_mismatch > 0.02
+
+
+@pytest.mark.parametrize("mass", [1.0, 4.0])
+def test_a_heavy_cart_on_a_rail_is_a_body_and_no_length_of_the_beam(mass: float, tmp_path: Path) -> None:
+    cart = f'<joint type="slide" axis="0 0 1"/><inertial pos="0.1 0 0" mass="{mass}" diaginertia="1 1 1"/>'
+    path = tmp_path / "model.xml"
+    path.write_text(
+        mjcf(root=f'<body name="cart" pos="-0.1 0 0">{cart}<frame pos="0.1 0 0">{{}}</frame></body>')
+    )
+    found = audit_file(path, BEAM)
+    assert found.boundary.left.holds_rotation and found.boundary.left.mass == pytest.approx(mass)
+    assert (found.segments, found.layout, found.length_mismatch) == (COUNT, "naive", pytest.approx(0))
+
+
+@pytest.mark.parametrize(("factor", "springs"), [(3.0, "1"), (3.0, "1.3")])
+def test_three_times_a_rods_inertia_is_blamed_unless_a_rule_of_masses_at_tips_is_meant(
+    factor: float, springs: str, tmp_path: Path
+) -> None:
+    text = mjcf().replace(f"{ABOUT!r}", f"{factor * ABOUT!r}")
+    path = tmp_path / "model.xml"
+    path.write_text(text.replace(f'"{SPRING}"', f'"{float(springs) * SPRING}"'))
+    found = audit_file(path, BEAM)
+    assert found.rotary_inertia_mismatch == pytest.approx(factor - 1)
+    assert "rotary inertia of the segments is +200 % off" in found.text
+
+
+def test_of_hinges_by_turns_about_two_axes_both_planes_are_offered(tmp_path: Path) -> None:
+    path = tmp_path / "model.xml"
+    path.write_text(re.sub(r'(name="j[13]") axis="0 1 0"', r'\1 axis="0 0 1"', mjcf()))
+    found = audit_file(path, BEAM)
+    assert "there are hinges for y, z: say by plane which is meant" in found.text
+    for plane, hinges in (("z", 3), ("y", 2)):
+        assert len(audit_file(path, BEAM, plane=plane).joint_stiffness) == hinges

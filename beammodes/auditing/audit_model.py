@@ -356,8 +356,6 @@ def _audited(beam: Beam, read: _Read, found: EndedChain, modes: int, tolerance: 
     damping = np.array([spring.damping for spring in found.springs])
     ends = f"ends {found.boundary.name}"
     assumed = [*found.assumed, *([] if found.said else [f"{ends}, as far as the file tells"]), *read.left_out]
-    if any(read.gravity):
-        assumed.append("gravity is left out here: frequencies and errors are those without weight")
     try:
         # Numbers that are too far apart for each other end here, not in results that are none.
         with np.errstate(divide="raise", invalid="raise"):
@@ -424,12 +422,16 @@ def _read(place: Path, asked: _Request, springs: Path | None) -> _Read:
     model, slides = without_stretch(_model(place, springs))
     if not slides:
         return _of_file(model, asked)
-    listed = ", ".join([*slides[:_LISTED], *(["..."] if len(slides) > _LISTED else [])])
     why = (
-        f"slides along the chain ({listed}) are taken as at rest: stretch and bending do not move each other"
+        f"slides along the chain ({_few(slides)}) are taken as at rest: stretch and bending do not move each "
+        "other"
     )
     read = _of_file(model, asked)
     return replace(read, left_out=(why, *read.left_out))
+
+
+def _few(names: Sequence[str]) -> str:
+    return ", ".join([*names[:_LISTED], *(["..."] if len(names) > _LISTED else [])])
 
 
 def _of_file(model: Model, asked: _Request) -> _Read:
@@ -532,7 +534,12 @@ def _axis_by_axis(model: Model, asked: _Request) -> _Read | None:
         found[read.plane] = replace(read, left_out=(why, *read.left_out))
     if asked.plane is not None:
         return found.get(asked.plane)
-    return min(found.values(), key=lambda read: read.distance, default=None)
+    likeliest = min(found.values(), key=lambda read: read.distance, default=None)
+    if likeliest is None or len(found) == 1:
+        return likeliest
+    planes = ", ".join(sorted(found))
+    said = f"deflection along {likeliest.plane}; there are hinges for {planes}: say by plane which is meant"
+    return replace(likeliest, given=(*likeliest.given, said))
 
 
 def _of_model(model: Model, asked: _Request) -> _Read:
@@ -584,7 +591,7 @@ def _of_rod(model: Model, rod: ModelRod, asked: _Request) -> _Read:
     return _Read(
         (rod_in_plane(rod, planes[label]),),
         tuple(said),
-        (*model.notes, *rod.notes, *held),
+        (*model.left_out, *rod.notes, *held),
         _rod_step(model.step, rod),
         (float(pull), across),
         label,
@@ -633,6 +640,15 @@ def _of_path(model: Model, path: HingePath, asked: _Request) -> _Read:
     said = [*model.given, f"chain at body {path.name}: {count} hinge{'s' * (count > 1)} with springs"]
     if len(planes) > 1:
         said.append(f"deflection along {label}; there are hinges for {', '.join(planes)}")
+    loose = [
+        joint.name
+        for group in path.groups
+        for joint in group.joints
+        if joint.kind == "hinge" and not joint.is_sprung and joint.name not in names
+    ]
+    floppy = [
+        f"hinges without a spring about other axes ({_few(loose)}) are taken as at rest: nothing holds them"
+    ]
     balls = [group.name for group in path.groups if any(joint.kind == "ball" for joint in group.joints)]
     twist = [
         "balls let the chain twist too, which bending does not move: twist may need a shorter step; "
@@ -646,7 +662,14 @@ def _of_path(model: Model, path: HingePath, asked: _Request) -> _Read:
     return _Read(
         tuple(chains),
         tuple(said),
-        (*model.notes, *undamped, *(twist if balls else []), *held, *([touching] if touching else [])),
+        (
+            *model.left_out,
+            *undamped,
+            *(twist if balls else []),
+            *(floppy if loose else []),
+            *held,
+            *([touching] if touching else []),
+        ),
         model.step,
         (along, across if across > 1e-9 * abs(along) else 0.0),
         label,

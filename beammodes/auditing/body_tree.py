@@ -434,6 +434,12 @@ class Model:
     apart: frozenset[frozenset[str]] = frozenset()
     neighbours_touch: bool = False
 
+    @property
+    def left_out(self) -> tuple[str, ...]:
+        """Sentences on what no frequency counts: what the reader left out, and weight."""
+        weightless = "gravity is left out here: frequencies and errors are those without weight"
+        return (*self.notes, *([weightless] if any(self.gravity) else []))
+
 
 @dataclass(eq=False)
 class Group:

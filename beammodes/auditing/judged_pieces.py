@@ -384,7 +384,9 @@ class JudgedPieces:
     @cached_property
     def _rod_ratio(self) -> float:
         """J/(m l²) of the kind of rods that is meant: 1/12 of slender rods, 1/4 of masses at two tips."""
-        kinds = {float(rule.rotary_inertia) for rule in RULES.values()}
+        # Only with the springs of a rule of theirs are masses at two tips meant.
+        meant = [rule for rule, count in self.layouts if self.departure(rule, count) <= _SAME]
+        kinds = {1 / 12, *(float(rule.rotary_inertia) for rule in meant)}
         middle = float(np.median(self._gyration)) if len(self._gyration) else 1 / 12
         # Anything else is a slender rod with a section, which comes by any number where segments are short.
         return next((kind for kind in kinds if abs(kind - middle) < _KIND), min(kinds))

@@ -353,13 +353,16 @@ def _near_lengths(path: HingePath, line: HingeLine, root: RootSupport | None) ->
     if root is not None and root.hinge is not None:
         return _Lengths((_pivot(root.hinge, line),))
     segment = _segment(path, line, -1, root)
-    found = _by_matter(path.root, line, line.places[0], -1.0, segment)
+    found = _by_matter(path.root, line, line.places[0], -1.0, segment, path)
     if found is not None:
         return _Lengths((found,))
     slides = [j for j in path.root.joints if root is not None and j.kind == "slide"]
     for slide in slides:
-        if line.place(slide.position) <= 0:
-            return _Lengths((-line.place(slide.position),))
+        place = -line.place(slide.position)
+        if place >= 0:
+            # A slide has no place of its own: a carriage that is no segment may be none of the beam.
+            heavy = segment is not None and path.root.inertial.mass > _MOST * segment.mass
+            return _Lengths((0.0, place) if heavy else (place,), certain=not heavy)
     if root is None and path.root.parent is not None:
         # A body of a mechanism that carries the chain is no part of the beam.
         return _Lengths((0.0,))
@@ -381,7 +384,7 @@ def _hub_radius(path: HingePath, line: HingeLine, root: RootSupport | None) -> f
     if length <= _ALIKE * segment.length:
         return 0.0
     found = hub_of(_piece(path.root, line, -length, 0.0), segment.mirrored)
-    beam = _by_matter(path.root, line, 0.0, -1.0, segment) or 0.0
+    beam = _by_matter(path.root, line, 0.0, -1.0, segment, path) or 0.0
     return min(found, length - beam) if beam < length * (1 - _ALIKE) else 0.0
 
 
@@ -418,7 +421,7 @@ def _far_lengths(
     if far.place is not None:
         return _Lengths((far.place - hinge,))
     segment = _segment(path, line, 1, root)
-    found = _by_matter(tip, line, hinge, 1.0, segment)
+    found = _by_matter(tip, line, hinge, 1.0, segment, path)
     if found is not None:
         return _Lengths((found,))
     lengths = _by_solids(tip, line, hinge, 1.0, segment)
@@ -432,12 +435,8 @@ def _segment(path: HingePath, line: HingeLine, way: float, root: RootSupport | N
     It is the one between two hinges that is nearest to that end, else the first up to the hinge that turns
     it; of one hinge alone, the segment on it.
     """
-    found = None
-    pairs = list(zip(itertools.pairwise(line.places), path.groups, strict=False))
-    for (start, end), group in pairs[::-1] if way > 0 else pairs:
-        if end > start and group.inertial.mass:
-            found = _piece(group, line, start, end)
-            break
+    inner = _inner(path, line, way)
+    found = None if inner is None else _piece(inner[0], line, *inner[1:])
     if found is None and root is not None and root.hinge is not None and path.root.inertial.mass:
         length = _pivot(root.hinge, line)
         found = _piece(path.root, line, -length, line.places[0]) if length > 0 else None
@@ -450,12 +449,40 @@ def _segment(path: HingePath, line: HingeLine, way: float, root: RootSupport | N
     return found if way > 0 else found.mirrored
 
 
+def _inner(path: HingePath, line: HingeLine, way: float) -> tuple[Group, float, float] | None:
+    """Return what is between two hinges and nearest to an end, and where it begins and ends."""
+    pairs = list(zip(itertools.pairwise(line.places), path.groups, strict=False))
+    for (start, end), group in pairs[::-1] if way > 0 else pairs:
+        if end > start and group.inertial.mass:
+            return group, start, end
+    return None
+
+
+def _has_twin(group: Group, line: HingeLine, hinge: float, way: float, path: HingePath) -> bool:
+    """Return True if the rod of an outer piece is that of its neighbour, which has small links beside it."""
+    inner = _inner(path, line, way)
+    if inner is None or sum(body.inertial.mass > 0 for body in inner[0].bodies) < 2:
+        return False
+    beside, start, end = inner
+    size = end - start
+    rod = max(beside.bodies, key=lambda body: body.inertial.mass).inertial
+    centre = line.place(rod.centre) - start if way > 0 else end - line.place(rod.centre)
+    return any(
+        abs(body.inertial.mass - rod.mass) <= _ALIKE * rod.mass
+        and abs(way * (line.place(body.inertial.centre) - hinge) - centre) <= _ALIKE * size
+        and abs(line.moment(body.inertial) - line.moment(rod)) <= _ALIKE * rod.mass * size**2
+        for body in group.bodies
+    )
+
+
 def _by_matter(
-    group: Group, line: HingeLine, hinge: float, way: float, segment: Piece | None
+    group: Group, line: HingeLine, hinge: float, way: float, segment: Piece | None, path: HingePath
 ) -> float | None:
     """Return the length of an outer piece that is made as its neighbour is, alone or with a body on it."""
     if segment is None:
         return None
+    if _has_twin(group, line, hinge, way, path):
+        return segment.length
     solids = (solid.inertial for body in group.bodies for solid in body.solids)
     for part in (group.inertial, *(body.inertial for body in group.bodies), *solids):
         found = _length_of_kind(part, line, hinge, way, segment)

@@ -222,15 +222,18 @@ def without_stretch(model: Model) -> tuple[Model, list[str]]:
     Stretch does not move what bends, nor is it moved by it. A slide across the chain stays, as one that is
     not on the line of the hinges.
     """
+    kinds = [{joint.kind for joint in body.joints if joint.stiffness} for body in model.bodies]
+    hinged = [body for body, own in zip(model.bodies, kinds, strict=True) if "hinge" in own]
+    above, below = _around(model, ["hinge" in own for own in kinds])
     both = [
         body
-        for body in model.bodies
-        if {"hinge", "slide"} <= {joint.kind for joint in body.joints if joint.stiffness}
+        for i, (body, own) in enumerate(zip(model.bodies, kinds, strict=True))
+        if "slide" in own and ("hinge" in own or (above[i] and below[i]))
     ]
     if not both:
         return model, []
-    first, last = (next(j for j in body.joints if j.kind == "hinge") for body in (both[0], both[-1]))
-    along = last.position - first.position if len(both) > 1 else both[0].inertial.centre - first.position
+    first, last = (next(j for j in body.joints if j.kind == "hinge") for body in (hinged[0], hinged[-1]))
+    along = last.position - first.position if len(hinged) > 1 else both[0].inertial.centre - first.position
     size = float(np.linalg.norm(along))
     if size < _NO_LENGTH:
         return model, []
@@ -246,6 +249,17 @@ def without_stretch(model: Model) -> tuple[Model, list[str]]:
     return replace(model, bodies=bodies), list(at_rest.values())
 
 
+def _around(model: Model, marked: Sequence[bool]) -> tuple[list[bool], list[bool]]:
+    """Return which bodies are marked or carried by such ones, and which carry such ones."""
+    above, below = list(marked), [False] * len(marked)
+    for i, body in enumerate(model.bodies):
+        above[i] |= body.parent >= 0 and above[body.parent]
+    for i, body in reversed(list(enumerate(model.bodies))):
+        if body.parent >= 0:
+            below[body.parent] |= below[i] or marked[i]
+    return above, below
+
+
 def with_motors_held(model: Model) -> tuple[Model, list[str]]:
     """Return a model whose joints without springs in a chain or at its tip are held, and their names.
 
@@ -253,13 +267,7 @@ def with_motors_held(model: Model) -> tuple[Model, list[str]]:
     carries a hand at the tip and its fingers.
     """
     sprung = [any(joint.is_sprung for joint in body.joints) for body in model.bodies]
-    above = list(sprung)
-    below = [False] * len(sprung)
-    for i, body in enumerate(model.bodies):
-        above[i] |= body.parent >= 0 and above[body.parent]
-    for i, body in reversed(list(enumerate(model.bodies))):
-        if body.parent >= 0:
-            below[body.parent] |= below[i] or sprung[i]
+    above, below = _around(model, sprung)
     bodies, names = list(model.bodies), []
     for i, body in enumerate(model.bodies):
         loose = bool(body.joints) and not sprung[i] and above[i]

@@ -166,7 +166,7 @@ def audit_along(
     which = TWIST if motion == "twist" else STRETCH
     whole = row_modes(row, model.ties)
     found = axial_audit_of(model, row, which, beam, boundary, modes, tolerance)
-    assumed = [*found.assumed, *model.notes]
+    assumed = [*found.assumed, *model.left_out]
     own = {each.joint.name for each in row.coordinates if each.motion == which}
     resting = [joint.name for joint in row.joints if joint.name not in own]
     if resting or len(row.coordinates) > len(own):
@@ -392,7 +392,7 @@ class _InSpace:
         return lines
 
     def _own(self, lines: Sequence[str]) -> list[str]:
-        return [line for line in lines if line not in self.model.notes]
+        return [line for line in lines if line not in self.model.left_out]
 
     @property
     def _planes(self) -> dict[str, str]:
@@ -413,7 +413,7 @@ class _InSpace:
         nodes = len(self.row.nodes)
         springs = f"joints with springs at {nodes} node{'s' * (nodes > 1)}"
         given = [f"chain at body {self.row.name}: {springs}: {', '.join(kinds) or 'oblique to its line'}"]
-        assumed = [*self.model.notes]
+        assumed = [*self.model.left_out]
         unlike = self.rod.second_bending_stiffness != self.rod.bending_stiffness
         if self.plane is None and unlike and self._planes:
             told = ", ".join(f"{name} along {label}" for name, label in self._planes.items())
