@@ -20,6 +20,7 @@ __all__ = [
     "MAX_DEPTH",
     "MAX_ELEMENTS",
     "BadModel",
+    "UnexpandedModel",
     "XmlElement",
     "bounded_bytes",
     "finite_number",
@@ -41,6 +42,10 @@ _LONGEST_NUMBER, _LONGEST_NAME = 100, 200
 
 class BadModel(ValueError):
     """A model file that cannot be read, or that holds what the audit cannot honour."""
+
+
+class UnexpandedModel(BadModel):
+    """A model file in which only its engine can tell what belongs together."""
 
 
 @dataclass(slots=True)

@@ -32,7 +32,7 @@ from beammodes.auditing.body_tree import (
     joined,
     solid,
 )
-from beammodes.auditing.bounded_xml import BadModel, XmlElement, read_xml
+from beammodes.auditing.bounded_xml import BadModel, UnexpandedModel, XmlElement, read_xml
 from beammodes.auditing.mujoco_cable import (
     BARE,
     CABLE,
@@ -56,14 +56,15 @@ _MAX_COPIES = 10_000
 
 #: Elements that only MuJoCo can expand, or whose effect on a body's motion is not read, and why.
 _UNREAD = {
-    "composite": "only MuJoCo can expand it; of a cable (mujoco.elasticity.cable) the page on MuJoCo "
-    "(beammodes/pages/mujoco.md) has the error",
-    "flexcomp": "a flex has no hinges and is not judged here; the page on MuJoCo "
-    "(beammodes/pages/mujoco.md) has its error",
-    "attach": "only MuJoCo can expand it; save what it makes of the file by mj_saveLastXML",
-    "plugin": "what a plugin such as mujoco.elasticity.cable does is not read; the page on MuJoCo "
-    "(beammodes/pages/mujoco.md) has the error of its cable",
+    "composite": "only MuJoCo can expand it, but for cables",
+    "flexcomp": 'a flex is judged as a rod only, with dim="1"',
+    "attach": "only MuJoCo can expand it",
+    "plugin": "what a plugin does is not read, but for mujoco.elasticity.cable",
 }
+
+_CONSTRAINTS = ("connect", "weld", "joint", "tendon")
+#: Attributes of ties and constraints that name what they act on.
+_NAMES = {"joint", "joint1", "joint2", "site", "site1", "site2", "body1", "body2"}
 
 _TURNS = {"euler": 3, "quat": 4, "axisangle": 4, "zaxis": 3, "xyaxes": 6}
 _SIZES = {"sphere": 1, "capsule": 2, "cylinder": 2, "box": 3, "ellipsoid": 3}
@@ -86,8 +87,9 @@ def read_mjcf(root: XmlElement, folder: Path) -> Model:
     inertiagrouprange and settotalmass, default classes, explicit inertials, solids with mass or density,
     poses, hinges, slides and free joints, fixed tendons with stiffness, and equality constraints on these.
     Armature is inertia of a hinge's own rotation; servos of velocity without other terms are dampers. What
-    cannot be honoured is refused where a chain needs it: composites, plugins, flexes, meshes, balls without a
-    spring, dry friction, stops at rest, servos that act like springs, spatial tendons with springs.
+    cannot be honoured is refused where a chain needs it: composites and plugins other than cables, flexes
+    other than rods, meshes, balls without a spring, dry friction, stops at rest, servos that act like
+    springs, spatial tendons with springs.
     """
     include_files(root, folder)
     expand_cables(root)
@@ -203,6 +205,8 @@ class _Reader:
         #: Flexcomps of rods: the element, the index of its body, its own and the body's frame, its name.
         self.flexes: list[tuple[XmlElement, int, Frame, Frame, str]] = []
         self.ground: list[Shape] = []
+        #: Names in the file of which replicates make copies.
+        self.copied: set[str] = set()
         #: The body of each site.
         self.homes: dict[str, str] = {}
 
@@ -211,6 +215,7 @@ class _Reader:
         bare = self.root.tag == "mujocoinclude" and self.root.first("worldbody") is None
         for world in [self.root] if bare else self.root.all("worldbody"):
             self._read_bodies(world)
+        self._check_copies()
         self.bodies, cables = with_cable_springs(self.bodies, self.frames, self.cable_pieces)
         return Model(
             tuple(self._compiled()),
@@ -238,6 +243,18 @@ class _Reader:
         if not name or any(joint.stiffness for joint in joints):
             return ""
         return f"no joint has a stiffness: MJCF has a spring as that attribute of a joint, such as {name}"
+
+    def _check_copies(self) -> None:
+        """Refuse ties and constraints on what is copied: to which copies they belong only MuJoCo tells."""
+        for outer, tags in (("tendon", ("fixed", "spatial")), ("equality", _CONSTRAINTS)):
+            for element in self._within(outer, *tags):
+                parts = [element, *element.children]
+                named = [value for part in parts for key, value in part.attributes.items() if key in _NAMES]
+                odd = next((name for name in named if name in self.copied), None)
+                if odd is not None:
+                    raise UnexpandedModel(
+                        f"{element.where} must name nothing that is copied by <replicate>, got {shown(odd)}"
+                    )
 
     # Options.
 
@@ -375,6 +392,8 @@ class _Reader:
     ) -> ModelBody:
         own_name = element.attributes.get("name", f"body on line {element.line}")
         name = own_name + suffix
+        if suffix:
+            self.copied.add(own_name)
         cable = self._cable_piece(element, class_name, suffix)
         if cable is not None:
             self.cable_pieces[len(self.bodies)] = cable
@@ -388,6 +407,7 @@ class _Reader:
         )
         sites = [site.attributes.get("name", "") for site, *_ in self._inside(element, class_name, "site")]
         self.homes |= dict.fromkeys(sites, name)
+        self.copied |= set(sites) if suffix else set()
         matter = self._matter(element, class_name)
         refusals = [f"{odd.where} must be left out: {_UNREAD[odd.tag]}" if odd else ""]
         refusals += [self.acted_sites.get(site, "") for site in sites] + [matter.refusal]
@@ -661,6 +681,8 @@ class _Reader:
             own = self._with_defaults(child, "joint", class_name)
             kind = own.attributes.get("type", "hinge")
         name = own.attributes.get("name", fallback)
+        if suffix or more:
+            self.copied.add(name)
         axis = child.direction(own.numbers("axis", 3, "0 0 1"))
         position = frame.point(np.array(own.numbers("pos", 3, "0 0 0")))
         stiffness = _linear(own, "stiffness", "spring")
