@@ -203,3 +203,21 @@ def test_the_springs_for_a_body_have_order_three(on_segment: bool, turned: bool)
     # The second mode's leading term is small, so that the next one shows.
     first, second, _ = np.log2(errors[0] / errors[1])
     assert first == pytest.approx(3.0, abs=0.1) and second > 2.6
+
+
+@pytest.mark.parametrize("fixed", ["combined", "fixed"])
+def test_a_light_body_is_no_longer_link_where_the_beams_length_says_so(fixed: str, tmp_path: Path) -> None:
+    # To first order a point at its tip and a longer link have the same mass, centre and inertia.
+    for mass in np.geomspace(0.0003, 3.0, 15).tolist():
+        for offset in (0.0, 0.03, 0.1):
+            body = (mass, 1e-4 * mass, offset)
+            found = audit_file(written(tmp_path, "xml", links("stub", fixed, body)), BEAM)
+            end = found.boundary.right
+            assert [end.mass, end.rotary_inertia, end.offset] == pytest.approx(body, rel=1e-4, abs=1e-9)
+            assert (found.layout, found.length_mismatch) == ("rigid_stub", pytest.approx(0, abs=1e-6))
+
+
+def test_a_longer_last_link_is_one_where_the_beams_length_says_so(tmp_path: Path) -> None:
+    path = written(tmp_path, "xml", links("hinge", "combined", (0.05, 0.05 * 0.1**2 / 12, 0.05)))
+    found = audit_file(path, Beam(LENGTH + 0.1, STIFFNESS, DENSITY))
+    assert found.length_mismatch == pytest.approx(0, abs=1e-6) and not found.boundary.right.mass

@@ -354,8 +354,8 @@ def _near_lengths(path: HingePath, line: HingeLine, root: RootSupport | None) ->
         return _Lengths((_pivot(root.hinge, line),))
     segment = _segment(path, line, -1, root)
     found = _by_matter(path.root, line, line.places[0], -1.0, segment, path)
-    if found is not None:
-        return _Lengths((found,))
+    if found:
+        return _Lengths((found[0],))
     slides = [j for j in path.root.joints if root is not None and j.kind == "slide"]
     for slide in slides:
         place = -line.place(slide.position)
@@ -384,7 +384,7 @@ def _hub_radius(path: HingePath, line: HingeLine, root: RootSupport | None) -> f
     if length <= _ALIKE * segment.length:
         return 0.0
     found = hub_of(_piece(path.root, line, -length, 0.0), segment.mirrored)
-    beam = _by_matter(path.root, line, 0.0, -1.0, segment, path) or 0.0
+    beam = next(iter(_by_matter(path.root, line, 0.0, -1.0, segment, path)), 0.0)
     return min(found, length - beam) if beam < length * (1 - _ALIKE) else 0.0
 
 
@@ -421,9 +421,17 @@ def _far_lengths(
     if far.place is not None:
         return _Lengths((far.place - hinge,))
     segment = _segment(path, line, 1, root)
-    found = _by_matter(tip, line, hinge, 1.0, segment, path)
-    if found is not None:
-        return _Lengths((found,))
+    found, ahead = _by_matter(tip, line, hinge, 1.0, segment, path), _ahead(tip.extent, line, hinge, 1.0)
+    carries = segment is not None and _carries_body(tip, line, hinge, segment)
+    if found and segment:
+        # A longer link, or one with a light body near its tip: solids tell, else the length of the beam.
+        either = [*found, *([segment.length] if carries else [])]
+        drawn = [v for v in either if any(abs(v - a) <= _ALIKE * segment.length for a in ahead)]
+        values = tuple(dict.fromkeys(drawn or either))
+        return _Lengths(values, certain=len(values) == 1)
+    if carries and segment and not ahead:
+        # Equal links with a body, or the body alone.
+        return _Lengths((segment.length, 0.0), certain=False)
     lengths = _by_solids(tip, line, hinge, 1.0, segment)
     positive = tuple(value for value in lengths.values if value > 0) if not reach else lengths.values
     return _Lengths(positive or (0.0,), lengths.certain)
@@ -477,18 +485,29 @@ def _has_twin(group: Group, line: HingeLine, hinge: float, way: float, path: Hin
 
 def _by_matter(
     group: Group, line: HingeLine, hinge: float, way: float, segment: Piece | None, path: HingePath
-) -> float | None:
-    """Return the length of an outer piece that is made as its neighbour is, alone or with a body on it."""
+) -> list[float]:
+    """Return lengths of an outer piece that is made as its neighbour is, alone or with a body on it."""
     if segment is None:
-        return None
+        return []
     if _has_twin(group, line, hinge, way, path):
-        return segment.length
+        return [segment.length]
     solids = (solid.inertial for body in group.bodies for solid in body.solids)
-    for part in (group.inertial, *(body.inertial for body in group.bodies), *solids):
-        found = _length_of_kind(part, line, hinge, way, segment)
-        if found is not None:
-            return found
-    return None
+    parts = (group.inertial, *(body.inertial for body in group.bodies), *solids)
+    lengths = (_length_of_kind(part, line, hinge, way, segment) for part in parts)
+    return [length for length in lengths if length is not None]
+
+
+def _carries_body(group: Group, line: HingeLine, hinge: float, segment: Piece) -> bool:
+    """Return True if a last piece can be a segment like its neighbour with a body on it, by its matter."""
+    own = group.inertial
+    mass = own.mass - segment.mass
+    if mass <= _ALIKE * segment.mass:
+        return False
+    centre = line.place(own.centre) - hinge
+    arm = (own.mass * centre - segment.mass * segment.centre) / mass
+    swing = segment.mass * mass / own.mass * (arm - segment.centre) ** 2
+    rest = line.moment(own) - segment.inertia - swing
+    return rest >= -_ALIKE * segment.mass * segment.length**2
 
 
 def _length_of_kind(part: Inertial, line: HingeLine, hinge: float, way: float, kind: Piece) -> float | None:
