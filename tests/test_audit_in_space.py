@@ -181,6 +181,22 @@ def test_engines_of_urdf_and_sdformat_agree(tmp_path: Path) -> None:
     np.testing.assert_allclose(found[0].angular_frequency[:6], np.sqrt(squares[:6]), rtol=1e-8)
 
 
+def test_planes_as_near_to_one_axis_of_the_world_have_letters_of_their_own(tmp_path: Path) -> None:
+    """Hinges by turns about axes at 45 degrees: each plane rings as in MuJoCo, the others at rest."""
+    springs, ones = np.full((8, 3), 10.0), np.ones(8)
+    text = world(row("by_turns", 8, springs, 0.05 * ones, np.full((8, 3), 5e-5), "", ""))
+    text = text.replace('axis="0 1 0"', 'axis="0 1 1"').replace('axis="0 0 1"', 'axis="0 1 -1"')
+    (tmp_path / "model.xml").write_text(text)
+    truth, beam, found = mujoco_frequencies(text), bm.Beam(0.8, 2.0, 0.5), {}
+    for plane in ("y", "z"):
+        found[plane] = bm.audit_file(tmp_path / "model.xml", beam, plane=plane).angular_frequency
+    assert found["y"][0] != pytest.approx(found["z"][0], rel=1e-3)
+    both = np.sort(np.concatenate([*found.values()]))
+    np.testing.assert_allclose(both, truth[: len(both)], rtol=1e-9)
+    with pytest.raises(ValueError, match="plane must be one of"):
+        bm.audit_file(tmp_path / "model.xml", beam, plane="x")
+
+
 def test_curved_rods_are_judged_as_one(tmp_path: Path) -> None:
     """Their modes are mixed; the exported chain errs as `rod_errors` finds without any file."""
     wire = {"bending_stiffness": 85.0, "torsional_stiffness": 60.0, "mass_per_length": 0.62}

@@ -50,6 +50,7 @@ from beammodes.auditing.serial_chains import (
     chosen_path,
     hinge_line,
     hinge_paths,
+    letters_of,
     root_support,
     with_motors_held,
     without_stretch,
@@ -73,6 +74,8 @@ __all__ = ["audit_file"]
 
 _T = TypeVar("_T")
 _LISTED = 5
+#: A straight chain deflects in two planes.
+_ALL_PLANES = 2
 #: Longer chains take minutes.
 _MOST_PIECES = 10_000
 _OUT_OF_RANGE = (ArithmeticError, np.linalg.LinAlgError)
@@ -104,6 +107,8 @@ class _Read:
     sagging: float = 0.0
     #: The share of the chain's mass that is in round caps of capsules.
     caps: float = 0.0
+    #: The direction of the deflection.
+    across: Floats | None = None
 
 
 @overload
@@ -551,27 +556,29 @@ def _axis_by_axis(model: Model, asked: _Request) -> _Read | None:
     Bending about one axis does not move what hinges about others turn, if all matter is on the line and lies
     along the axes: so it is with hinges by turns about two axes, and with cross-pieces of universal joints.
     """
-    found: dict[str, _Read] = {}
+    reads: list[_Read] = []
     for names, reduced in about_one_axis(model):
         try:
             read = _of_model(reduced, replace(asked, plane=None))
         except ValueError:
             continue
-        if read.plane in found:
-            return None
         why = (
             f"hinges about other axes ({names}) are taken as at rest, as bending about one leaves them; what "
             "they turn, such as twist, may need a shorter step"
         )
-        found[read.plane] = replace(read, left_out=(why, *read.left_out))
+        reads.append(replace(read, left_out=(why, *read.left_out)))
+    if not reads or len(reads) > _ALL_PLANES:
+        return None
+    directions = [read.across for read in reads if read.across is not None]
+    found = dict(zip(letters_of(directions), reads, strict=True))
     if asked.plane is not None:
-        return found.get(asked.plane)
-    likeliest = min(found.values(), key=lambda read: read.distance, default=None)
-    if likeliest is None or len(found) == 1:
-        return likeliest
+        return found[choice("plane", asked.plane, found)]
+    likeliest = min(found, key=lambda plane: found[plane].distance)
+    if len(found) == 1:
+        return found[likeliest]
     planes = ", ".join(sorted(found))
-    said = f"deflection along {likeliest.plane}; there are hinges for {planes}: say by plane which is meant"
-    return replace(likeliest, given=(*likeliest.given, said))
+    said = f"deflection along {likeliest}; there are hinges for {planes}: say by plane which is meant"
+    return replace(found[likeliest], given=(*found[likeliest].given, said))
 
 
 def _of_model(model: Model, asked: _Request) -> _Read:
@@ -607,7 +614,7 @@ def _rod(model: Model, name: str | None) -> ModelRod | None:
 def _of_rod(model: Model, rod: ModelRod, asked: _Request) -> _Read:
     if rod.refusal:
         raise BadModel(rod.refusal)
-    planes = dict(zip(_letters(rod.across), (0, 1), strict=True))
+    planes = dict(zip(letters_of(rod.across), (0, 1), strict=True))
     off = [abs(math.log(rigidity / asked.beam.mean_bending_stiffness)) for rigidity in rod.rigidity]
     label = min(planes, key=lambda each: off[planes[each]])
     if asked.plane is not None:
@@ -708,6 +715,7 @@ def _of_path(model: Model, path: HingePath, asked: _Request) -> _Read:
         _distance(line, beam),
         abs(float(model.gravity @ line.across)),
         _caps(path),
+        line.across,
     )
 
 
@@ -743,15 +751,7 @@ def _words(path: HingePath, line: HingeLine, given: Boundary | None) -> list[str
 
 def _labelled(lines: Sequence[HingeLine]) -> dict[str, HingeLine]:
     """Return lines by the axis along which they deflect; of two alike, each has a letter of its own."""
-    return dict(zip(_letters([line.across for line in lines]), lines, strict=True))
-
-
-def _letters(directions: Sequence[Floats]) -> list[str]:
-    found: list[str] = []
-    for direction in directions:
-        order = np.argsort(-np.abs(direction).round(6), kind="stable")
-        found.append(next(letter for letter in ("xyz"[i] for i in order) if letter not in found))
-    return found
+    return dict(zip(letters_of([line.across for line in lines]), lines, strict=True))
 
 
 def _distance(line: HingeLine, beam: Beam) -> float:

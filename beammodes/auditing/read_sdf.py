@@ -35,7 +35,14 @@ from beammodes.numerics.arrays import Floats
 
 __all__ = ["read_sdf"]
 
-_KINDS = {"revolute": "hinge", "continuous": "hinge", "prismatic": "slide", "universal": "hinge"}
+#: Joints of two axes at one place, the second turned by the first.
+_TWO_AXES = ("universal", "revolute2")
+_KINDS = {
+    "revolute": "hinge",
+    "continuous": "hinge",
+    "prismatic": "slide",
+    **dict.fromkeys(_TWO_AXES, "hinge"),
+}
 
 
 #: Models may stand in models so deep.
@@ -259,7 +266,7 @@ def _joint(joint: XmlElement, scope: _Scope, name: str) -> Iterator[ModelJoint]:
     if kind == "fixed":
         return
     frame = scope.at @ scope.of_joint(joint)
-    for i, tag in enumerate(("axis", "axis2") if kind == "universal" else ("axis",)):
+    for i, tag in enumerate(("axis", "axis2") if kind in _TWO_AXES else ("axis",)):
         axis = joint.first(tag)
         if kind not in _KINDS or axis is None:
             why = f"{joint.where} must be revolute or universal with its axes, got type {shown(kind)}"

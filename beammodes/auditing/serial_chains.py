@@ -26,6 +26,7 @@ __all__ = [
     "chosen_path",
     "hinge_line",
     "hinge_paths",
+    "letters_of",
     "lone_segment",
     "root_support",
     "with_motors_held",
@@ -82,6 +83,21 @@ def axes_across(along: Floats, springs: Floats | None, matter: Sequence[Inertial
         if unlike:
             break
     return across[:, 0], across[:, 1]
+
+
+def letters_of(directions: Sequence[Floats]) -> list[str]:
+    """Return the world's axis that is nearest to each direction; of two alike, each has a letter of its own.
+
+    Examples
+    --------
+    >>> letters_of([np.array([0.0, 0.6, 0.8]), np.array([0.0, -0.6, 0.8])])
+    ['z', 'y']
+    """
+    found: list[str] = []
+    for direction in directions:
+        order = np.argsort(-np.abs(direction).round(6), kind="stable")
+        found.append(next(letter for letter in ("xyz"[i] for i in order) if letter not in found))
+    return found
 
 
 @dataclass(frozen=True, eq=False)
@@ -163,6 +179,7 @@ def why_no_chain(model: Model) -> str:
     ]
     odd += [
         f"{joint.name} on body {body.name} is a {joint.kind} joint"
+        + (": motion stretch judges slides along a chain, space all joints" if joint.kind == "slide" else "")
         for body in sprung
         for joint in body.joints
         if joint.kind != "hinge"
@@ -364,7 +381,9 @@ def hinge_line(path: HingePath, axis: Floats) -> HingeLine:
     along = next((way for way in ways if np.linalg.norm(way) >= _NO_LENGTH), None)
     if along is None:
         if np.linalg.norm(last.position - origin) > _NO_LENGTH:
-            raise BadModel(f"hinge {last.name} must not turn about the chain's own line: twist is not judged")
+            raise BadModel(
+                f"hinge {last.name} must not turn about the chain's own line: motion twist judges it"
+            )
         if len(hinges) > 1:
             raise BadModel(f"hinges {first.name} and {last.name} must be apart: both are at one place")
         raise BadModel(

@@ -23,6 +23,7 @@ from beammodes.auditing.body_tree import Model
 from beammodes.auditing.bounded_xml import BadModel
 from beammodes.auditing.hinge_order import HingeOrder, hinge_order
 from beammodes.auditing.row_modes import RowModes, row_modes
+from beammodes.auditing.serial_chains import letters_of
 from beammodes.auditing.space_row import (
     FIRST_BENDING,
     SECOND_BENDING,
@@ -239,16 +240,11 @@ class _InSpace:
     @cached_property
     def labels(self) -> dict[int, str]:
         """Along which axis of the world each bending deflects."""
-        found: dict[int, str] = {}
         line = self.row.line
         if line is None:
-            return found
-        for motion in (FIRST_BENDING, SECOND_BENDING):
-            order = np.argsort(-np.abs(line.across(motion)).round(6), kind="stable")
-            found[motion] = next(
-                letter for letter in ("xyz"[i] for i in order) if letter not in found.values()
-            )
-        return found
+            return {}
+        both = (FIRST_BENDING, SECOND_BENDING)
+        return dict(zip(both, letters_of([line.across(motion) for motion in both]), strict=True))
 
     @cached_property
     def names(self) -> dict[int, str]:
