@@ -106,7 +106,8 @@ def test_no_known_layout() -> None:
     soft = cable() | {"joint_stiffness": [300.0] * 9}
     found = audit_chain(BEAM, "clamped-free", **soft)
     assert (found.layout, found.order, found.segments) == (UNKNOWN, None, 10)
-    assert "with springs of no rule" in found.remark
+    # 300 of 708.33 N m/rad, EI/ell.
+    assert "with springs of no rule, 0.4235 times those of rigid_stub: as of EI = 36:" in found.remark
     assert suggested(found, "rigid_stub_corrected")[0] == pytest.approx(0.0029, abs=1e-4)
     uneven = cable() | {"length": [0.12 + 1e-3, 0.12 - 1e-3] + [0.12] * 8}
     found = audit_chain(BEAM, "clamped-free", **uneven)

@@ -439,12 +439,22 @@ class JudgedPieces:
         rule, count = self.likeliest[0]
         where, said = self._where(rule), percent(error, 2, rounding=SOLVED)
         if not rules:
-            return f"{where}, with springs of no rule: {UNKNOWN}, {said} at N = {count}"
+            return f"{where}, with springs of no rule{self._scaled()}: {UNKNOWN}, {said} at N = {count}"
         order = self.order(rule)
         falls = "falls only as 1/N" if order == 1 else f"falls as 1/N{'⁰¹²³⁴⁵⁶⁷⁸⁹'[order]}"
         same = ", ".join(other.name for other, _ in rules[1:])
         text = f"{where}: {rule.name}{f' (here the same as {same})' if same else ''}"
         return f"{text}, {said} at N = {count}, {falls}{self._down_to(rule, error)}"
+
+    def _scaled(self) -> str:
+        """Return what is said of springs that are a rule's times one number."""
+        for rule, count in self.layouts if len(self.springs) > 1 else ():
+            ratio = self.springs * self.weights(rule, count) / self.unit(count)
+            factor = float(np.median(ratio))
+            if factor > 0 and np.abs(ratio / factor - 1).max() <= _SAME:
+                own = factor * self.beam.mean_bending_stiffness
+                return f", {factor:.4g} times those of {rule.name}: as of EI = {own:.6g}"
+        return ""
 
     def _down_to(self, rule: Rule, error: float) -> str:
         if not self._is_uniform:
