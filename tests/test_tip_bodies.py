@@ -221,3 +221,19 @@ def test_a_longer_last_link_is_one_where_the_beams_length_says_so(tmp_path: Path
     path = written(tmp_path, "xml", links("hinge", "combined", (0.05, 0.05 * 0.1**2 / 12, 0.05)))
     found = audit_file(path, Beam(LENGTH + 0.1, STIFFNESS, DENSITY))
     assert found.length_mismatch == pytest.approx(0, abs=1e-6) and not found.boundary.right.mass
+
+
+def test_links_by_turns_about_two_axes_end_in_half_a_segment(tmp_path: Path) -> None:
+    text = ""
+    for i in reversed(range(2 * COUNT)):
+        text = (
+            f'<body pos="{ELL / 2 * (i > 0)} 0 0"><joint name="j{i}" axis="0 {1 - i % 2} {i % 2}" '
+            f'stiffness="{SPRING}"/><geom type="cylinder" fromto="0 0 0 {ELL / 2} 0 0" size=".001" '
+            f'mass="{DENSITY * ELL / 2}"/>{text}</body>'
+        )
+    path = tmp_path / "model.xml"
+    path.write_text(f"<mujoco><worldbody>{text}</worldbody></mujoco>")
+    for plane, layout in (("z", "naive"), ("y", "half_stub")):
+        found = audit_file(path, BEAM, plane=plane)
+        assert (found.layout, found.segments) == (layout, COUNT)
+        assert found.length_mismatch == pytest.approx(0, abs=1e-6)

@@ -474,6 +474,9 @@ def _has_twin(group: Group, line: HingeLine, hinge: float, way: float, path: Hin
     beside, start, end = inner
     size = end - start
     rod = max(beside.bodies, key=lambda body: body.inertial.mass).inertial
+    if beside.inertial.mass > 1.5 * rod.mass:
+        # Links as heavy as the rod are segments themselves, on hinges about other axes.
+        return False
     centre = line.place(rod.centre) - start if way > 0 else end - line.place(rod.centre)
     return any(
         abs(body.inertial.mass - rod.mass) <= _ALIKE * rod.mass
