@@ -322,3 +322,22 @@ def test_of_hinges_by_turns_about_two_axes_both_planes_are_offered(tmp_path: Pat
     assert "there are hinges for y, z: say by plane which is meant" in found.text
     for plane, hinges in (("z", 3), ("y", 2)):
         assert len(audit_file(path, BEAM, plane=plane).joint_stiffness) == hinges
+
+
+@pytest.mark.parametrize("first", ["", f'stiffness="{SPRING}"'])
+def test_a_heavy_first_rod_is_a_hub_only_if_the_beams_length_leaves_it_out(
+    first: str, tmp_path: Path
+) -> None:
+    heavy = (
+        f'<inertial pos="{ELL / 2} 0 0" mass="{5 * MASS}" diaginertia="1e-6 {5 * ABOUT!r} {5 * ABOUT!r}"/>'
+    )
+    path = tmp_path / "model.xml"
+    path.write_text(mjcf(first).replace(INERTIAL, heavy, 1))
+    whole, outer = audit_file(path, BEAM), audit_file(path, Beam((COUNT - 1) * ELL, SPRING * ELL, MASS / ELL))
+    np.testing.assert_allclose(whole.angular_frequency, outer.angular_frequency, rtol=1e-9)
+    hub = outer.boundary.left
+    assert (whole.segments, outer.segments, float(hub.hub_radius)) == (COUNT, COUNT - 1, pytest.approx(ELL))
+    # A rod about its end: m l²/3.
+    assert hub.rotary_inertia == pytest.approx(5 * MASS * ELL**2 / 3)
+    assert whole.length_mismatch == pytest.approx(0, abs=1e-9) == outer.length_mismatch
+    assert "is a hub, and the beam begins 0.2 m beside that hinge" in outer.text

@@ -500,7 +500,7 @@ def _from_csv(place: Path, length: float) -> _Read:
         (near[0], near[1]),
         (far[0], far[1]),
         Spring("left end", near[1]),
-        hub=hub_of(pieces[0], pieces[1]) if turns else 0.0,
+        hub=hub_of(pieces[0], pieces[1], length - sum(p.length for p in pieces[1:])) if turns else 0.0,
     )
     return _Read((with_wall_hinges(planar, Spring("right end", 0.0), length),))
 
@@ -661,7 +661,7 @@ def _of_path(model: Model, path: HingePath, asked: _Request) -> _Read:
     else:
         label = min(planes, key=lambda each: _distance(planes[each], beam))
     line = planes[label]
-    hub = behind_sprung_hub(path, line.axis) if given is None or given.left.hub_radius else None
+    hub = behind_sprung_hub(path, line.axis, beam.length) if given is None or given.left.hub_radius else None
     if hub is not None:
         path, line = hub, hinge_line(hub, line.axis)
     names = {hinge.name for hinge in line.hinges}

@@ -250,7 +250,7 @@ def planar_chain(path: HingePath, line: HingeLine, far: FarEnd, length: float, w
     if far.turning and root is not None:
         # Beyond the far hinge the beam may go on, so its length does not tell where it begins.
         near = _Lengths(near.values[:1])
-    hub = _hub_radius(path, line, root)
+    hub = _hub_radius(path, line, root, length - reach - tip.values[0])
     start, end = _nearest(near.values, tip.values, length + hub - reach)
     cuts = [line.places[0] - start, *line.places, line.places[-1] + end]
     spans = itertools.pairwise(cuts[1:])
@@ -371,9 +371,10 @@ def _near_lengths(path: HingePath, line: HingeLine, root: RootSupport | None) ->
     return _by_solids(path.root, line, line.places[0], -1.0, segment)
 
 
-def _hub_radius(path: HingePath, line: HingeLine, root: RootSupport | None) -> float:
+def _hub_radius(path: HingePath, line: HingeLine, root: RootSupport | None, rest: float) -> float:
     """Return how much of the first piece is a hub and no beam [m]; 0 if it is made as segments are.
 
+    `rest` [m] is what the beam's length leaves for the first piece.
     A hub has much more or less mass for its length than segments, or its matter elsewhere. A body or a solid
     of it that is made as a segment is a piece of the beam that is rigid with the hub.
     """
@@ -383,13 +384,21 @@ def _hub_radius(path: HingePath, line: HingeLine, root: RootSupport | None) -> f
     length = _pivot(root.hinge, line)
     if length <= _ALIKE * segment.length:
         return 0.0
-    found = hub_of(_piece(path.root, line, -length, 0.0), segment.mirrored)
+    found = hub_of(_piece(path.root, line, -length, 0.0), segment.mirrored, rest)
     beam = next(iter(_by_matter(path.root, line, 0.0, -1.0, segment, path)), 0.0)
     return min(found, length - beam) if beam < length * (1 - _ALIKE) else 0.0
 
 
-def behind_sprung_hub(path: HingePath, axis: Floats) -> HingePath | None:
-    """Return a chain of the ground without its first hinge, if a spring holds a hub there and no segment."""
+def _is_rod(piece: Piece) -> bool:
+    ratio = 12 * piece.inertia / (piece.mass * piece.length**2) if piece.mass else 0.0
+    return 0.5 < ratio < 2 and abs(piece.centre / piece.length - 0.5) < 0.1
+
+
+def behind_sprung_hub(path: HingePath, axis: Floats, length: float) -> HingePath | None:
+    """Return a chain of the ground without its first hinge, if a spring holds a hub there and no segment.
+
+    `length` [m] is the beam's.
+    """
     if path.root.parent is not None or len(path.groups) < 3:
         return None
     line = hinge_line(path, axis)
@@ -397,19 +406,27 @@ def behind_sprung_hub(path: HingePath, axis: Floats) -> HingePath | None:
         _piece(group, line, *span)
         for group, span in zip(path.groups, itertools.pairwise(line.places[:3]), strict=False)
     )
-    if not (first.length and second.length and second.mass and hub_of(first, second)):
+    # A last segment is as long as the one before.
+    rest = length - (2 * line.places[-1] - line.places[-2] - line.places[1])
+    if not (first.length and second.length and second.mass and hub_of(first, second, rest)):
         return None
     return replace(path, root=path.groups[0], groups=path.groups[1:])
 
 
-def hub_of(own: Piece, segment: Piece) -> float:
-    """Return how much of a first piece that turns on a hinge is a hub, by what segments are made of [m]."""
+def hub_of(own: Piece, segment: Piece, rest: float) -> float:
+    """Return how much of a first piece that turns on a hinge is a hub, by what segments are made of [m].
+
+    A rod of another weight than segments may be either: it is beam if that comes nearer to `rest`, what the
+    beam's length leaves for it [m].
+    """
     length = own.length
     share = own.mass * segment.length / (length * segment.mass)
     inside = -_ALIKE * length <= own.centre <= length * (1 + _ALIKE)
     if 1 / _MOST <= share <= _MOST and inside and own.inertia <= own.mass * length**2 / 2:
         return 0.0
     beam = _of_kind(own.mass / segment.mass, length - own.centre, segment.mirrored) or 0.0
+    if _is_rod(own) and abs(rest - length) < abs(rest - beam):
+        return 0.0
     return length - beam if beam < length * (1 - _ALIKE) else 0.0
 
 
