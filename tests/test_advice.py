@@ -266,3 +266,34 @@ def test_the_motions_of_straight_rods_are_those_of_their_chains_in_space() -> No
                         judge.name,
                     )
                     np.testing.assert_allclose(judge.errors(rule, 7), found / judge.exact - 1, atol=1e-9)
+
+
+def test_any_beam_under_a_load_is_advised_as_looking_at_every_chain_does() -> None:
+    # Held to hang, tapered: N by looking at every chain beside the exact beam, from the top down.
+    taper = bm.Beam(1.2, lambda x: 85.0 - 40.0 * x, lambda x: 0.62 - 0.2 * x)
+    hung = bm.Load(gravity=(9.81, 0.0), axial_force=-2.0)
+    rule, limit = "gregory", 0.01
+    errors = [
+        np.abs(bm.chain_errors(bm.Chain(taper, "clamped-free", n, rule), 2, load=hung)) for n in range(2, 13)
+    ]
+    last = max(n for n, error in enumerate(errors, start=2) if not (error <= limit).all())
+    needed = bm.segments_needed("clamped-free", limit, 2, rule, beam=taper, load=hung)
+    assert needed == last + 1
+    (way,) = bm.recommend("clamped-free", limit, 2, beam=taper, load=hung, rules=[rule])
+    chain = bm.Chain(taper, "clamped-free", needed, rule)
+    assert way.segments == needed
+    assert way.largest_error == pytest.approx(errors[needed - 2].max(), rel=1e-9)
+    assert way.stable_time_step == pytest.approx(bm.stable_time_step(chain, load=hung), rel=1e-9)
+    # A uniform beam is looked up; a load that bends it, or that has no beam, is refused.
+    beam, pull = bm.Beam(1.2, 85.0, 0.62), bm.Load(axial_force=150.0)
+    shaft = bm.Beam(1.2, 85.0, 0.62, torsional_stiffness=60.0, polar_inertia_per_length=1e-4)
+    (way,) = bm.recommend("clamped-free", 0.01, 3, beam=beam, load=pull, rules=["mitiguy"])
+    assert way.segments == bm.segments_needed("clamped-free", 0.01, 3, beam=beam, load=pull)
+    for given, message in (
+        ({"load": pull}, "load must come with a beam"),
+        ({"load": bm.Load(tip_force=1.0), "beam": taper}, "load must leave the straight beam"),
+        ({"load": pull, "beam": shaft, "motion": "twist"}, "load must be left out for motion twist"),
+    ):
+        for ask in (bm.recommend, bm.segments_needed):
+            with pytest.raises(ValueError, match=message):
+                ask("clamped-free", 0.01, **given)

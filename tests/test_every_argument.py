@@ -535,6 +535,7 @@ def test_every_public_function_is_in_the_table() -> None:
         "draw_statics",
         "export_chain",
         "from_sectionproperties",
+        "mend_file",
         "open_study",
         "plot_response",
         "read_chain_csv",

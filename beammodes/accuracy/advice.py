@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from beammodes.accuracy.axial_errors import no_load
 from beammodes.accuracy.judged_motions import JudgedMotion, judged_beam, judged_rod
 from beammodes.accuracy.remarks import error_remarks
 from beammodes.accuracy.segments import (
@@ -30,6 +31,7 @@ from beammodes.numerics.blas import one_thread
 from beammodes.problem.axial_ends import AxialBoundary, AxialBoundaryLike
 from beammodes.problem.beam import Beam
 from beammodes.problem.ends import Boundary, check_multiples
+from beammodes.problem.loading import Load, check_unloaded, load_of
 from beammodes.problem.motions import Motion, motion_named, unit_beam
 from beammodes.problem.rod import Rod
 from beammodes.problem.rod_ends import RodBoundaryLike, RodEnds
@@ -123,6 +125,7 @@ def recommend(
     tolerance: float,
     modes: int | Mapping[str, int] = 1,
     *,
+    load: Load | None = None,
     beam: Beam | Rod | None = None,
     rules: Iterable[AnyAxialRule] | None = None,
     integrator: str = "rk4",
@@ -140,6 +143,9 @@ def recommend(
         Largest |e| of the first `modes` frequencies, as a fraction less than 0.5, from this N on.
     modes : int, or mapping from motions to int
         How many, from the first; of a rod as `segments_needed` has it.
+    load : Load, optional
+        One that leaves a beam straight, in the units of `beam`, which must then be given. Frequencies and
+        steps are under it, static errors without it.
     beam : Beam or Rod, optional
         For springs, steps and numbers of ends in its units; without one all are multiples of EI/L,
         √(ρA L⁴/EI), ρA L and so on. Of one that varies, or has a rotary inertia, each chain is solved beside
@@ -193,9 +199,10 @@ def recommend(
     if isinstance(boundary, Structure):
         if beam is not None or kind.along:
             raise ValueError("beam and motion must be left out with a structure, which bends its own beams")
+        check_unloaded(load)
         case = _StructureCase.of(boundary, modes)
     else:
-        case = _Case.of(boundary, modes, beam, kind)
+        case = _Case.of(boundary, modes, beam, kind, load_of(load, beam))
     ways: list[Recommendation] = []
     refusal = ValueError("rules must name at least one rule, got none")
     given = bounded("rules", RULES if rules is None else rules, most=_MAX_RULES)
@@ -233,22 +240,25 @@ class _Case(NamedTuple):
     rod: tuple[Rod, RodEnds] | None
 
     @classmethod
-    def of(cls, boundary: Any, modes: Any, beam: Beam | Rod | None, motion: Motion) -> _Case:
+    def of(cls, boundary: Any, modes: Any, beam: Beam | Rod | None, motion: Motion, load: Load) -> _Case:
         """Return the case of a beam in a motion, or of a rod in all of them."""
         if isinstance(beam, Rod):
             if motion.along:
                 raise ValueError(
                     f"motion must be left out with a rod, which bends and twists, got {shown(motion.name)}"
                 )
+            check_unloaded(load)
             ends = RodEnds.of(boundary)
             return cls(judged_rod(beam, ends, modes), (beam, ends))
         count = whole_number("modes", modes, most=MAX_MODES_SOUGHT)
         if beam is None:
             check_multiples(boundary)
         if motion.along:
+            no_load(load, motion)
             pair = AxialBoundary.of(boundary, motion)
             return cls([judged_beam(unit_beam() if beam is None else beam, pair, count)], None)
-        return cls([judged_beam(Beam.unit() if beam is None else beam, Boundary.of(boundary), count)], None)
+        bent = Beam.unit() if beam is None else beam
+        return cls([judged_beam(bent, Boundary.of(boundary), count, load)], None)
 
     @property
     def read(self) -> Callable[[Any], Any]:
@@ -343,7 +353,10 @@ def _remarks(judge: JudgedMotion, record: Any, segments: int, mode: int) -> tupl
     if judge.lookup is None or judge.lookup["motion"] != "bending":
         return ()
     return error_remarks(
-        judge.lookup["boundary"], segments=segments, mode=mode, rule=record, beam=judge.lookup["beam"]
+        segments=segments,
+        mode=mode,
+        rule=record,
+        **{name: value for name, value in judge.lookup.items() if name != "motion"},
     )
 
 

@@ -30,6 +30,7 @@ from beammodes.numerics.arrays import Floats, ratios_less_one
 from beammodes.problem.axial_ends import AxialBoundary, AxialEnd
 from beammodes.problem.beam import Beam
 from beammodes.problem.ends import Boundary, End
+from beammodes.problem.loading import NO_LOAD, Load
 from beammodes.problem.motions import MOTIONS
 from beammodes.problem.rod import Rod
 from beammodes.problem.rod_ends import RodEnd, RodEnds
@@ -114,6 +115,7 @@ class _OfBeam(JudgedMotion):
     theory_error: float
     called: str
     rod: StraightRod | None = None
+    load: Load = NO_LOAD
 
     @property
     def name(self) -> str:
@@ -129,7 +131,10 @@ class _OfBeam(JudgedMotion):
             closed = MOTIONS[self.motion].is_uniform(self.beam)
         else:
             closed = self.beam.is_uniform and not self.beam.has_rotary_inertia
-        return {"boundary": self.boundary, "beam": self.beam, "motion": self.motion} if closed else None
+        if not closed:
+            return None
+        loaded = {} if self.load == NO_LOAD else {"load": self.load}
+        return {"boundary": self.boundary, "beam": self.beam, "motion": self.motion, **loaded}
 
     def chain(self, record: Layout, segments: int) -> Chain | AxialChain:
         return _chain(self.beam, self.boundary, record, segments)
@@ -138,7 +143,7 @@ class _OfBeam(JudgedMotion):
         chain = self.chain(record, segments)
         if isinstance(chain, AxialChain):
             return solve_axial_modes(chain, self.modes).angular_frequency
-        return solve_modes(linearize(chain), self.modes).angular_frequency
+        return solve_modes(linearize(chain, load=self.load), self.modes).angular_frequency
 
     def errors(self, record: Layout, segments: int) -> Floats:
         if self.lookup is None:
@@ -151,10 +156,10 @@ class _OfBeam(JudgedMotion):
 
     def highest(self, record: Layout, segments: int) -> tuple[float, str]:
         if self.rod is None:
-            return _highest(self.chain(record, segments)), self.name
+            return _highest(self.chain(record, segments), self.load), self.name
         # Bending first, which a round rod has twice.
         every = [
-            (_highest(_chain(self.rod.beam(name), boundary, record, segments)), name)
+            (_highest(_chain(self.rod.beam(name), boundary, record, segments), NO_LOAD), name)
             for name, boundary in reversed(self.rod.boundaries.items())
         ]
         return max(every, key=lambda found: found[0])
@@ -168,10 +173,10 @@ def _chain(
     return Chain(beam, boundary, segments, record)
 
 
-def _highest(chain: Chain | AxialChain) -> float:
-    return (
-        highest_axial_frequency(chain) if isinstance(chain, AxialChain) else highest_angular_frequency(chain)
-    )
+def _highest(chain: Chain | AxialChain, load: Load) -> float:
+    if isinstance(chain, AxialChain):
+        return highest_axial_frequency(chain)
+    return highest_angular_frequency(chain, load=load)
 
 
 @dataclass(frozen=True, eq=False)
@@ -209,8 +214,12 @@ class _OfRod(JudgedMotion):
         return found.angular_frequency, ROD_MOTIONS[int(np.argmax(found.shares))]
 
 
-def judged_beam(beam: Beam, boundary: Boundary | AxialBoundary, modes: int) -> JudgedMotion:
+def judged_beam(
+    beam: Beam, boundary: Boundary | AxialBoundary, modes: int, load: Load = NO_LOAD
+) -> JudgedMotion:
     """Return the judge of the first modes of a straight beam, of which the boundary tells the motion.
+
+    A load, of bending only, is one that leaves it straight.
 
     Examples
     --------
@@ -220,17 +229,23 @@ def judged_beam(beam: Beam, boundary: Boundary | AxialBoundary, modes: int) -> J
     >>> judge.errors(RULES["naive"], 10).round(4).tolist()
     [-0.0485, -0.0556]
     """
-    return _of_beam(beam, boundary, modes)
+    return _of_beam(beam, boundary, modes, load=load)
 
 
-def _of_beam(beam: Beam, boundary: Boundary | AxialBoundary, modes: int, called: str = "") -> _OfBeam:
+def _of_beam(
+    beam: Beam,
+    boundary: Boundary | AxialBoundary,
+    modes: int,
+    called: str = "",
+    load: Load = NO_LOAD,
+) -> _OfBeam:
     if isinstance(boundary, AxialBoundary):
         exact = axial_modes(beam, boundary, modes, motion=boundary.motion).angular_frequency
         return _OfBeam(beam, boundary, exact, math.nan, called or boundary.motion)
-    found = euler_bernoulli(beam, boundary, modes)
+    found = euler_bernoulli(beam, boundary, modes, load=load)
     theory = found.theory_error[~np.isnan(found.theory_error)]
     worst = float(theory[np.argmax(np.abs(theory))]) if len(theory) else math.nan
-    return _OfBeam(beam, boundary, found.angular_frequency, worst, called or "bending")
+    return _OfBeam(beam, boundary, found.angular_frequency, worst, called or "bending", load=load)
 
 
 def judged_rod(rod: Rod, ends: RodEnds, modes: int | Mapping[str, int]) -> list[JudgedMotion]:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from beammodes.accuracy.axial_errors import no_load
 from beammodes.accuracy.lookups import lookup_of
 from beammodes.accuracy.response_law import frequency_error_allowed
 from beammodes.chains.axial_chain import AnyAxialRule
@@ -17,9 +18,9 @@ from beammodes.checks import shown, small_fraction, whole_number
 from beammodes.closed_form.uniform_chains import MAX_SEGMENTS
 from beammodes.deferred import Deferred
 from beammodes.numerics.blas import one_thread
-from beammodes.problem.axial_ends import AxialBoundaryLike
+from beammodes.problem.axial_ends import AxialBoundary, AxialBoundaryLike
 from beammodes.problem.beam import Beam
-from beammodes.problem.loading import Load, check_unloaded
+from beammodes.problem.loading import Load, check_unloaded, checked_load
 from beammodes.problem.motions import Motion, motion_named
 from beammodes.problem.rod import Rod
 from beammodes.problem.rod_ends import RodBoundaryLike, RodEnds
@@ -105,10 +106,11 @@ def segments_needed(
     load : Load, optional
         Loads along the beam or of a turning hub, in the units of `beam`, which must then be given.
     beam : Beam or Rod, optional
-        Uniform. `Beam.unit()` makes all numbers multiples of EI/L², ρA L and so on. A `Rod` bends in two
-        planes and twists, and may vary; N is the smallest for all of its modes together. Where its motions
-        are coupled, or it varies, its chains are solved: N is sought up to 1000, and longer chains are looked
-        at up to three times N (each up to twice N where the rod has steps).
+        `Beam.unit()` makes all numbers multiples of EI/L², ρA L and so on. A `Rod` bends in two planes and
+        twists; N is the smallest for all of its modes together. Where a beam or a rod varies, has a rotary
+        inertia of its sections, or a rod's motions are coupled, chains are solved beside the exact one: N is
+        sought up to 1000, and longer chains are looked at up to three times N (each up to twice N where a
+        rod has steps).
     motion : str
         "bending", "twist" or "stretch"; see `frequency_error`.
     damping_ratio : float, optional
@@ -167,6 +169,8 @@ def segments_needed(
         check_unloaded(load)
         return _segments_of_structure(boundary, tolerance, modes, lookup_of("bending").layout(rule))
     limit, how = small_fraction("tolerance", tolerance), lookup_of(motion)
+    if isinstance(beam, Beam) and not _has_lookup(beam, motion_named(motion)):
+        return _segments_of_beam(how.boundary(boundary), limit, modes, how.layout(rule), beam, load)
     ends, pull = how.in_multiples(how.boundary(boundary), load, beam)
     record, mode = how.layout(rule), np.arange(1, whole_number("modes", modes, most=MAX_MODES_SOUGHT) + 1)
     exact = getattr(record, "exact_modes", None)
@@ -196,6 +200,22 @@ def segments_needed(
     if needed is None:
         raise ToleranceOutOfReach.of(tolerance, record, len(mode), ends.name, grid[-1])
     return needed
+
+
+def _has_lookup(beam: Beam, motion: Motion) -> bool:
+    """Return False if each chain of a beam has to be solved, as it varies or its sections have inertia."""
+    if motion.along:
+        return motion.is_uniform(beam)
+    return beam.is_uniform and not beam.has_rotary_inertia
+
+
+def _segments_of_beam(ends: Any, limit: float, modes: int, rule: Any, beam: Beam, load: Load | None) -> int:
+    from beammodes.accuracy.judged_motions import judged_beam
+
+    count = whole_number("modes", modes, most=MAX_MODES_SOUGHT)
+    if isinstance(ends, AxialBoundary):
+        no_load(load, motion_named(ends.motion))
+    return segments_of_motion(judged_beam(beam, ends, count, checked_load(load)), limit, rule)
 
 
 def _segments_of_rod(
