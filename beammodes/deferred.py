@@ -24,6 +24,9 @@ class Deferred:
         self._name = name
 
     def __getattr__(self, attribute: str) -> Any:
+        if attribute.startswith("__"):
+            # What doctest and inspect ask of any object.
+            raise AttributeError(attribute)
         module = import_module(self._name)
         if not hasattr(module, attribute):
             # A module inside a package that nobody has imported yet.
