@@ -90,8 +90,7 @@ def mujoco_frequencies(path: Path) -> np.ndarray:
     data = mujoco.MjData(model)
     mujoco.mj_forward(model, data)
     mass = np.zeros((model.nv, model.nv))
-    major = int(mujoco.__version__.split(".")[0])
-    mujoco.mj_fullM(model, *((data, mass) if major >= 4 else (mass, data.qM)))
+    mujoco.mj_fullM(model, *((mass, data.qM) if hasattr(data, "qM") else (data, mass)))
 
     def force(position: np.ndarray) -> Any:
         data.qpos[:] = position

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib.util
 import re
 from pathlib import Path
 from typing import Any
@@ -199,11 +198,11 @@ def test_a_flex_is_judged_from_its_parameters(tmp_path: Path) -> None:
     )
 
 
-@pytest.mark.skipif(importlib.util.find_spec("mujoco") is None, reason="MuJoCo is not installed")
 @pytest.mark.parametrize(("integrator", "damping"), [("Euler", 0.0), ("Euler", 0.002), ("RK4", 0.002)])
 def test_the_longest_step_of_a_flex_is_mujocos(integrator: str, damping: float, tmp_path: Path) -> None:
-    import mujoco
-
+    mujoco = pytest.importorskip("mujoco")
+    if int(mujoco.__version__.split(".")[0]) < 4:
+        pytest.skip("rods of MuJoCo 3 do not bend like beams")
     inner = ELASTIC.replace('poisson="0.3"', f'poisson="0.3" damping="{damping}"')
     text = flex(
         ROUND, f'{inner}<contact selfcollide="none"/><pin id="0 1"/>', option=f'integrator="{integrator}"'
