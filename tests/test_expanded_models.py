@@ -90,7 +90,7 @@ def mujoco_frequencies(path: Path) -> np.ndarray:
     data = mujoco.MjData(model)
     mujoco.mj_forward(model, data)
     mass = np.zeros((model.nv, model.nv))
-    mujoco.mj_fullM(model, *((mass, data.qM) if hasattr(data, "qM") else (data, mass)))
+    mujoco.mj_fullM(model, data, mass)
 
     def force(position: np.ndarray) -> Any:
         data.qpos[:] = position
