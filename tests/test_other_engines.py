@@ -402,6 +402,9 @@ def test_exudyns_implicit_solvers_lower_the_frequency_and_damp_next_to_nothing(t
         turned = omega * step * steps
         lost = -math.log(math.hypot(place, speed)) / turned
         assert abs(lost) < 1e-6
+        if solver == "TrapezoidalIndex2":
+            predicted = complex(amplification(f"Exudyn {solver}", omega * step)) ** steps
+            assert complex(place, -speed) == pytest.approx(predicted, abs=1e-3)
         behind = (turned + math.atan2(speed, place) + math.pi) % (2 * math.pi) - math.pi
         assert behind / turned == pytest.approx((omega * step) ** 2 / 12, rel=0.03)
 

@@ -556,7 +556,7 @@ def _pybullet(model: Model) -> Sequence[Iterable[str]]:
     most_bodies=_MAX_LINKS,
 )
 def _exudyn(model: Model) -> Sequence[Iterable[str]]:
-    facts = *model.facts, *_weight(model)
+    facts = *model.facts, *_weight(model), *_carriers(model.tree)
     return ([exudyn_script(model.name, facts, model.tree, model.timestep, model.gravity)],)
 
 
