@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from beammodes.auditing.axial_audit import AxialAudit, audit_axial
-from beammodes.auditing.body_tree import Group, Model, ModelBody
+from beammodes.auditing.body_tree import Group, Model
 from beammodes.auditing.bounded_xml import BadModel
 from beammodes.auditing.planar_chain import Spring, far_end, planar_chain
 from beammodes.auditing.serial_chains import HingePath, chosen_path, hinge_line, hinge_paths, root_support
@@ -85,6 +85,8 @@ def _read(model: Model, row: SpaceRow, motion: int, length: float, *, held: bool
     if not own:
         raise BadModel(f"chain at body {row.name} must have joints along its line for this motion, got none")
     path = _as_in_bending(model, row, motion, line)
+    if len(path.hinges(line.axes[0])) != len(path.groups):
+        raise BadModel(f"chain at body {row.name} must have one joint a body along its line, got two at one")
     hinges = hinge_line(path, line.axes[0])
     root = None if held else root_support(path, hinges)
     word = ""
@@ -96,12 +98,12 @@ def _read(model: Model, row: SpaceRow, motion: int, length: float, *, held: bool
             word = f"{names} held, because you say so"
     far = far_end(model.ties, hinges, root)
     planar = planar_chain(path, hinges, far, length, word)
-    after = {joint.name: group for joint, group in zip(hinges.hinges, path.groups, strict=True)}
-    if len({spring.name for spring in planar.springs} & after.keys()) != len(hinges.hinges):
+    # Behind the last may be one more, the spring of a tie at the tip.
+    more = len(planar.springs) - len(path.groups)
+    if more not in (0, 1):
         raise BadModel(f"hinges {hinges.hinges[0].name} and {hinges.hinges[1].name} must be apart")
     first = 0.0 if root is None else _inertia(path.root, line, motion)
-    groups = [after.get(spring.name) for spring in planar.springs]
-    inertia = [first, *(0.0 if group is None else _inertia(group, line, motion) for group in groups)]
+    inertia = [first, *(_inertia(group, line, motion) for group in path.groups), *[0.0] * more]
     return _Pieces(
         tuple(piece.length for piece in planar.pieces),
         tuple(inertia),
@@ -113,17 +115,7 @@ def _read(model: Model, row: SpaceRow, motion: int, length: float, *, held: bool
 
 def _as_in_bending(model: Model, row: SpaceRow, motion: int, line: SpaceLine) -> HingePath:
     """Return the row with a hinge across its line in place of each coordinate of the motion."""
-    turned = row.alone(model, motion)
-    own = {each.joint.name for each in row.coordinates if each.motion == motion and each.joint.kind != "free"}
-
-    def across(body: ModelBody) -> ModelBody:
-        joints = (
-            replace(joint, kind="hinge", axis=line.axes[0]) if joint.name in own else joint
-            for joint in body.joints
-        )
-        return replace(body, joints=tuple(joints))
-
-    paths = hinge_paths(replace(turned, bodies=tuple(map(across, turned.bodies))))
+    paths = hinge_paths(row.alone(model, motion, line.axes[0]))
     return chosen_path(paths, row.groups[-1].bodies[-1].name)
 
 

@@ -188,15 +188,17 @@ class SpaceRow:
         turns = [("hinge", axis) for axis in frame]
         return turns if joint.kind == "ball" else [*(("slide", axis) for axis in frame), *turns]
 
-    def alone(self, model: Model, motion: int) -> Model:
-        """Return the model with the coordinates of one motion of this row only, all others of it at rest."""
+    def alone(self, model: Model, motion: int, across: Floats | None = None) -> Model:
+        """Return the model with the coordinates of one motion of this row only, all others of it at rest.
+
+        With `across`, they are hinges about that axis instead, at the same places.
+        """
         kept: dict[int, tuple[ModelJoint, ...]] = {id(joint): () for joint in self.joints}
         free = {id(joint) for joint in self.root.joints if joint.kind == "free"}
         for each in self.coordinates:
             if each.motion == motion and id(each.joint) not in free:
-                one = replace(
-                    each.joint, kind=each.kind, axis=each.axis, stiffness=each.stiffness, springs=None
-                )
+                kind, axis = (each.kind, each.axis) if across is None else ("hinge", across)
+                one = replace(each.joint, kind=kind, axis=axis, stiffness=each.stiffness, springs=None)
                 kept[id(each.joint)] = (one,)
             elif each.group < 0 and id(each.joint) not in free:
                 kept.setdefault(id(each.joint), ())
