@@ -17,7 +17,7 @@ from beammodes.auditing.body_tree import SpringPlace
 from beammodes.auditing.bounded_xml import BadModel, XmlElement, bounded_bytes, read_xml
 from beammodes.auditing.changed_springs import NewNumber, with_numbers
 from beammodes.auditing.read_mjcf import include_files
-from beammodes.checks import choice, flag, percent, row_shown, shown
+from beammodes.checks import Shown, choice, flag, percent, row_shown, shown
 from beammodes.files import file_target, named_path, write_atomically
 from beammodes.numerics.arrays import Floats
 from beammodes.problem.beam import Beam
@@ -32,7 +32,7 @@ _NONE = 1e-6
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class MendedFile:
+class MendedFile(Shown):
     """The result of `mend_file`: what was written, and what it promises.
 
     Attributes
@@ -114,7 +114,7 @@ class MendedFile:
         lines += [f"not mended: {self.not_mended}"] if self.not_mended else []
         return "\n".join([*lines, *self.notes])
 
-    def __repr__(self) -> str:
+    def _line(self) -> str:
         return f"MendedFile({self.path.name}, {self.suggestion.name}: {listed_errors(self.audit.errors)})"
 
 
