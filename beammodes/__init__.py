@@ -101,7 +101,9 @@ _NAMES = {
     "chains.structure_chain": "StructureChain",
     "closed_form.chain_frequencies": "chain_frequency",
     "dynamics.base_motion": "BaseMotion bang_bang harmonic point_to_point spin_up",
-    "dynamics.simulation": "DivergedWarning UnsavedMotion UnstableStepWarning mode_start simulate",
+    "dynamics.simulation": (
+        "DivergedWarning NothingMovesWarning UnsavedMotion UnstableStepWarning mode_start simulate"
+    ),
     "dynamics.superposition": "modal_response",
     "dynamics.timed_loads": "TimedLoad",
     "dynamics.waveforms": "Chirp Pulse Sine Step WAVEFORMS",
@@ -220,6 +222,7 @@ if TYPE_CHECKING:
     from beammodes.dynamics.base_motion import point_to_point as point_to_point
     from beammodes.dynamics.base_motion import spin_up as spin_up
     from beammodes.dynamics.simulation import DivergedWarning as DivergedWarning
+    from beammodes.dynamics.simulation import NothingMovesWarning as NothingMovesWarning
     from beammodes.dynamics.simulation import UnsavedMotion as UnsavedMotion
     from beammodes.dynamics.simulation import UnstableStepWarning as UnstableStepWarning
     from beammodes.dynamics.simulation import mode_start as mode_start

@@ -9,6 +9,7 @@ import operator
 import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping, Set, Sized
 from dataclasses import MISSING, Field, fields
+from importlib import import_module
 from itertools import islice
 from typing import Any, TypeVar
 
@@ -106,7 +107,7 @@ def percent(fraction: float, digits: int = 3, unit: str = " %", *, rounding: flo
 
 
 class Shown:
-    """What is shown of an object: one line at a prompt.
+    """What is shown of an object: one line at a prompt, and HTML in a notebook.
 
     The line of a dataclass is what a user would type: its fields that are not at their defaults.
 
@@ -115,6 +116,8 @@ class Shown:
     >>> import beammodes as bm
     >>> bm.Load(tip_force=2.0, plane="lag"), bm.Load()
     (Load(plane='lag', tip_force=(0.0, 2.0)), Load())
+    >>> "<table" in bm.Load(tip_force=2.0)._repr_html_()
+    True
     """
 
     __slots__ = ()
@@ -126,6 +129,11 @@ class Shown:
         """Return the line, of any length."""
         told = (f"{name}={_part_shown(value)}" for name, value in told_fields(self))
         return f"{type(self).__name__}({', '.join(told)})"
+
+    def _repr_html_(self) -> str:
+        # By name: drawings and tables are not read before somebody looks at one.
+        html: str = import_module("beammodes.views.html_tables").html_of(self)
+        return html
 
 
 def brief(text: str) -> str:
@@ -174,7 +182,7 @@ _V = TypeVar("_V")
 
 
 class Catalogue(Shown, Mapping[str, _V]):
-    """Records by name that nobody can change; its line has the names.
+    """Records by name that nobody can change; its line has the names, in a notebook it is a table.
 
     Examples
     --------

@@ -10,6 +10,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from types import FrameType
+from typing import Any
 
 from beammodes.checks import shown
 
@@ -20,6 +21,7 @@ Progress = Callable[[int, int], object]
 
 _BAR = 20  # characters
 _PERIOD = 0.1  # seconds between two lines: more would slow the work down
+_QUICK = 0.5  # seconds within which work is done before a notebook has a line of it
 
 
 @dataclass
@@ -86,8 +88,8 @@ def progress_of(
     Parameters
     ----------
     progress : callable, bool or None
-        Called with (done, total); True or False for a line on standard error or none, None for a line only
-        where that is a terminal.
+        Called with (done, total); True or False for a line on standard error, in a notebook below the cell,
+        or none; None for a line only where that is a terminal or a notebook.
     label, unit, write
         As of `ProgressLine`; standard error by default.
 
@@ -96,13 +98,39 @@ def progress_of(
     TypeError
         If it is something else.
     """
+    notebook = None if write else _below_the_cell()
     if progress is None:
-        progress = sys.stderr.isatty()
+        progress = notebook is not None or sys.stderr.isatty()
     if isinstance(progress, bool):
-        return ProgressLine(label, unit, write or sys.stderr.write) if progress else _quiet
+        return ProgressLine(label, unit, write or notebook or sys.stderr.write) if progress else _quiet
     if not callable(progress):
         raise TypeError(f"progress must be a function, True, False or None, got {shown(progress)}")
     return progress
+
+
+def _below_the_cell() -> Callable[[str], object] | None:
+    """Return what writes in a notebook, None where this is none."""
+    ipython = sys.modules.get("IPython")
+    shell = ipython.get_ipython() if ipython else None
+    return _Below(sys.modules["IPython.display"].display) if hasattr(shell, "kernel") else None
+
+
+@dataclass
+class _Below:
+    """Writes a line that changes where it stands; quick work leaves none."""
+
+    display: Callable[..., Any]
+    _handle: Any = field(default=None, init=False)
+    _start: float = field(default_factory=time.monotonic, init=False)
+
+    def __call__(self, text: str) -> None:
+        line, changes = {"text/plain": text.strip()}, text.startswith("\r")
+        if changes and self._handle is not None:
+            self._handle.update(line, raw=True)
+        elif changes and time.monotonic() - self._start > _QUICK:
+            self._handle = self.display(line, raw=True, display_id=True)
+        elif not changes:
+            self.display(line, raw=True)
 
 
 def _quiet(_done: int, _total: int) -> None:

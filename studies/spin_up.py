@@ -11,7 +11,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 import beammodes as bm
-from beammodes.views.animation import film_bytes, film_of, plot_motion, seen_from
+from beammodes.views.animation import plot_motion, seen_from
+from beammodes.views.film import film_bytes, film_of
 from beammodes.views.symbols import COLOURS, STYLE
 from studies.common import moved
 from studies.figure_1 import AT, BEAM, BOUNDARY, LARGEST, MOTIONS, metres

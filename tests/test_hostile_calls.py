@@ -740,6 +740,7 @@ EXCEPTIONS = {
     "EquilibriumNotFound",
     "MissedFeatureWarning",
     "NoEquilibriumInSpace",
+    "NothingMovesWarning",
     "SlendernessWarning",
     "UnsavedMotion",
     "UnstableStepWarning",
@@ -871,6 +872,7 @@ WARNINGS = (
     bm.DampingFitWarning,
     bm.DivergedWarning,
     bm.MissedFeatureWarning,
+    bm.NothingMovesWarning,
     bm.SlendernessWarning,
     bm.UnstableStepWarning,
 )

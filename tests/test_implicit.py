@@ -256,7 +256,8 @@ def test_method_and_step_are_chosen_for_what_is_wanted() -> None:
 
 def test_a_motion_in_which_nothing_moves_says_so() -> None:
     chain = bm.Chain(bm.Beam.unit(), "clamped-free", segments=2)
-    still = bm.simulate(chain, duration=0.1)
+    with pytest.warns(bm.NothingMovesWarning, match=r"^nothing moves: give a start \(mode_start makes one\)"):
+        still = bm.simulate(chain, duration=0.1)
     assert "nothing moves" in still.remark and not still.q.any()
     for given in ({"load": bm.Load(gravity=1.0)}, {"initial": bm.mode_start(chain, 1, 0.1)}):
         moved = bm.simulate(chain, duration=0.1, **given)

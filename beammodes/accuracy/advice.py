@@ -39,7 +39,7 @@ from beammodes.problem.structure import Structure
 from beammodes.vibration.integrators import INTEGRATORS, find_integrator, stability_limit
 from beammodes.vibration.structure_vibration import structure_chain_modes
 
-__all__ = ["Recommendation", "recommend"]
+__all__ = ["Recommendation", "Recommendations", "recommend"]
 
 #: Integrators whose step the highest mode limits, which makes the cost.
 _LIMITED = tuple(
@@ -120,6 +120,16 @@ class Recommendation(Shown):
         return f"Recommendation({self.rule}, {self.segments} segments: {', '.join(told)})"
 
 
+class Recommendations(Shown, list[Recommendation]):
+    """Ways to reach an accuracy, the cheapest first: a list that a notebook shows as a table."""
+
+    __slots__ = ()
+
+    def _line(self) -> str:
+        ways = ", ".join(f"{way.rule} with {way.segments} segments" for way in self)
+        return f"<{len(self)} ways, the cheapest first: {ways}>"
+
+
 def recommend(
     boundary: AxialBoundaryLike | RodBoundaryLike | Structure,
     tolerance: float,
@@ -130,7 +140,7 @@ def recommend(
     rules: Iterable[AnyAxialRule] | None = None,
     integrator: str = "rk4",
     motion: str | Motion = "bending",
-) -> list[Recommendation]:
+) -> Recommendations:
     """Return, for each rule, the shortest chain within a frequency tolerance, the cheapest first.
 
         cost = N · T₁ / h,   T₁ = 2π/ω₁,   h = (2√2 or 2) / ω_max
@@ -220,7 +230,7 @@ def recommend(
         ways.append(case.way(counts, record, integrator))
     if not ways:
         raise refusal
-    return sorted(ways, key=lambda way: (way.cost, way.segments))
+    return Recommendations(sorted(ways, key=lambda way: (way.cost, way.segments)))
 
 
 def _layouts(rules: Iterable[AnyAxialRule], read: Callable[[Any], Any]) -> list[Any]:

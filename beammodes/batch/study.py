@@ -306,7 +306,8 @@ class Study(Shown):
         workers : int, optional
             Of "processes", by default one for each processor.
         progress : callable or bool, optional
-            Called with (chunks done, all of them); by default, a line on a terminal and nothing elsewhere.
+            Called with (chunks done, all of them); by default, a line on a terminal or in a notebook and
+            nothing elsewhere.
 
         Returns
         -------

@@ -44,6 +44,7 @@ else:
 __all__ = [
     "MOTION_INTEGRATORS",
     "DivergedWarning",
+    "NothingMovesWarning",
     "UnsavedMotion",
     "UnstableStepWarning",
     "mode_start",
@@ -277,6 +278,10 @@ class DivergedWarning(UserWarning):
     """A motion left the finite numbers: the step was too long, or the chain unstable."""
 
 
+class NothingMovesWarning(UserWarning):
+    """A motion without a start, a load or a base that moves."""
+
+
 class UnsavedMotion(OSError):
     """A motion was computed, but could not be written to its file.
 
@@ -361,8 +366,8 @@ def simulate(
         make at the output times, by Richardson's extrapolation. It holds where steps are short enough for
         errors to fall with the method's order.
     progress : bool, callable or None
-        True shows on standard error how far a run is, None only on a terminal; a function is called with
-        (steps or output times done, all of them).
+        True shows on standard error, or in a notebook below the cell, how far a run is, None only on a
+        terminal or in a notebook; a function is called with (steps or output times done, all of them).
     path : str or Path, optional
         netCDF file for the result, also for what an interrupted run has. It is asked for before the motion
         whether it can be written, and replaced in one step.
@@ -384,6 +389,8 @@ def simulate(
 
     Warns
     -----
+    NothingMovesWarning
+        Before the run, if there is nothing that could move the chain.
     DivergedWarning
         If the state is no longer finite.
     UnstableStepWarning
@@ -435,6 +442,9 @@ def simulate(
         raise ValueError(
             f"duration must be shorter, or step longer: {lasting / took.step:.2g} steps of {took.step:.3g} s"
         )
+    remark = _remark(motion)
+    if remark == _NOTHING:
+        warnings.warn(remark, NothingMovesWarning, stacklevel=2)
     every = max(1, round(min(shown_step, lasting) / took.step))
     _check_memory(chain, lasting, took.step * every)
     if step is not None and not INTEGRATORS[took.integrator].variable_step:
@@ -463,7 +473,7 @@ def simulate(
     )
     with held():
         *found, why = runner(run.integrator)(run, start, told)
-        attributes = {**asdict(took), "complete": int(not why), "stopped": why, "remark": _remark(motion)}
+        attributes = {**asdict(took), "complete": int(not why), "stopped": why, "remark": remark}
         result = _motion_dataset(chain, found, given, ground, attributes)
         if halving:
             result = result.assign_attrs(_errors(run, start, told, result))
@@ -483,10 +493,13 @@ def _taken(motion: Motion, kind: str | None, step: float | None, longest: float)
     return chosen(motion, kind, longest)
 
 
+_NOTHING = "nothing moves: give a start (mode_start makes one), a load or a base that moves"
+
+
 def _remark(motion: Motion) -> str:
     """Say so if nothing will move, or a load seems to jump unannounced."""
     if motion.rests and not np.any(motion.start):
-        return "nothing moves: give a start (mode_start makes one), a load or a base that moves"
+        return _NOTHING
     return untold_jumps(motion)
 
 

@@ -290,7 +290,12 @@ class Rectangle(Shape):
 
 @dataclass(frozen=True, slots=True, repr=False)
 class Circle(Shape):
-    """A solid round bar of a `diameter` d [m],  A = π d²/4,  I = π d⁴/64,  J = 2I; raises as a `Rectangle`.
+    """A solid round bar,  A = π d²/4,  I = π d⁴/64,  J = 2I; raises as a `Rectangle`.
+
+    Parameters
+    ----------
+    diameter : float [m]
+        d.
 
     Examples
     --------

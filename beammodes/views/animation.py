@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import os
-import tempfile
 from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from beammodes.checks import choice, positive_real, real, shown
+from beammodes.checks import positive_real, real, shown
 from beammodes.dynamics.base_motion import BaseMotion
 from beammodes.files import file_target, write_atomically
 from beammodes.numerics.arrays import Floats
@@ -18,17 +17,11 @@ from beammodes.views.symbols import COLOURS, GREY, STYLE
 
 if TYPE_CHECKING:
     import xarray
-    from matplotlib.animation import AbstractMovieWriter, FuncAnimation
     from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
 
-__all__ = ["animate", "film_bytes", "film_of", "plot_motion", "seen_from"]
+    from beammodes.views.film import Film
 
-
-#: Films are written in these kinds, by the ending of the file's name.
-_KINDS = (".gif", ".mp4")
-#: Longer films than this are mistakes: a GIF holds all of its frames in memory.
-_MAX_FRAMES = 5000
+__all__ = ["animate", "plot_motion", "seen_from"]
 
 
 def animate(
@@ -41,7 +34,7 @@ def animate(
     trace: float | None = None,
     width: float = 4.8,
     dpi: float = 100,
-) -> Path | FuncAnimation:
+) -> Path | Film:
     """Film a computed motion: rods as lines, hinges as dots, and the trace of the tip.
 
     Parameters
@@ -50,7 +43,7 @@ def animate(
         From `simulate`: x and y over time and node.
     path : str or Path, optional
         A file to write, ending in .gif or, where the program ffmpeg is installed, .mp4. Without it the
-        film is returned, as for a notebook: `HTML(animate(result).to_jshtml())`.
+        film is returned, and a notebook plays it where it is the last line of a cell.
     fps : float [1/s]
         Frames a second. A GIF keeps times in hundredths of a second: 25, 20, 12.5 and 10 are what they say.
     duration : float [s], optional
@@ -64,8 +57,9 @@ def animate(
 
     Returns
     -------
-    Path or matplotlib.animation.FuncAnimation
-        What was written, or the film if `path` is None.
+    Path or Film
+        What was written, or the film if `path` is None: a matplotlib.animation.FuncAnimation that plays in a
+        notebook, with at most 250 frames in its time.
 
     Raises
     ------
@@ -90,6 +84,8 @@ def animate(
     from matplotlib import rc_context
     from matplotlib.figure import Figure
 
+    from beammodes.views.film import film_bytes, film_of
+
     target = None if path is None else _target(path)
     data, length = _checked_motion(result), positive_real("width", width)
     dots = positive_real("dpi", dpi)
@@ -98,6 +94,8 @@ def animate(
         figure = Figure(figsize=(length, length), dpi=dots, layout="constrained")
         ax = figure.subplots()
         update = plot_motion(data, ax, base=base, trace=trace)
+        # Ticks that come later, when a notebook plays the film, are of this size too.
+        ax.tick_params(labelsize=STYLE["font.size"])
         across, up = (np.diff(limits)[0] for limits in (ax.get_xlim(), ax.get_ylim()))
         figure.set_size_inches(length, length * min(2.0, max(0.3, up / across + 0.12)))
         film = film_of(figure, update, data.time.values, fps=fps, duration=duration)
@@ -109,89 +107,17 @@ def animate(
 
 
 def _target(path: str | Path) -> Path:
+    from beammodes.views.film import KINDS, need_ffmpeg
+
     if not isinstance(path, str | os.PathLike):
         raise TypeError(f"path must be a str, a Path or None, got {shown(path)}")
     target = Path(path)
-    if target.suffix.lower() not in _KINDS:
-        raise ValueError(f"path must end in {' or '.join(_KINDS)}, got {shown(str(path))}")
+    if target.suffix.lower() not in KINDS:
+        raise ValueError(f"path must end in {' or '.join(KINDS)}, got {shown(str(path))}")
     file_target(target)
     if target.suffix.lower() == ".mp4":
-        _need_ffmpeg(path)
+        need_ffmpeg(path)
     return target
-
-
-def film_of(
-    figure: Figure,
-    update: Callable[[float], None],
-    time: Floats,
-    *,
-    fps: float = 25,
-    duration: float | None = None,
-) -> FuncAnimation:
-    """Return a figure as a film, evenly from the first to the last of the times [s].
-
-    `update` moves the figure to a time; `plot_motion` returns one for each picture. `fps` and `duration` are
-    those of `animate`.
-    """
-    from matplotlib.animation import FuncAnimation
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-
-    rate, span = positive_real("fps", fps), float(time[-1] - time[0])
-    frames = max(2, round(rate * (span if duration is None else positive_real("duration", duration))))
-    if frames > _MAX_FRAMES:
-        raise ValueError(f"duration must be shorter: {frames} frames are more than {_MAX_FRAMES}")
-
-    class Unwatched(FigureCanvasAgg):
-        """Draws a frame when it is written, not also when it changes."""
-
-        def draw_idle(self, *args: Any, **kwargs: Any) -> None:
-            """Do nothing: nobody looks on."""
-
-    Unwatched(figure)
-    # One layout for all frames: a picture must not jump, nor a film take ten times as long.
-    figure.draw_without_rendering()
-    figure.set_layout_engine("none")
-
-    def draw(moment: float) -> list[Any]:
-        update(moment)
-        return []
-
-    if not 1000 / rate < 2**31:
-        raise ValueError(f"fps must be larger: one frame would stand {1000 / rate:.3g} ms, got {shown(fps)}")
-    moments = np.linspace(time[0], time[-1], frames).tolist()
-    return FuncAnimation(figure, draw, frames=moments, interval=1000 / rate, cache_frame_data=False)
-
-
-def film_bytes(film: FuncAnimation, kind: str, *, fps: float = 25) -> bytes:
-    """Return a film as the content of a file, ".gif" or ".mp4"; the same picture gives the same bytes."""
-    choice("kind", kind, _KINDS)
-    # Writers of films want a name, not a file.
-    with tempfile.TemporaryDirectory() as folder:
-        name = Path(folder) / f"film{kind}"
-        film.save(name, writer=_writer(kind, positive_real("fps", fps)))
-        return name.read_bytes()
-
-
-def _writer(kind: str, fps: float) -> AbstractMovieWriter:
-    from matplotlib.animation import FFMpegWriter, PillowWriter
-
-    # Both take a whole number by their types, and any number by what they do.
-    rate: Any = fps
-    if kind == ".gif":
-        return PillowWriter(fps=rate)
-    _need_ffmpeg(f"film{kind}")
-    exact = ["-fflags", "+bitexact", "-flags:v", "+bitexact", "-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2"]
-    return FFMpegWriter(fps=rate, extra_args=[*exact, "-pix_fmt", "yuv420p"])
-
-
-def _need_ffmpeg(path: object) -> None:
-    """Raise RuntimeError where the program that writes .mp4 is missing."""
-    from matplotlib.animation import FFMpegWriter
-
-    if not FFMpegWriter.isAvailable():
-        raise RuntimeError(
-            f"path must end in .gif where the program ffmpeg is missing, got {shown(str(path))}"
-        )
 
 
 def plot_motion(

@@ -68,7 +68,8 @@ def draw_statics(
     statics : StructureStatics
         From `beam_statics`, `chain_statics`, `structure_statics` or `structure_chain_statics`.
     ax : matplotlib.axes.Axes, optional
-        Of a frame it becomes a picture: equal scales, no frame. By default it is one of a new figure.
+        Of a frame it becomes a picture: equal scales, no frame. By default it is one of a new figure, which
+        a notebook shows where the answer is the last line of a cell.
     quantity : str
         "moment" [N m], "shear" [N], "axial_force" [N] (tension positive), "deflection" [m] or
         "rotation" [rad].
@@ -114,10 +115,11 @@ def draw_statics(
 
 def _axes(ax: object) -> Axes:
     from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
+
+    from beammodes.views.own_axes import own_axes
 
     if ax is None:
-        return Figure(layout="constrained").add_subplot()
+        return own_axes()
     if not isinstance(ax, Axes) or ax.name == "3d":
         raise TypeError(f"ax must be the Axes of a Matplotlib figure, in the plane, got {shown(ax)}")
     return ax

@@ -36,7 +36,8 @@ def plot_response(
     response : xarray.Dataset
         From `frequency_response`, over frequency.
     ax : matplotlib.axes.Axes, or a pair of them, optional
-        One for the magnitude alone, or two for magnitude and phase; by default two of a new figure.
+        One for the magnitude alone, or two for magnitude and phase; by default two of a new figure,
+        which a notebook shows where the answer is the last line of a cell.
     quantity : str, optional
         The variable of the dataset; its first by default.
     label : str, optional
@@ -99,9 +100,9 @@ def _axes(ax: Any) -> tuple[Axes, ...]:
     from matplotlib.axes import Axes
 
     if ax is None:
-        from matplotlib.figure import Figure
+        from beammodes.views.own_axes import own_panels
 
-        return tuple(Figure(layout="constrained").subplots(2, sharex=True, height_ratios=(2, 1)))
+        return own_panels((2, 1))
     if isinstance(ax, Axes):
         return (ax,)
     row = ax.ndim == 1 if isinstance(ax, np.ndarray) else isinstance(ax, tuple | list)

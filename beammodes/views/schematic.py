@@ -97,7 +97,8 @@ def draw_chain(
         Of at most 500 pieces.
     ax : matplotlib.axes.Axes, optional
         Becomes a picture: equal scales, no frame; its limits grow to hold the drawing unless they were set.
-        For a chain in space it must be of projection "3d". By default it is one of a new figure.
+        For a chain in space it must be of projection "3d". By default it is one of a new figure, which a
+        notebook shows where the answer is the last line of a cell.
     shape : Modes, Equilibrium, xarray.Dataset or pair of arrays, optional
         Where the chain is; straight by default. A mode from `solve_modes` about the straight chain; the
         bent shape from `find_equilibrium`; one moment of a motion from `simulate`, such as
@@ -209,10 +210,11 @@ def _draw_beam(
 
 def _axes(ax: object, *, in_space: bool) -> Axes:
     from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
+
+    from beammodes.views.own_axes import own_axes
 
     if ax is None:
-        return Figure(layout="constrained").add_subplot(projection="3d" if in_space else None)
+        return own_axes(in_space=in_space)
     if not isinstance(ax, Axes):
         raise TypeError(f"ax must be the Axes of a Matplotlib figure, got {shown(ax)}")
     if (ax.name == "3d") != in_space:

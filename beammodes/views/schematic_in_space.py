@@ -17,7 +17,7 @@ from beammodes.problem.rod_ends import RodEnd
 from beammodes.vibration.modes_in_space import SpatialModes
 from beammodes.views.symbols import EDGE, GREY, ROD
 
-__all__ = ["PoseInSpace", "draw_in_space", "pose_in_space"]
+__all__ = ["SEEN", "PoseInSpace", "draw_in_space", "pose_in_space"]
 
 #: Half the width of a flat section's mark, in sizes of the drawing.
 _FLAT = 0.045
@@ -33,9 +33,9 @@ _FILLED = 1.3
 _NUMBERED = 0.85
 
 
-# Unit vectors to the right and up on the picture.
+#: Unit vectors to the right and up on the picture.
 _UP, _ROUND = np.radians([_ABOVE, _ASIDE])
-_SEEN: Floats = np.array(
+SEEN: Floats = np.array(
     [
         [-np.sin(_ROUND), np.cos(_ROUND), 0.0],
         [-np.sin(_UP) * np.cos(_ROUND), -np.sin(_UP) * np.sin(_ROUND), np.cos(_UP)],
@@ -146,7 +146,7 @@ def draw_in_space(
     high = np.array([*ax.xy_dataLim.max, ax.zz_dataLim.max[0]])
     half = 0.55 * np.maximum(high - low, _THINNEST * (high - low).max())
     # Matplotlib gives every box the same diagonal, so that a long one would leave the picture.
-    ax.set_box_aspect(tuple(half), zoom=_FILLED / (1.9 * np.abs(_SEEN) @ half / np.linalg.norm(half)).max())
+    ax.set_box_aspect(tuple(half), zoom=_FILLED / (1.9 * np.abs(SEEN) @ half / np.linalg.norm(half)).max())
     for axis, middle, reach in zip((ax.xaxis, ax.yaxis, ax.zaxis), (low + high) / 2, half, strict=True):
         name = axis.axis_name
         getattr(ax, f"set_{name}lim")(middle - reach, middle + reach)
@@ -195,8 +195,8 @@ def _free_place(end: Floats, nodes: Floats) -> Floats:
     """Return a place for an end's label where the picture has no nodes near, above the end if possible."""
     angle = np.radians([90, 270, 60, 120, 240, 300, 0, 180])
     stands_off = np.ptp(nodes, axis=0).max() * np.array([_BESIDE, _OVER])
-    tried = end + stands_off * np.column_stack([np.cos(angle), np.sin(angle)]) @ _SEEN
-    apart = (tried[:, None] - nodes) @ _SEEN.T / stands_off
+    tried = end + stands_off * np.column_stack([np.cos(angle), np.sin(angle)]) @ SEEN
+    apart = (tried[:, None] - nodes) @ SEEN.T / stands_off
     free = np.minimum(np.linalg.norm(apart, axis=2).min(axis=1), 0.95)
     place: Floats = tried[free.argmax()]
     return place

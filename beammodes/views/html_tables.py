@@ -1,0 +1,703 @@
+"""Objects as HTML for notebooks: what it is, a small drawing, tables; no scripts, nothing from elsewhere.
+
+Colours of text and lines are the page's own, so that it reads in light and in dark; drawings stand on white.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import fields, is_dataclass
+from fractions import Fraction
+from html import escape
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+
+from beammodes.checks import percent, told_fields
+
+__all__ = ["html_of", "units_of"]
+
+#: Of more rows the first and the last are shown.
+_MOST_ROWS, _LAST = 12, 2
+#: Likewise of lists to choose from.
+_MOST_LISTED = 50
+#: Numbers of a field that are shown, and letters of a text.
+_MOST_NUMBERS, _MOST_LETTERS = 6, 300
+#: Points of a mode's shape, and the size of its picture [px].
+_POINTS, _WIDE, _HIGH = 49, 96, 22
+#: Points of a rod's centre line.
+_LINE_POINTS = 161
+#: Sizes of drawings [in].
+_BEAM, _FRAME, _SPACE, _BEAM_DIAGRAM = (5.0, 1.3), (3.4, 2.6), (4.6, 3.6), (5.0, 2.4)
+
+
+class _Html(str):
+    """Text that is HTML already."""
+
+    __slots__ = ()
+
+
+def html_of(value: Any) -> str:
+    """Return what a notebook shows of an object of this package.
+
+    Examples
+    --------
+    >>> import beammodes as bm
+    >>> text = html_of(bm.Rule("<mine>", ["1/2"]))
+    >>> "&lt;mine&gt;" in text, "<mine>" in text
+    (True, False)
+    """
+    build = next(
+        (_BUILDERS[kind.__name__] for kind in type(value).__mro__ if kind.__name__ in _BUILDERS), _record
+    )
+    parts = "".join(build(value))
+    return f'<div class="beammodes" style="line-height: 1.35; overflow-x: auto">{parts}</div>'
+
+
+# --- Pieces of HTML ---------------------------------------------------------------------------------------
+
+
+def _text(value: Any) -> str:
+    """Return a value as it stands in a table, escaped."""
+    if isinstance(value, _Html):
+        return value
+    if isinstance(value, bool | np.bool_):
+        return "yes" if value else "no"
+    if isinstance(value, int | np.integer):
+        return str(int(value))
+    if isinstance(value, float | np.floating):
+        return _number(float(value))
+    if isinstance(value, Fraction):
+        return str(value)
+    if value is None:
+        return "–"
+    if isinstance(value, np.ndarray | tuple | list):
+        flat = list(np.ravel(np.array(value, dtype=object)) if isinstance(value, np.ndarray) else value)
+        more = f", … ({len(flat)} in all)" if len(flat) > _MOST_NUMBERS else ""
+        return ", ".join(map(_text, flat[:_MOST_NUMBERS])) + more if flat else "none"
+    if isinstance(value, Mapping):
+        return escape(", ".join(f"{key}: {each}" for key, each in value.items()))
+    own = getattr(value, "__name__", None) if callable(value) else None
+    told = own if isinstance(own, str) else str(value)
+    return escape(told if len(told) <= _MOST_LETTERS else f"{told[:_MOST_LETTERS]}…")
+
+
+def _number(value: float) -> str:
+    if math.isnan(value):
+        return "–"
+    if math.isinf(value):
+        return "∞" if value > 0 else "−∞"
+    return f"{value:.6g}".replace("-", "−")
+
+
+def _percent(value: float) -> str:
+    return "–" if math.isnan(value) else percent(value, rounding=1e-12, unit="").replace("-", "−")
+
+
+def _title(what: str, *said: str) -> str:
+    told = ", ".join(escape(part) for part in said if part)
+    return f"<div><b>{escape(what)}</b>{' ' + told if told else ''}</div>"
+
+
+def _lines(said: Iterable[str]) -> str:
+    return "".join(f"<div>{escape(line)}</div>" for line in said)
+
+
+def _table(
+    head: Sequence[str], rows: Iterable[Sequence[Any]], words: Iterable[int] = (0,), *, most: int = _MOST_ROWS
+) -> str:
+    """Return a table; the columns `words` are text and stand to the left, numbers to the right."""
+    listed, left = list(rows), set(words)
+    cut = len(listed) > most
+    shown = [*listed[: most - _LAST], None, *listed[-_LAST:]] if cut else listed
+
+    def cell(kind: str, column: int, content: str) -> str:
+        side = "left" if column in left else "right"
+        return f'<{kind} style="text-align: {side}; padding: 0.1em 0.7em">{content}</{kind}>'
+
+    def row(values: Sequence[Any] | None) -> str:
+        if values is None:
+            return (
+                f'<tr><td colspan="{len(head)}" style="text-align: center">… {len(listed)} in all</td></tr>'
+            )
+        return f"<tr>{''.join(cell('td', i, _text(value)) for i, value in enumerate(values))}</tr>"
+
+    top = "".join(cell("th", i, escape(name)) for i, name in enumerate(head))
+    head_row = f"<thead><tr>{top}</tr></thead>" if any(head) else ""
+    return (
+        '<table style="border-collapse: collapse; margin: 0.3em 0; font-variant-numeric: tabular-nums">'
+        f"{head_row}<tbody>{''.join(map(row, shown))}</tbody></table>"
+    )
+
+
+def _pairs(rows: Iterable[tuple[str, Any, str]]) -> str:
+    """Return a table of names, values and units."""
+    told = [(name, _Html(_text(value) + (f" {escape(unit)}" if unit else ""))) for name, value, unit in rows]
+    return _table(("", ""), told, words=(0, 1)) if told else ""
+
+
+def _drawing(chain: Any, shape: Any = None) -> str:
+    """Return the drawing of a chain, none of one too long to be seen."""
+    from beammodes.views.inline_svg import inline_svg
+    from beammodes.views.schematic import draw_chain
+
+    try:
+        ax = draw_chain(chain, shape=shape, labels=None, size=8.0)
+    except ValueError:
+        return ""
+    size = {"SpatialChain": _SPACE, "StructureChain": _FRAME}.get(type(chain).__name__, _BEAM)
+    pieces = len(np.atleast_1d(chain.joint_stiffness))
+    return f'<div style="margin: 0.3em 0">{inline_svg(ax, width=size[0], height=size[1], parts=pieces)}</div>'
+
+
+def _curve(values: Any) -> _Html:
+    """Return a mode's shape as a picture in a row of a table."""
+    y = np.asarray(values, dtype=np.float64)
+    largest = float(np.abs(y).max())
+    if not (largest > 0 and math.isfinite(largest)):
+        return _Html("")
+    middle, half = _HIGH / 2, _HIGH / 2 - 2
+    x = np.linspace(1, _WIDE - 1, len(y)) if y.ndim == 1 else y[0]
+    points = " ".join(
+        f"{a:.1f},{b:.1f}" for a, b in zip(x.tolist(), (middle - half * y / largest).tolist(), strict=True)
+    )
+    return _Html(
+        f'<svg width="{_WIDE}" height="{_HIGH}" viewBox="0 0 {_WIDE} {_HIGH}" style="vertical-align: middle">'
+        f'<path d="M1 {middle}H{_WIDE - 1}" stroke="currentColor" stroke-opacity="0.3"/>'
+        f'<polyline points="{points}" fill="none" stroke="currentColor" stroke-width="1.5"/></svg>'
+    )
+
+
+def units_of(kind: type) -> Mapping[str, str]:
+    """Return the units of a class's fields, as its docstring gives them.
+
+    Examples
+    --------
+    >>> import beammodes as bm
+    >>> units_of(bm.PointLoad)["force"], units_of(bm.Damping)["joint"], units_of(bm.AxialEnd)["stiffness"]
+    ('N', 'N m s/rad', 'N m/rad or N/m')
+    """
+    found: dict[str, str] = {}
+    for each in reversed(kind.__mro__):
+        for names, said in re.findall(r"(?m)^ {4}(\w+(?:, \w+)*) : (.*)$", each.__doc__ or ""):
+            listed, units = names.split(", "), re.findall(r"\[([^\]]+)\]", said)
+            split = units if len(units) == len(listed) > 1 else [" or ".join(units)] * len(listed)
+            found |= {name: "" if unit == "-" else unit for name, unit in zip(listed, split, strict=True)}
+    return MappingProxyType(found)
+
+
+# --- What is shown of each class --------------------------------------------------------------------------
+
+
+def _record(value: Any) -> list[str]:
+    """A record's fields that are not at their defaults, with units."""
+    if not is_dataclass(value):
+        return [_title(repr(value))]
+    units, told = units_of(type(value)), told_fields(value)
+    name = getattr(value, "_called", None) or type(value).__name__
+    rows = [(field.replace("_", " "), each, _unit(each, units.get(field, ""))) for field, each in told]
+    return [_title(name, "" if rows else "with nothing but defaults"), _pairs(rows)]
+
+
+def _unit(value: Any, unit: str) -> str:
+    """Return the unit of numbers; functions and records have their own."""
+    first = value[0] if isinstance(value, tuple) and value else value
+    return unit if isinstance(first, int | float | Fraction | np.ndarray | np.number) else ""
+
+
+def _beam(value: Any) -> list[str]:
+    # Its line leaves out what is not given.
+    units = units_of(type(value))
+    given = [(each.name, getattr(value, each.name)) for each in fields(value) if each.repr]
+    usual: dict[str, Any] = {"second_bending_stiffness": getattr(value, "bending_stiffness", None)}
+    rows = [
+        (name.replace("_", " "), each, _unit(each, units.get(name, "")))
+        for name, each in given
+        if each is not None and each != 0.0 and each != (0.0, 0.0, 0.0) and each != usual.get(name)
+    ]
+    assumed = getattr(value, "assumed", ())
+    line = _centre_line(value) if hasattr(value, "frames") else ""
+    return [_title(type(value).__name__), line, _pairs(rows), _lines(f"assumed: {each}" for each in assumed)]
+
+
+def _centre_line(rod: Any) -> str:
+    """Return the rod's centre line as it is seen in a drawing of its chain; nothing of a straight one."""
+    from beammodes.views.schematic_in_space import SEEN
+
+    points = rod.frames(np.linspace(0.0, rod.length, _LINE_POINTS))[1] @ SEEN.T
+    bent = np.abs(points - np.linspace(points[0], points[-1], len(points))).max()
+    if bent < 1e-6 * rod.length:
+        return ""
+    low, size = points.min(axis=0), np.ptp(points, axis=0).max()
+    at = (points - low) * (200 / size) + 8
+    wide, high = at.max(axis=0) + 8
+    listed = " ".join(f"{x:.1f},{high - y:.1f}" for x, y in at.tolist())
+    x, y = at[0].tolist()
+    return (
+        f'<svg width="{wide:.0f}" height="{high:.0f}" viewBox="0 0 {wide:.0f} {high:.0f}">'
+        f'<polyline points="{listed}" fill="none" stroke="currentColor" stroke-width="2"/>'
+        f'<circle cx="{x:.1f}" cy="{high - y:.1f}" r="4" fill="currentColor"/></svg>'
+    )
+
+
+def _ends(value: Any) -> list[str]:
+    units, motion = units_of(type(value.left)), getattr(value, "motion", "")
+    names = [each.name for each in fields(value.left)]
+    pairs = {name: (getattr(value.left, name), getattr(value.right, name)) for name in names}
+    zero = [(0.0, 0.0), (False, False), ((0.0, 0.0, 0.0),) * 2, (((0.0,) * 3,) * 3,) * 2]
+    rows = [
+        (name.replace("_", " "), *pair, units.get(name, ""))
+        for name, pair in pairs.items()
+        if pair not in zero
+    ]
+    title = _title(type(value).__name__, str(value), f"in {motion}" if motion else "")
+    return [title, _table(("", "left", "right", "unit"), rows, words=(0, 3))]
+
+
+def _many_ends(value: Any) -> list[str]:
+    from beammodes.problem.ends import End
+
+    columns, units = value.columns, units_of(End)
+    rows = []
+    for name in (each.name for each in fields(columns)):
+        numbers = np.asarray(getattr(columns, name))
+        if numbers.any():
+            unit = units.get(name, "")
+            rows.append((name.replace("_", " "), *map(float, (numbers.min(), numbers.max())), unit))
+    return [_title("Ends", f"shape {value.shape}"), _table(("", "from", "to", "unit"), rows, words=(0, 3))]
+
+
+def _modes(value: Any) -> list[str]:
+    frequency, omega = np.asarray(value.frequency), np.asarray(value.angular_frequency)
+    head, columns = ["mode", "f [Hz]", "ω [rad/s]"], [range(1, len(omega) + 1), frequency, omega]
+    theory = np.asarray(getattr(value, "theory_error", np.nan))
+    if np.isfinite(theory).any():
+        head.append("theory error [%]")
+        columns.append([_percent(each) for each in theory.tolist()])
+    stored = getattr(value, "stored", None)
+    if stored is not None:
+        head += ["twist [%]", "about y [%]", "about z [%]"]
+        columns += [[f"{100 * part:.1f}" for part in column] for column in stored.T.tolist()]
+    shapes = _shapes(value)
+    if shapes is not None:
+        head.append("shape")
+        columns.append([_curve(shape) for shape in shapes])
+    of = [getattr(value, name) for name in ("boundary", "ends", "structure", "chain") if hasattr(value, name)]
+    rigid = int(getattr(value, "rigid_body_modes", 0))
+    title = _title(
+        type(value).__name__,
+        *(str(each) for each in of[:1]),
+        f"{rigid} rigid-body mode{'s' * (rigid > 1)} before them" if rigid else "",
+    )
+    said = [getattr(value, "theory_words", "")]
+    if "theory error [%]" in head:
+        said = [f"theory error: Timoshenko's beam, assumed {each}" for each in value.theory_assumed]
+    return [title, _table(head, zip(*columns, strict=True), words=()), _lines(filter(None, said))]
+
+
+def _shapes(value: Any) -> Any:
+    """Return deflections along the beam, evenly spaced, of modes of a single beam; else None."""
+    if hasattr(value, "beam") and hasattr(value, "shape"):
+        return value.shape(np.linspace(0.0, value.beam.length, _POINTS))
+    position, deflection = getattr(value, "position", None), getattr(value, "deflection", None)
+    if position is None or deflection is None or np.ndim(position) != 1:
+        return None
+    even = np.linspace(position[0], position[-1], _POINTS)
+    return [np.interp(even, position, row) for row in deflection]
+
+
+def _chain(value: Any) -> list[str]:
+    by = [f"{value.segments} segments", f"rule {value.rule.name}"] if value.rule else []
+    unit = 1.0 / float(value.units.stiffness)
+    rows = [
+        (k + 1, x, spring, spring * unit)
+        for k, (x, spring) in enumerate(zip(value.hinge_position, value.joint_stiffness, strict=True))
+    ]
+    head = ["hinge", "x [m]", "k [N m/rad]"] + (["k / (EI/ℓ)"] if value.rule else [])
+    return [
+        _title(
+            "Chain",
+            value.boundary.name,
+            *by,
+            f"{value.pieces} pieces",
+            f"{value.elastic_modes} elastic modes",
+        ),
+        _drawing(value),
+        _table(head, [row[: len(head)] for row in rows], words=()) if rows else "",
+    ]
+
+
+def _axial_chain(value: Any) -> list[str]:
+    unit = "N m/rad" if value.boundary.motion == "twist" else "N/m"
+    x = np.cumsum(value.length)[: len(value.joint_stiffness)]
+    rows = enumerate(zip(x, value.joint_stiffness, strict=True), start=1)
+    return [
+        _title(
+            "AxialChain",
+            f"{value.boundary.name} in {value.boundary.motion}",
+            f"{value.segments} segments",
+            f"rule {value.rule.name}",
+        ),
+        _table(("hinge", "x [m]", f"k [{unit}]"), [(k, *pair) for k, pair in rows], words=()),
+    ]
+
+
+def _spatial_chain(value: Any) -> list[str]:
+    rows = enumerate(zip(value.hinge_position, value.joint_stiffness.tolist(), strict=True), start=1)
+    head = ("hinge", "s [m]", "k twist [N m/rad]", "k about y", "k about z")
+    return [
+        _title("SpatialChain", str(value.ends), f"{value.segments} segments", f"rule {value.rule.name}"),
+        _drawing(value),
+        _table(head, [(k, s, *springs) for k, (s, springs) in rows], words=()),
+    ]
+
+
+def _structure_chain(value: Any) -> list[str]:
+    counts = " + ".join(map(str, value.segments))
+    return [
+        _title("StructureChain", f"{counts} segments", f"rule {value.rule.name}", f"of {value.structure!r}"),
+        _drawing(value),
+        _table(("hinge", "k [N m/rad]"), [(hinge.name, hinge.stiffness) for hinge in value.hinges]),
+    ]
+
+
+def _structure(value: Any) -> list[str]:
+    joints = [
+        (name, joint.x, joint.y, _held(joint.support), joint.mass) for name, joint in value.joints.items()
+    ]
+    members = [
+        (
+            member.name,
+            member.beam.length,
+            member.beam.mean_bending_stiffness,
+            member.beam.mean_mass_per_length,
+        )
+        for member in value.members
+    ]
+    return [
+        _title("Structure", f"{len(joints)} joints", f"{len(members)} members"),
+        _plan(value),
+        _table(("joint", "x [m]", "y [m]", "support", "mass [kg]"), joints, words=(0, 3)),
+        _table(("member", "length [m]", "EI [N m²]", "ρA [kg/m]"), members),
+    ]
+
+
+def _held(support: Any) -> str:
+    """Return a support in words: what is held along x, along y and in rotation."""
+    if not isinstance(support, tuple):
+        return str(support)
+    names = zip(("x", "y", "rotation"), support, strict=False)
+    return ", ".join(name if math.isinf(k) else f"{name} by {k:.4g}" for name, k in names if k) or "free"
+
+
+def _plan(structure: Any) -> str:
+    """Return a plan of a structure: members as lines, joints as dots, what is held as squares."""
+    places = {name: (float(joint.x), -float(joint.y)) for name, joint in structure.joints.items()}
+    x, y = np.array(list(places.values())).T
+    size = float(max(np.ptp(x), np.ptp(y)))
+    scale, edge = 200 / size, 34
+    wide, high = np.ptp(x) * scale + 2 * edge, np.ptp(y) * scale + 2 * edge
+    at = {
+        name: ((a - x.min()) * scale + edge, (b - y.min()) * scale + edge) for name, (a, b) in places.items()
+    }
+    drawn = [
+        f'<path d="M{at[m.start][0]:.1f} {at[m.start][1]:.1f}L{at[m.end][0]:.1f} {at[m.end][1]:.1f}" '
+        'stroke="currentColor" stroke-width="3" stroke-linecap="round"/>'
+        for m in structure.members
+    ]
+    for name, joint in structure.joints.items():
+        a, b = at[name]
+        radius = 6 if _held(joint.support) != "free" else 3.5
+        drawn.append(
+            f'<rect x="{a - radius:.1f}" y="{b - radius:.1f}" width="{2 * radius}" height="{2 * radius}" '
+            f'rx="{0 if radius > 4 else radius}" fill="currentColor"/>'
+            f'<text x="{a + 8:.1f}" y="{b - 8:.1f}" font-size="12" fill="currentColor">{escape(name)}</text>'
+        )
+    return (
+        f'<svg width="{wide:.0f}" height="{high:.0f}" viewBox="0 0 {wide:.0f} {high:.0f}" '
+        f'style="max-width: 100%; overflow: visible">{"".join(drawn)}</svg>'
+    )
+
+
+def _statics(value: Any) -> list[str]:
+    units = {"deflection": "m", "rotation": "rad", "midspan_deflection": "m"}
+    of = {"tip_force": "1 N at the tip", "tip_moment": "1 N m at the tip", "uniform_load": "1 N/m all along"}
+    rows = [(name.replace("_", " "), getattr(value, name), unit) for name, unit in units.items()]
+    return [_title("Statics", f"under {of.get(value.load, value.load)}"), _pairs(rows)]
+
+
+def _structure_statics(value: Any) -> list[str]:
+    from beammodes.views.diagrams import draw_statics
+    from beammodes.views.inline_svg import inline_svg
+
+    rows = [(name, *force) for name, force in value.reactions.items()]
+    width, height = _BEAM_DIAGRAM if len(value.structure.members) == 1 else _FRAME
+    svg = inline_svg(draw_statics(value, size=8.0), width=width, height=height)
+    moved = [(name, *where) for name, where in value.displacements.items()]
+    return [
+        _title("StructureStatics", repr(value.structure)),
+        f'<div style="margin: 0.3em 0">{svg}</div>',
+        _table(("reaction at", "F_x [N]", "F_y [N]", "M [N m]"), rows),
+        _table(("displacement of", "x [m]", "y [m]", "rotation [rad]"), moved),
+    ]
+
+
+def _equilibrium(value: Any) -> list[str]:
+    x, y = value.nodes[-1].tolist()
+    rows: list[tuple[str, Any, str]] = [
+        ("stable", value.is_stable, ""),
+        ("right tip at x, y", (x, y), "m"),
+        ("stored energy", value.stored_energy, "J"),
+        ("largest tension", float(value.tension.max()), "N"),
+        ("load", value.load, ""),
+    ]
+    return [_title("Equilibrium", str(value.chain)), _drawing(value.chain, value), _pairs(rows)]
+
+
+def _spatial_equilibrium(value: Any) -> list[str]:
+    rows: list[tuple[str, Any, str]] = [
+        ("stable", value.is_stable, ""),
+        ("tip", value.tip, "m"),
+        ("softest stiffness", float(value.stiffnesses[0]), "EI/L"),
+        ("load", value.load, ""),
+        ("joints", value.law.name, ""),
+    ]
+    return [_title("SpatialEquilibrium", str(value.chain)), _drawing(value.chain, value), _pairs(rows)]
+
+
+def _audit(value: Any) -> list[str]:
+    good = value.meets
+    verdict = f"{'meets' if good else 'does not meet'} {100 * value.tolerance:.3g} %"
+    badge = (
+        f'<span style="background: {"#1a7f37" if good else "#b3261e"}; color: #ffffff; padding: 0.1em 0.5em; '
+        f'border-radius: 0.3em">{verdict}</span>'
+    )
+    errors, ratios = value.errors.tolist(), value.damping_ratio.tolist()
+    head = ["mode", "f [Hz]", "error [%]", *(["damping ratio"] if any(ratios) else [])]
+    listed = zip(value.frequency.tolist(), map(_percent, errors), ratios, strict=True)
+    modes = [(k, *row)[: len(head)] for k, row in enumerate(listed, start=1)]
+    better = [
+        (
+            each.name,
+            "moved" if each.moves_hinges else "as they are",
+            each.joint_stiffness,
+            ", ".join(map(_percent, each.errors.tolist())),
+        )
+        for each in value.suggestions
+    ]
+    columns = ("better springs", "hinges", "k [N m/rad]", "errors [%]")
+    springs = _table(columns, better, words=(0, 1)) if better else ""
+    said = [("given", line) for line in value.given] + [("assumed", line) for line in value.assumed]
+    given = _table(("", ""), said, words=(0, 1)) if said else ""
+    return [
+        f"<div><b>Audit</b> of a {escape(value.boundary.name)} chain: {badge}</div>",
+        _table(head, modes, words=()),
+        _lines(value.found[1:]),
+        springs,
+        f"<details><summary>what was given and what is assumed</summary>{given}</details>" if said else "",
+    ]
+
+
+def _recommendations(value: Sequence[Any]) -> list[str]:
+    rows: list[dict[str, Any]] = [
+        {
+            "rule": way.rule,
+            "segments": " + ".join(map(str, way.stretches)) or way.segments,
+            "frequency error [%]": f"{100 * way.largest_error:.3g}",
+            "in mode": way.mode,
+            "static error [%]": _percent(max(way.static_error.values(), key=abs, default=math.nan)),
+            "theory error [%]": _percent(way.theory_error),
+            "stable step [s]": f"{way.stable_time_step:.4g}",
+            "cost": f"{float(f'{way.cost:.3g}'):,.0f}",
+        }
+        for way in value
+    ]
+    # What is known of none has no column.
+    head = [name for name in rows[0] if any(row[name] != "–" for row in rows)] if rows else []
+    title = _title("Recommendation") if len(rows) == 1 else _title("Recommendations", "the cheapest first")
+    remarks = dict.fromkeys(remark for way in value for remark in way.remarks)
+    return [
+        title,
+        _table(head, [[row[name] for name in head] for row in rows], most=_MOST_LISTED),
+        _lines(remarks),
+    ]
+
+
+def _recommendation(value: Any) -> list[str]:
+    springs = (
+        ("joint stiffness", value.joint_stiffness, "N m/rad") if value.joint_stiffness.ndim == 1 else None
+    )
+    return [*_recommendations([value]), _pairs([springs] if springs else [])]
+
+
+def _study(value: Any) -> list[str]:
+    rows = []
+    for axis in value.axes:
+        listed = axis.distribution or tuple(getattr(one, "name", one) for one in axis.values)
+        rows.append((axis.name, axis.size, listed, axis.dimension or "shared by all"))
+    computed = ", ".join(quantity.name for quantity in value.quantities)
+    return [
+        _title("Study", f"of {computed}: {value.size} points, {value.chunk} in a chunk"),
+        _table(("axis", "values", "", "dimension"), rows, words=(0, 2, 3)),
+    ]
+
+
+def _case(value: Any) -> list[str]:
+    return [
+        _title("Case"),
+        _pairs((name, getattr(each, "name", each), "") for name, each in value.values.items()),
+    ]
+
+
+def _law(value: Any) -> list[str]:
+    rows = [(n, _percent(float(value.at(n)))) for n in (5, 10, 20, 50, 100)]
+    law = f"e ~ {_number(value.coefficient)} / N^{value.order}"
+    return [_title("ErrorLaw", law), _table(("N", "e [%] by the law"), rows, words=())]
+
+
+def _rule(value: Any) -> list[str]:
+    def springs(weights: Iterable[Any]) -> str:
+        return (
+            ", ".join(f"{w.constant}{f' {w.per_segment:+}/N' if w.per_segment else ''}" for w in weights)
+            or "none"
+        )
+
+    stub = {0: "at the walls", 1: "the first one a segment from the wall"}
+    rows: list[tuple[str, Any, str]] = [
+        ("weights at a clamped end", springs(value.clamped), ""),
+        ("weights at a guided end", springs(value.guided), ""),
+        ("hinges", stub.get(value.stub, "at the segments' middles"), ""),
+        ("rotary inertia", value.rotary_inertia, "m ℓ²"),
+        ("order of the error", value.order, ""),
+        ("used by", value.used_by or None, ""),
+        ("source", value.source or None, ""),
+    ]
+    return [_title("Rule", value.name), _lines([value.summary] if value.summary else []), _pairs(rows)]
+
+
+def _integrator(value: Any) -> list[str]:
+    rows: list[tuple[str, Any, str]] = [
+        ("order", value.order, ""),
+        ("springs", value.springs, ""),
+        ("dampers", value.damping, ""),
+        ("variable step", value.variable_step, ""),
+        ("in engines", ", ".join(value.engines) or None, ""),
+        ("source", value.source, ""),
+    ]
+    return [_title("Integrator", value.name), _pairs(rows)]
+
+
+def _model(value: Any) -> list[str]:
+    rows: list[tuple[str, Any, str]] = [
+        ("coordinates", value.coordinates, ""),
+        ("elastic modes", value.elastic_modes, ""),
+        ("rigid-body modes", value.rigid_body_modes, ""),
+        ("load", value.load, ""),
+    ]
+    shape = getattr(value, "equilibrium", None)
+    return [_title(type(value).__name__, str(value.chain)), _drawing(value.chain, shape), _pairs(rows)]
+
+
+def _derived(value: Any) -> list[str]:
+    omega = value.angular_frequency
+    rows = zip(range(1, len(omega) + 1), omega / (2.0 * math.pi), omega, strict=True)
+    return [
+        _title("DerivedChain", str(value.chain), "from its equations of motion in symbols"),
+        _table(("mode", "f [Hz]", "ω [rad/s]"), rows, words=()),
+    ]
+
+
+def _matched_springs(value: Any) -> list[str]:
+    ratio, springs = value.stiffness_ratio.tolist(), value.chain.joint_stiffness.tolist()
+    rows = [(k, *row) for k, row in enumerate(zip(ratio, springs, strict=True), start=1)]
+    motion = getattr(value.boundary, "motion", "bending")
+    met = f"{value.modes} mode{'s' * (value.modes > 1)} of the beam met"
+    unit = "N/m" if motion == "stretch" else "N m/rad"
+    return [
+        _title(type(value).__name__, str(value.boundary), f"{value.segments} segments", met),
+        _drawing(value.chain) if motion == "bending" else "",
+        _table(("hinge", "k over the beam's own", f"k [{unit}]"), rows, words=()),
+        _pairs([("stable step, rk4", value.stable_time_step, "s")]),
+    ]
+
+
+def _flutter(value: Any) -> list[str]:
+    rows: list[tuple[str, Any, str]] = [
+        ("frequency", value.frequency, "Hz"),
+        ("compression", value.compression, "N"),
+        ("swings", value.is_flutter, ""),
+    ]
+    return [_title("FlutterLoad"), _pairs(rows)]
+
+
+def _catalogue(value: Any) -> list[str]:
+    columns = _COLUMNS.get(value.what, ())
+    rows = []
+    for name, record in value.items():
+        told = [getattr(record, column) for column in columns] if columns else [_one_line(name, record)]
+        rows.append([name, *(", ".join(each) if isinstance(each, tuple) else each for each in told)])
+    head = ["name", *(column.replace("_", " ") for column in columns or ("",))]
+    return [_title(f"{len(rows)} {value.what}"), _table(head, rows, range(len(head)), most=_MOST_LISTED)]
+
+
+def _one_line(name: str, record: Any) -> str:
+    if isinstance(record, type):
+        return (record.__doc__ or "").partition("\n")[0]
+    return str(record).removeprefix(f"{name}, ")
+
+
+#: Of catalogues, what is told beside the name.
+_COLUMNS: Mapping[str, tuple[str, ...]] = MappingProxyType(
+    {
+        "rules": ("summary", "used_by"),
+        "integrators": ("order", "springs", "damping", "engines"),
+        "joint laws": ("orders",),
+    }
+)
+
+_BUILDERS: Mapping[str, Callable[[Any], list[str]]] = MappingProxyType(
+    {
+        "Audit": _audit,
+        "AxialBoundary": _ends,
+        "AxialChain": _axial_chain,
+        "AxialChainModes": _modes,
+        "AxialMatchedSprings": _matched_springs,
+        "AxialModes": _modes,
+        "Beam": _beam,
+        "BentModel": _model,
+        "Boundary": _ends,
+        "Case": _case,
+        "Catalogue": _catalogue,
+        "Chain": _chain,
+        "DerivedChain": _derived,
+        "Ends": _many_ends,
+        "Equilibrium": _equilibrium,
+        "ErrorLaw": _law,
+        "EulerBernoulliModes": _modes,
+        "FlutterLoad": _flutter,
+        "Integrator": _integrator,
+        "LinearModel": _model,
+        "MatchedSprings": _matched_springs,
+        "Modes": _modes,
+        "Recommendation": _recommendation,
+        "Recommendations": _recommendations,
+        "Rod": _beam,
+        "RodEnds": _ends,
+        "RodModes": _modes,
+        "Rule": _rule,
+        "SpatialChain": _spatial_chain,
+        "SpatialEquilibrium": _spatial_equilibrium,
+        "SpatialModes": _modes,
+        "Statics": _statics,
+        "Structure": _structure,
+        "StructureChain": _structure_chain,
+        "StructureChainModes": _modes,
+        "StructureModes": _modes,
+        "StructureStatics": _structure_statics,
+        "Study": _study,
+        "TimoshenkoModes": _modes,
+    }
+)
