@@ -248,7 +248,9 @@ def test_the_continuous_checks_name_every_test_of_an_engine() -> None:
     """The plain set-up has no engines, where such tests are skipped."""
     run = (ROOT / ".ci" / "run").read_text(encoding="utf-8")
     for path in (ROOT / "tests").glob("test_*.py"):
-        if re.search(r'importorskip\("(mujoco|pinocchio|pydrake|nbclient)"', path.read_text(encoding="utf-8")):
+        if re.search(
+            r'importorskip\("(mujoco|pinocchio|pydrake|nbclient)"', path.read_text(encoding="utf-8")
+        ):
             assert f"tests/{path.name}" in run
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -19,7 +20,7 @@ from beammodes.problem.ends import Boundary, BoundaryLike
 from beammodes.vibration.linear import linearize
 from beammodes.vibration.modes import MAX_DENSE, solve_modes
 
-__all__ = ["Audit", "StepVerdict", "Suggestion", "audit_chain", "listed_errors"]
+__all__ = ["Audit", "StepVerdict", "Suggestion", "audit_chain", "audit_line", "listed_errors"]
 
 #: Names of suggestions that are no rule for the chain's own hinges.
 _TUNED, _MOVED, _HINGED = "first_spring_tuned", "gregory", "gregory with a hinge at the body"
@@ -259,11 +260,15 @@ class Audit(Shown):
         return self.angular_frequency / (2.0 * math.pi)
 
     def _line(self) -> str:
-        errors = row_shown(100 * self.errors, "{:+.3g}", "%")
-        frequency = row_shown(self.frequency, "{:.4g}", "Hz")
-        meets = "meets" if self.meets else "does not meet"
-        told = f"chain against beam {errors}; {meets} {100 * self.tolerance:.3g} %"
-        return f"Audit({frequency}, {self.boundary}, {self.layout}: {told})"
+        return audit_line(self, f"{self.boundary}, {self.layout}: chain against beam")
+
+
+def audit_line(audit: Any, of: str) -> str:
+    """Return the line that a prompt shows of an audit: frequencies, of what, errors, and the verdict."""
+    frequency = row_shown(audit.angular_frequency / (2.0 * math.pi), "{:.4g}", "Hz")
+    errors = row_shown(100 * audit.errors, "{:+.3g}", "%")
+    meets = "meets" if audit.meets else "does not meet"
+    return f"{type(audit).__name__}({frequency}; {meets} {100 * audit.tolerance:.3g} %, {of} {errors})"
 
 
 def listed_errors(errors: Floats) -> str:

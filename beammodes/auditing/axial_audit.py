@@ -13,13 +13,13 @@ from functools import cached_property
 
 import numpy as np
 
-from beammodes.auditing.audit import StepVerdict, Suggestion, listed_errors
+from beammodes.auditing.audit import StepVerdict, Suggestion, audit_line, listed_errors
 from beammodes.auditing.judged_pieces import SOLVED, UNKNOWN
 from beammodes.auditing.row_modes import elastic_modes
 from beammodes.chains.axial_chain import AxialChain, laid_out
 from beammodes.chains.pieces import floats
 from beammodes.chains.rules import RULES, Rule
-from beammodes.checks import percent, row_shown, whole_number
+from beammodes.checks import Shown, percent, whole_number
 from beammodes.exact.axial_theory import axial_modes
 from beammodes.numerics.arrays import Floats
 from beammodes.problem.axial_ends import AxialBoundary, AxialEnd
@@ -40,7 +40,7 @@ _MOVED, _TUNED = "gregory", "first_spring_tuned"
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class AxialAudit:
+class AxialAudit(Shown):
     """What is found of a chain in twist or stretch.
 
     Attributes
@@ -155,9 +155,8 @@ class AxialAudit:
         lines = [f"given: {line}" for line in self.given] + [f"assumed: {line}" for line in self.assumed]
         return "\n".join([*lines, *self.found, *(f"  {suggestion}" for suggestion in self.suggestions)])
 
-    def __repr__(self) -> str:
-        errors = row_shown(100 * self.errors, "{:+.3g}", "%")
-        return f"AxialAudit({self.boundary} in {self.motion}, {self.layout}: chain against beam {errors})"
+    def _line(self) -> str:
+        return audit_line(self, f"{self.boundary} in {self.motion}, {self.layout}: chain against beam")
 
 
 def audit_axial(

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from beammodes.auditing.audit import Audit, Suggestion, listed_errors
+from beammodes.auditing.audit import Audit, Suggestion, audit_line, listed_errors
 from beammodes.auditing.audit_model import audit_file
 from beammodes.auditing.body_tree import SpringPlace
 from beammodes.auditing.bounded_xml import BadModel, XmlElement, bounded_bytes, read_xml
@@ -115,7 +115,9 @@ class MendedFile(Shown):
         return "\n".join([*lines, *self.notes])
 
     def _line(self) -> str:
-        return f"MendedFile({self.path.name}, {self.suggestion.name}: {listed_errors(self.audit.errors)})"
+        return audit_line(
+            self.audit, f"{self.path.name}, {self.suggestion.name}: chain against beam"
+        ).replace(type(self.audit).__name__, "MendedFile", 1)
 
 
 def mend_file(

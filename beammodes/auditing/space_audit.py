@@ -16,7 +16,7 @@ from typing import Protocol
 import numpy as np
 
 from beammodes.accuracy.judged_motions import StraightRod
-from beammodes.auditing.audit import Audit, StepVerdict, listed_errors
+from beammodes.auditing.audit import Audit, StepVerdict, audit_line, listed_errors
 from beammodes.auditing.axial_audit import AxialAudit
 from beammodes.auditing.axial_file import axial_audit_of
 from beammodes.auditing.body_tree import Model
@@ -32,7 +32,7 @@ from beammodes.auditing.space_row import (
     SpaceRow,
     chosen_row,
 )
-from beammodes.checks import choice, percent, row_shown, whole_number
+from beammodes.checks import Shown, choice, percent, whole_number
 from beammodes.exact.exact_rod import rod_modes
 from beammodes.numerics.arrays import Floats, ratios_less_one
 from beammodes.problem.axial_ends import AxialBoundary, AxialEnd
@@ -64,7 +64,7 @@ class InPlane(Protocol):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class SpatialAudit:
+class SpatialAudit(Shown):
     """What is found of a chain in space.
 
     Attributes
@@ -139,9 +139,8 @@ class SpatialAudit:
         better = {name: [str(item) for item in one.suggestions] for name, one in self.motions.items()}
         return "\n".join([*lines, *(f"  {line}" for line in _of_each(better))])
 
-    def __repr__(self) -> str:
-        errors = row_shown(100 * self.errors, "{:+.3g}", "%")
-        return f"SpatialAudit({', '.join(self.motions) or 'motions coupled'}: chain against rod {errors})"
+    def _line(self) -> str:
+        return audit_line(self, f"{', '.join(self.motions) or 'motions coupled'}: chain against rod")
 
 
 def _of_each(lines: Mapping[str, Sequence[str]]) -> list[str]:

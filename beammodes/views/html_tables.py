@@ -468,36 +468,53 @@ def _spatial_equilibrium(value: Any) -> list[str]:
     return [_title("SpatialEquilibrium", str(value.chain)), _drawing(value.chain, value), _pairs(rows)]
 
 
-def _audit(value: Any) -> list[str]:
-    good = value.meets
-    verdict = f"{'meets' if good else 'does not meet'} {100 * value.tolerance:.3g} %"
-    badge = (
-        f'<span style="background: {"#1a7f37" if good else "#b3261e"}; color: #ffffff; padding: 0.1em 0.5em; '
-        f'border-radius: 0.3em">{verdict}</span>'
+def _verdict(audit: Any) -> str:
+    """Return whether the errors are small enough, on green or on red."""
+    verdict = f"{'meets' if audit.meets else 'does not meet'} {100 * audit.tolerance:.3g} %"
+    return (
+        f'<span style="background: {"#1a7f37" if audit.meets else "#b3261e"}; color: #ffffff; '
+        f'padding: 0.1em 0.5em; border-radius: 0.3em">{verdict}</span>'
     )
-    errors, ratios = value.errors.tolist(), value.damping_ratio.tolist()
-    head = ["mode", "f [Hz]", "error [%]", *(["damping ratio"] if any(ratios) else [])]
-    listed = zip(value.frequency.tolist(), map(_percent, errors), ratios, strict=True)
-    modes = [(k, *row)[: len(head)] for k, row in enumerate(listed, start=1)]
-    better = [
-        (
-            each.name,
-            "moved" if each.moves_hinges else "as they are",
-            each.joint_stiffness,
-            ", ".join(map(_percent, each.errors.tolist())),
-        )
-        for each in value.suggestions
-    ]
-    columns = ("better springs", "hinges", "k [N m/rad]", "errors [%]")
-    springs = _table(columns, better, words=(0, 1)) if better else ""
+
+
+def _audit(value: Any) -> list[str]:
+    errors = list(map(_percent, value.errors.tolist()))
+    columns = {"mode": range(1, len(errors) + 1), "f [Hz]": value.angular_frequency / (2.0 * math.pi)}
+    columns |= {"error [%]": errors}
+    ratios = np.asarray(getattr(value, "damping_ratio", 0.0))
+    if ratios.any():
+        columns["damping ratio"] = ratios
+    if hasattr(value, "mode_motion"):
+        columns["motion"] = value.mode_motion
+    motions = getattr(value, "motions", {"": value})
+    better = [(motion, *_suggested(each)) for motion, one in motions.items() for each in one.suggestions]
+    head = ("motion", "better springs", "hinges", "k", "errors [%]")
+    first = 0 if any(motion for motion, *_ in better) else 1
+    springs = _table(head[first:], [row[first:] for row in better], words=range(3)) if better else ""
     said = [("given", line) for line in value.given] + [("assumed", line) for line in value.assumed]
-    given = _table(("", ""), said, words=(0, 1)) if said else ""
+    given = _table(("", ""), said, words=(0, 1), most=_MOST_LISTED) if said else ""
+    chain = f"{value.boundary} chain" if hasattr(value, "boundary") else "chain in space"
+    chain += f" in {value.motion}" if hasattr(value, "motion") else ""
     return [
-        f"<div><b>Audit</b> of a {escape(value.boundary.name)} chain: {badge}</div>",
-        _table(head, modes, words=()),
+        f"<div><b>{escape(type(value).__name__)}</b> of a {escape(chain)}: {_verdict(value)}</div>",
+        _table(tuple(columns), zip(*columns.values(), strict=True), words=()),
         _lines(value.found[1:]),
         springs,
         f"<details><summary>what was given and what is assumed</summary>{given}</details>" if said else "",
+    ]
+
+
+def _suggested(way: Any) -> tuple[Any, ...]:
+    errors = ", ".join(map(_percent, way.errors.tolist()))
+    return (way.name, "moved" if way.moves_hinges else "as they are", way.joint_stiffness, errors)
+
+
+def _mended(value: Any) -> list[str]:
+    rows = zip(value.hinge_names, value.old_number, value.new_number, strict=True)
+    return [
+        f"<div><b>MendedFile</b> {escape(value.path.name)}: {_verdict(value.audit)}</div>",
+        _lines([value.promise, *filter(None, [value.not_mended]), *value.notes]),
+        _table(("hinge", "was", "is"), rows),
     ]
 
 
@@ -661,6 +678,9 @@ _COLUMNS: Mapping[str, tuple[str, ...]] = MappingProxyType(
 _BUILDERS: Mapping[str, Callable[[Any], list[str]]] = MappingProxyType(
     {
         "Audit": _audit,
+        "AxialAudit": _audit,
+        "MendedFile": _mended,
+        "SpatialAudit": _audit,
         "AxialBoundary": _ends,
         "AxialChain": _axial_chain,
         "AxialChainModes": _modes,
