@@ -22,6 +22,9 @@ from beammodes import files
 from beammodes.files import file_target, write_atomically
 from studies.runner import run_all
 
+# What is written matters here, not what moves.
+pytestmark = pytest.mark.filterwarnings("ignore::beammodes.NothingMovesWarning")
+
 POSIX = pytest.mark.skipif(sys.platform == "win32", reason="POSIX files")
 CHAIN = bm.Chain(bm.Beam.unit(), "clamped-free", 3)
 

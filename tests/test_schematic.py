@@ -268,6 +268,7 @@ def test_limits_grow_with_a_second_drawing_and_stay_once_set() -> None:
 
 
 CHAIN = bm.Chain(UNIT, "clamped-free", 4)
+MOTION = bm.simulate(CHAIN, duration=0.01, initial=bm.mode_start(CHAIN, 1, 0.01))
 
 
 @pytest.mark.parametrize(
@@ -298,7 +299,7 @@ CHAIN = bm.Chain(UNIT, "clamped-free", 4)
             ValueError,
             "shape must hold x, y and angle",
         ),
-        ({"shape": bm.simulate(CHAIN, duration=0.01)}, ValueError, "shape must be one moment of a motion"),
+        ({"shape": MOTION}, ValueError, "shape must be one moment of a motion"),
     ],
 )
 def test_bad_input(arguments: dict[str, Any], error: type[Exception], message: str) -> None:

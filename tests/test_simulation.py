@@ -44,6 +44,9 @@ from beammodes.vibration.linear import linearize
 from beammodes.vibration.modes import solve_modes
 from beammodes.vibration.stability import highest_angular_frequency, stable_time_step
 
+# A chain at rest is enough where arguments, files and progress are tested.
+pytestmark = pytest.mark.filterwarnings("ignore::beammodes.NothingMovesWarning")
+
 Array = np.ndarray
 
 UNIT = Beam.unit()

@@ -442,11 +442,11 @@ def simulate(
         raise ValueError(
             f"duration must be shorter, or step longer: {lasting / took.step:.2g} steps of {took.step:.3g} s"
         )
+    every = max(1, round(min(shown_step, lasting) / took.step))
+    _check_memory(chain, lasting, took.step * every)
     remark = _remark(motion)
     if remark == _NOTHING:
         warnings.warn(remark, NothingMovesWarning, stacklevel=2)
-    every = max(1, round(min(shown_step, lasting) / took.step))
-    _check_memory(chain, lasting, took.step * every)
     if step is not None and not INTEGRATORS[took.integrator].variable_step:
         hung = 0.0 if apart is None else string_tension(chain, given, apart)
         taut = Load(axial_force=max(hung, float(given.axial_force)))
