@@ -153,7 +153,8 @@ def mend_file(
     beam, boundary, modes, tolerance, chain, plane, springs
         As `audit_file` takes them.
     suggestion : str, optional
-        The name of one of the audit's suggestions for the same hinges; by default the first.
+        The name of one of the audit's suggestions for the same hinges; by default the first that meets the
+        tolerance, else the first.
     force : bool
         Whether a file that is at `written` may be replaced.
 
@@ -240,14 +241,17 @@ def _check_apart(there: Path, read: Path) -> None:
 
 
 def _chosen(found: Audit, name: str | None) -> Suggestion:
-    """Return the suggestion of that name, or the first, of those for the same hinges."""
+    """Return the suggestion of that name, or the one to take, of those for the same hinges."""
     kept = {each.name: each for each in found.suggestions if not each.moves_hinges}
     moved = {each.name for each in found.suggestions} - kept.keys()
     if name in moved:
         others = f"; of springs for the same hinges there are {', '.join(kept)}" if kept else ""
         raise ValueError(f"suggestion must keep the hinges, got {shown(name)}, which moves them{others}")
+    if name is not None and kept:
+        return kept[choice("suggestion", name, kept)]
     if kept:
-        return kept[choice("suggestion", next(iter(kept)) if name is None else name, kept)]
+        meeting = (each for each in kept.values() if (np.abs(each.errors) <= found.tolerance).all())
+        return next(meeting, next(iter(kept.values())))
     more = f"; {', '.join(sorted(moved))} would need other hinges" if moved else ""
     raise BadModel(
         "suggestion must be one for the same hinges, and there is none: no springs of a rule are better than "

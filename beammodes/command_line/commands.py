@@ -693,7 +693,11 @@ def _export(options: argparse.Namespace) -> Answer:
     ),
     option("--springs", "springs of a URDF file (default: .springs.yaml beside it)", metavar="FILE"),
     option("--write", "write the file (of URDF: its springs) with better springs", metavar="FILE"),
-    option("--suggestion", "whose springs to write (default: the first for the same hinges)", metavar="NAME"),
+    option(
+        "--suggestion",
+        "whose springs to write (default: the first for the same hinges that meets, or the first)",
+        metavar="NAME",
+    ),
     option("--force", "overwrite an existing file", action="store_true"),
     moving=("twist", "stretch", "space"),
 )
