@@ -289,6 +289,20 @@ def test_springs_of_the_advice_do_what_they_promise(tmp_path: Path) -> None:
         np.testing.assert_allclose(mended.angular_frequency[0], nearest, rtol=1e-8)
 
 
+def test_planes_are_mended_one_after_the_other(tmp_path: Path) -> None:
+    """What is written twice, once a plane, bends in both as `gregory` in the lookup, and in MuJoCo so."""
+    (path,) = bm.export_chain(bm.SpatialChain(ROD, "clamped-free", 6, "naive"), tmp_path / "rod.xml")
+    bm.mend_file(path, tmp_path / "one.xml", bm.Beam(1.2, 85.0, 0.62), plane="y")
+    bm.mend_file(tmp_path / "one.xml", tmp_path / "both.xml", bm.Beam(1.2, 40.0, 0.62), plane="z")
+    found = bm.audit_file(tmp_path / "both.xml", ROD, motion="space")
+    due = bm.frequency_error("clamped-free", segments=6, mode=np.arange(1, 4), rule="gregory")
+    for name in ("bending", "second_bending"):
+        np.testing.assert_allclose(found.motions[name].errors, due, atol=1e-9)
+    assert found.motions["twist"].layout == "naive"
+    truth = mujoco_frequencies((tmp_path / "both.xml").read_text())
+    np.testing.assert_allclose(found.angular_frequency[:6], truth[:6], rtol=1e-8)
+
+
 def along(kind: str, count: int, spring: float, mass: str, tip: str = "") -> str:
     text = ""
     for i in reversed(range(count)):

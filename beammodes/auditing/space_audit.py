@@ -202,7 +202,9 @@ def audit_in_space(
     """Judge a model's chain in all its motions; `in_plane` judges bending. Errors as of `audit_file`."""
     row = chosen_row(model, chain)
     _check_held(model, row, ends is None)
-    whole = row_modes(row, model.ties)
+    # Who says that an end is clamped means the carrier, where it moves.
+    held = ends is not None and any(np.isinf(end.stiffness).all() for end in (ends.left, ends.right))
+    whole = row_modes(replace(row, held=held), model.ties)
     if not len(whole.angular_frequency):
         raise BadModel(f"chain at body {row.name} must have springs that let it vibrate")
     count = whole_number("modes", modes, most=100)
@@ -462,7 +464,7 @@ class _InSpace:
 
     def _fitting(self, ends: RodEnds) -> RodEnds:
         """Return ends that hold the chain where the file does; refuse others."""
-        free = sum(each.group < 0 for each in self.row.coordinates)
+        free = len(self.whole.motion) - sum(each.group >= 0 for each in self.row.coordinates)
         held = int(np.isinf(ends.left.stiffness).sum())
         if free != 6 - held or self._is_tied != bool(ends.right.stiffness.any()):
             near, far = f"{6 - free} of 6 motions", "ties" if self._is_tied else "nothing"

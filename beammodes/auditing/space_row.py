@@ -100,11 +100,15 @@ class Coordinate:
 
 @dataclass(frozen=True, eq=False)
 class SpaceRow:
-    """Groups in a row, each on sprung joints to the one before; the first on `root`."""
+    """Groups in a row, each on sprung joints to the one before; the first on `root`.
+
+    `held` says that the user's word holds the root, whatever its joints let it do.
+    """
 
     root: Group
     groups: tuple[Group, ...]
     others: tuple[str, ...] = ()
+    held: bool = False
 
     @property
     def name(self) -> str:
@@ -123,7 +127,7 @@ class SpaceRow:
     @property
     def is_carried(self) -> bool:
         """True if the carrier moves on joints of its own, with nothing but the row on it."""
-        return moves_alone(self.root)
+        return moves_alone(self.root) and not self.held
 
     @cached_property
     def nodes(self) -> list[Floats]:
