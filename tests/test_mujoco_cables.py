@@ -214,3 +214,11 @@ def test_the_springs_advised_are_set_by_the_sizes_of_geoms(tmp_path: Path) -> No
 def test_what_no_cable_or_no_straight_one_has_is_refused(text: str, message: str, tmp_path: Path) -> None:
     with pytest.raises(ValueError, match=message):
         audit_file(written(tmp_path, text), BEAM)
+
+
+def test_a_cable_twists_as_in_mujoco_3(tmp_path: Path) -> None:
+    text = composite('curve="s" count="9 1 1" initial="none"')
+    rod = Beam(1.0, 2.0, 0.5, torsional_stiffness=2.51327, polar_inertia_per_length=1e-4)
+    found = audit_file(written(tmp_path, text), rod, motion="twist")
+    due = [42.19826642, 124.75053254, 201.85060176]
+    np.testing.assert_allclose(found.angular_frequency / (2 * np.pi), due, rtol=1e-6)

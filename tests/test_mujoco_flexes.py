@@ -255,3 +255,8 @@ def test_the_longest_step_of_a_flex_is_mujocos(integrator: str, damping: float, 
 def test_what_is_no_straight_rod_is_refused(text: str, message: str, tmp_path: Path) -> None:
     with pytest.raises(ValueError, match=message):
         audit_file(written(tmp_path, text), BEAM)
+
+
+def test_other_motions_of_a_flex_are_refused_by_name(tmp_path: Path) -> None:
+    with pytest.raises(ValueError, match="flex line is judged in bending only"):
+        audit_file(written(tmp_path, RODS["clamped"][0]), BEAM, motion="space")

@@ -290,6 +290,9 @@ def _in_motion(
         return _judged(asked, _of_model(model, asked), modes, tolerance)
 
     def answer(model: Model) -> AxialAudit | SpatialAudit:
+        rod = _rod(model, chain)
+        if rod is not None:
+            raise BadModel(f"flex {rod.name} is judged in bending only: its twist and stretch are left out")
         if isinstance(judge, Beam):
             return audit_along(model, judge, along, motion, chain=chain, modes=modes, tolerance=tolerance)
         return audit_in_space(
