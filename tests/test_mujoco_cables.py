@@ -167,6 +167,10 @@ def test_a_cable_is_judged_from_its_parameters(tmp_path: Path) -> None:
 def test_the_springs_advised_are_set_by_the_sizes_of_geoms(tmp_path: Path) -> None:
     found = audit_file(written(tmp_path, saved()), BEAM)
     better = found.suggestions[0]
+    said = (
+        "rigid_stub_corrected is set by the sizes of its bodies' first geoms in the saved cable, their masses"
+    )
+    assert f"{said} said: times 0.84989, 1.1442, 1, 1" in found.text
     radius = 0.02 * (better.joint_stiffness / found.joint_stiffness) ** 0.25
     geoms = {i + 1: f'size="{float(r)!r} 0.1" mass="0.1"' for i, r in enumerate(radius)}
     mended = audit_file(written(tmp_path, saved(geoms=geoms)), BEAM)

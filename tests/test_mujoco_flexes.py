@@ -258,5 +258,6 @@ def test_what_is_no_straight_rod_is_refused(text: str, message: str, tmp_path: P
 
 
 def test_other_motions_of_a_flex_are_refused_by_name(tmp_path: Path) -> None:
+    beam = Beam(1.05, 2.0, 0.5, torsional_stiffness=1.5, polar_inertia_per_length=1e-4)
     with pytest.raises(ValueError, match="flex line is judged in bending only"):
-        audit_file(written(tmp_path, RODS["clamped"][0]), BEAM, motion="space")
+        audit_file(written(tmp_path, RODS["clamped"][0]), beam, motion="space")

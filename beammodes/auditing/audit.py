@@ -28,6 +28,7 @@ _TUNED, _MOVED, _HINGED = "first_spring_tuned", "gregory", "gregory with a hinge
 _SAME_SPRING = 1e-4
 #: A smaller relative difference of lengths or masses is not reported.
 _SAME = 1e-6
+_LISTED = 8
 #: An error of mode 1 that is none.
 _EXACT = 1e-9
 
@@ -223,7 +224,20 @@ class Audit(Shown):
         allowed = f"{100 * self.tolerance:.3g} %"
         first = f"{self.boundary.name} chain {verdict} {allowed}: {listed_errors(self.errors)}"
         theory = (self.theory,) if self.theory else ()
-        return (first, *theory, *self.mismatches, self.remark, *self._motion(), *self.other_readings)
+        sizes = self._sizes()
+        return (first, *theory, *self.mismatches, self.remark, *sizes, *self._motion(), *self.other_readings)
+
+    def _sizes(self) -> list[str]:
+        """Say by which factors sizes set the springs of the first suggestion, where no stiffness does."""
+        kept = [each for each in self.suggestions if not each.moves_hinges]
+        sizes = {place.size for place in self.spring_places if place is not None}
+        if not kept or len(sizes) != 1 or sizes == {""} or None in self.spring_places:
+            return []
+        name = sizes.pop()
+        factors = (kept[0].joint_stiffness / self.joint_stiffness) ** 0.25
+        listed = [f"{value:.5g}" for value in factors[:_LISTED].tolist()]
+        more = [", ..."] if len(factors) > _LISTED else []
+        return [f"{kept[0].name} is set by {name}: times {', '.join(listed)}{''.join(more)}"]
 
     @property
     def notes(self) -> tuple[str, ...]:

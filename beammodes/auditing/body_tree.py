@@ -227,7 +227,8 @@ class SpringPlace:
     `kind` is "attribute" for the attribute stiffness of the XML element whose tag begins at byte `start`,
     "text" for the text of that element, "scalar" for a number of YAML at character `start`. `file` is the
     file's name if it is not the model's own. The chain's spring is `scale` times the number, less what is in
-    series with it. `note` is what else a change of the number does; `refusal` why it cannot be changed.
+    series with it. `note` is what else a change of the number does; `refusal` why it cannot be changed;
+    `size` names the size that sets the spring by its fourth power, empty if a stiffness does.
     """
 
     kind: str
@@ -237,6 +238,7 @@ class SpringPlace:
     in_series: float = math.inf
     note: str = ""
     refusal: str = ""
+    size: str = ""
 
     def number(self, stiffness: float) -> float:
         """Return what the file must have there for the chain's hinge to have this stiffness.

@@ -43,6 +43,7 @@ _MOST_POINTS = 600
 #: Sines of angles up to which points are on a line and bodies are aligned; MuJoCo saves six digits.
 _STRAIGHT = 1e-5
 _TYPES = ("capsule", "cylinder", "box")
+_SIZE = "the sizes of its bodies' first geoms in the saved cable, their masses said"
 _SET_BY = (
     "the spring comes from the cable's bend and the size of its body's first geom, to the fourth power: set "
     "that size, and the geom's mass, or leave the plugin out and give the ball this stiffness"
@@ -287,7 +288,11 @@ def _with_springs(
         return replace(body, refusal=f"{piece.where} {why}")
     springs = turned @ np.diag(piece.rigidity / length) @ turned.T
     (joint,) = body.joints
-    place = None if joint.place is None else replace(joint.place, refusal=_SET_BY)
+    place = (
+        None
+        if joint.place is None
+        else replace(joint.place, refusal=_SET_BY, size="" if joint.stiffness else _SIZE)
+    )
     return replace(body, joints=(replace(joint, springs=springs, place=place),))
 
 
@@ -311,8 +316,7 @@ def _told(
     own = f", {mass / length:.6g} kg/m over {length:.6g} m" if length else ""
     return (
         f"{name}: bend {settings.bend:.6g} Pa and twist {settings.twist:.6g} Pa by the geoms' sizes are "
-        f"EI = {about} N m², GJ = {twist} N m²{own}; each spring is these by the distance of two bodies, and "
-        "is set by the size of its body's first geom, to the fourth power"
+        f"EI = {about} N m², GJ = {twist} N m²{own}; each spring is these by the distance of two bodies"
     )
 
 
