@@ -168,18 +168,19 @@ _RECORDS = (
             "Drake semi_explicit_euler",
             "PyBullet",
             "Newton Featherstone",
+            "PhysX torques",
         ),
         source="Hairer, Lubich and Wanner, § I.1.2; damping of the velocity at the step's start; PyBullet "
-        "3.2.7, with springs as torques that you set before each step, measured by the tests, Newton by its "
-        "sources",
+        "3.2.7 and PhysX 5 (SAPIEN 3.0.3), with springs as torques that you set before each step, and Newton "
+        "1.8.0 measured by the tests",
     ),
     Integrator(
         name="implicit_damping_euler",
         order=1,
         damping="implicit",
         engines=("MuJoCo implicit", "MuJoCo implicitfast", "Drake discrete", "Newton MuJoCo"),
-        source="measured with MuJoCo 4.0.0 and Drake 1.51.1 by the tests; Newton's MuJoCo solver takes "
-        "implicitfast by default, by its sources",
+        source="measured with MuJoCo 4.0.0, Drake 1.51.1 and Newton 1.8.0 by the tests; Newton's MuJoCo "
+        "solver takes implicitfast where a file has no integrator",
     ),
     Integrator(
         name="implicit_joint_damping_euler",
