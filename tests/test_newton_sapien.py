@@ -46,6 +46,11 @@ def damping_ratio(motion: Array) -> float:
     return math.log(swings[0].max() / swings[-1].max()) / (math.pi * (len(swings) - 1))
 
 
+def named(stem: str) -> str:
+    """Return a page."""
+    return (Path(__file__).parent.parent / "beammodes" / "pages" / f"{stem}.md").read_text(encoding="utf-8")
+
+
 # --- Newton ----------------------------------------------------------------------------------------------
 
 
@@ -169,7 +174,10 @@ def test_newtons_other_solvers_are_not_for_springs(tmp_path: Path) -> None:
     assert motion == pytest.approx(BENT.sum(), rel=1e-3)
     # Joints held by springs of their own.
     motion = newton_motion(model, "SemiImplicit", 1e-4, 4000, BENT).sum(axis=1)
-    assert 0.8 < first_frequency(motion, 1e-4) / FIRST < 0.95
+    assert f"| {first_frequency(motion, 1e-4):.1f} Hz | its joints are springs" in named("newton_isaac")
+    model = newton_model(bm.export_chain(CHAIN, tmp_path / "beam.usda")[0])
+    motion = newton_motion(model, "XPBD", 1e-3, 1000, BENT, iterations=20).sum(axis=1)
+    assert f"{first_frequency(motion, 1e-3):.1f} Hz at 1 ms and 20 iterations" in named("newton_isaac")
 
 
 def test_newton_drops_mujocos_springs_in_usd_unless_told(tmp_path: Path) -> None:
@@ -277,17 +285,54 @@ def swept(chain: bm.Chain, step: float) -> tuple[float, float]:
     return float(slowest.imag / step / (2 * math.pi)), float(-slowest.real / abs(slowest))
 
 
-@pytest.mark.parametrize(("step", "iterations"), [(1e-3, 10), (1e-3, 50), (2e-4, 10), (1 / 120, 10)])
+@pytest.mark.parametrize(("step", "iterations"), [(1e-3, 10), (1e-3, 50), (1 / 120, 10), (1 / 60, 4)])
 def test_drives_in_sapien_soften_as_steps_grow(step: float, iterations: int, tmp_path: Path) -> None:
     scene, robot = sapien_robot(tmp_path, step, iterations)
     for joint, stiffness in zip(robot.active_joints, CHAIN.joint_stiffness, strict=True):
         joint.set_drive_properties(stiffness, 0.0)
     robot.set_qpos((10 * BENT).astype(np.float32))
-    motion = np.empty(int(1.5 / step))
+    hertz, ratio = swept(CHAIN, step / iterations)
+    motion = np.empty(int(6.8 / hertz / step))
     for k in range(len(motion)):
         motion[k] = robot.qpos.sum()
         scene.step()
-    hertz, ratio = swept(CHAIN, step / iterations)
-    # Of steps of 1/120 s a period has 49: crossings are found by straight lines.
+    # Crossings are found by straight lines, and the softer the drives, the less is the start of one mode.
     assert first_frequency(motion, step) == pytest.approx(hertz, rel=2e-3 if step > 1e-3 else 1e-4)
     assert damping_ratio(motion) == pytest.approx(ratio, rel=0.1 if step > 1e-3 else 0.02)
+
+
+def test_numbers_on_the_page_about_drives() -> None:
+    page = named("sapien")
+    rows = re.findall(r"^\| 1(/?)(\d*) ?(ms|s) \| (\d+) \| (\S+) ms \| (.*) \|$", page, flags=re.MULTILINE)
+    assert len(rows) == 4
+    for over, per, unit, iterations, said, rest in rows:
+        step = (1 / int(per) if over else 1e-3 if unit == "ms" else 1.0) / int(iterations)
+        assert said == f"{1e3 * step:.3g}"
+        hertz, ratio = swept(CHAIN, step)
+        error = f"{100 * (hertz / FIRST - 1):.3g}"
+        assert rest == f"{hertz:.3f} Hz | {error} % | {100 * ratio:.2g} %"
+    # The rule of thumb, and the softened springs that explain the fall.
+    assert "let h/n be a seventeenth of the explicit limit" in page
+    for rule in ("gregory", "mitiguy", "half_stub", "naive"):
+        for segments in (5, 10, 20, 40):
+            chain = bm.Chain(BEAM, "clamped-free", segments, rule)
+            step = bm.stable_time_step(chain, "PhysX torques") / 17
+            fall = swept(chain, step)[0] / bm.solve_modes(bm.linearize(chain), 1).frequency[0] - 1
+            assert -1e-3 < fall < -2e-4
+    found = tree_matrices(planar_tree(CHAIN))
+    inverse, stiffness = np.linalg.inv(found.inertia), np.diag(found.stiffness)
+    soft = stiffness / (1 + 1e-8 * stiffness * np.diag(inverse) / 2)
+    softened = scipy.linalg.eigh(np.diag(soft), found.inertia, eigvals_only=True)[0] ** 0.5 / (2 * math.pi)
+    assert softened == pytest.approx(swept(CHAIN, 1e-4)[0], rel=1e-4)
+    # Of links' damping: a rate of 0.05 per second of momentum.
+    assert f"{100 * 0.05 / (2 * 2 * math.pi * FIRST):.2f} % in mode 1" in page
+
+
+def test_a_page_on_newton_names_what_is_in_the_file() -> None:
+    page = named("newton_isaac")
+    limit = bm.stable_time_step(CHAIN, "Newton Featherstone")
+    assert f"stable to {1e3 * limit:.3f} ms here" in page
+    assert page.count(f"| {FIRST:.4f} Hz |") == 2
+    for name, words in (("Newton MuJoCo", "implicitly: {} ms"), ("Newton Featherstone", "shorten it: {} ms")):
+        step = 1e3 * bm.stable_time_step(CHAIN, name, damping=DAMPING)
+        assert words.format(f"{step:.3g}") in page

@@ -32,7 +32,9 @@ EVERY = sorted((ROOT / "beammodes" / "pages").glob("*.md"))
 PAGES = [page for page in EVERY if page.stem in ("adams_working_model", "drake_gazebo", "mujoco", "simscape")]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
 EVERY_PAGE = pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
-ENGINES = {"mujoco", "pydrake", "pint", "pybullet", "exudyn", "dartpy", "elastica"}
+ENGINES = {"mujoco", "pydrake", "pint", "pybullet", "exudyn", "dartpy", "elastica", "newton", "sapien"}
+#: What an engine reads files with, and does not install.
+READERS = {"newton": "newton_usd_schemas"}
 BEAM = bm.Beam(length=1.2, bending_stiffness=85.0, mass_per_length=0.62)
 Errors = Callable[[Sequence[int]], NDArray[np.float64]]
 
@@ -77,8 +79,9 @@ def test_there_are_four_pages_for_simulators_with_code_to_run() -> None:
 @pytest.mark.parametrize(("stem", "block"), PYTHON, ids=[f"{s}-{i}" for i, (s, _) in enumerate(PYTHON)])
 def test_python_blocks_run(stem: str, block: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     for engine in sorted(ENGINES & set(re.findall(r"(?:import|from) (\w+)", block))):
-        if importlib.util.find_spec(engine) is None:
-            pytest.skip(f"{engine} is not installed")
+        for each in {engine, READERS.get(engine, engine)}:
+            if importlib.util.find_spec(each) is None:
+                pytest.skip(f"{each} is not installed")
     monkeypatch.chdir(tmp_path)
     # Where exported scripts are imported from.
     monkeypatch.syspath_prepend(tmp_path)
@@ -130,6 +133,12 @@ def test_shell_blocks_of_other_pages_run(
         assert main(arguments) == 0
         assert capsys.readouterr().out.strip()
 
+
+#: Pages with a table of layouts, of MuJoCo's kinds, rules and others.
+TABLED = [
+    *PAGES,
+    *(page for page in EVERY if page.stem in ("dart", "exudyn", "newton_isaac", "pybullet", "sapien")),
+]
 
 #: By words of the row, where the layout is no rule.
 OTHERS: dict[str, Errors] = {

@@ -106,8 +106,8 @@ def export_chain(
         Not for "urdf", "usd" and "csv". By default half the largest stable one (`stable_time_step`, with the
         engine's way of taking dampers), less where the integrator would shift the first frequency by more
         than 0.1 % and by more than a tenth of its damping ratio. The file says the limit, and for which case
-        it holds; a "urdf" file, which has no step, says those of PyBullet, Drake and Newton, a "usd" file
-        Newton's.
+        it holds; a "urdf" file, which has no step, says those of PyBullet, Drake, Newton and PhysX, a "usd"
+        file Newton's.
     integrator : str
         For "mjcf": "RK4", "Euler", "implicit" or "implicitfast". An "sdf" file's step is that of Drake's
         discrete plants.

@@ -452,7 +452,7 @@ _URDF_LIMITS = {
     "urdf",
     ".urdf",
     ("second", "damping"),
-    said=("PyBullet", "Drake discrete", "Newton MuJoCo", "Newton Featherstone"),
+    said=("PyBullet", "Drake discrete", "Newton MuJoCo", "Newton Featherstone", "PhysX torques"),
     beside=".springs.yaml",
     most_bodies=_MAX_LINKS,
 )
