@@ -21,6 +21,8 @@ __all__ = ["touching_remark"]
 #: Solids that share less than this part of the chain's mean spacing only meet at a face.
 _MEET = 1e-6
 _LISTED = 3
+#: So many pairs that touch, and comparisons, are enough.
+_MOST_PAIRS, _MOST_COMPARED = 100, 100_000
 
 
 def touching_remark(model: Model, path: HingePath, line: HingeLine) -> str:
@@ -28,10 +30,13 @@ def touching_remark(model: Model, path: HingePath, line: HingeLine) -> str:
     names: dict[frozenset[str], str] = {}
     for one, other in _touching(model, path, line):
         names.setdefault(frozenset((one, other)), f"{one} and {other}")
+        if len(names) > _MOST_PAIRS:
+            break
     if not names:
         return ""
     listed = list(names.values())[:_LISTED]
     more = f" and {len(names) - _LISTED} more pairs" if len(names) > _LISTED else ""
+    more = " and many more pairs" if len(names) > _MOST_PAIRS else more
     return (
         f"contact is left out here: {', '.join(listed)}{more} overlap at rest and nothing excludes it "
         "(contype, <exclude>), so that it may hold the chain as it holds no beam"
@@ -72,16 +77,22 @@ def _touching(model: Model, path: HingePath, line: HingeLine) -> Iterator[tuple[
             height = normal @ (each.shape.middle - plane.middle) - np.abs(normal @ each.shape.half).sum()
             if height < -least and _meet(each.shape, plane):
                 yield each.name, "the ground"
-    # From near to far, each beside those that are not yet left behind.
-    row: list[_Placed] = []
-    for each in sorted(solids, key=lambda solid: float(solid.low[0])):
-        row = [other for other in row if other.high[0] > each.low[0] + least]
-        for other in row:
-            if (each.of_chain or other.of_chain) and _may_touch(model, each, other):
-                shared = np.minimum(each.high, other.high) - np.maximum(each.low, other.low)
-                if (shared > least).all():
-                    yield other.name, each.name
-        row.append(each)
+    if not solids:
+        return
+    solids.sort(key=lambda solid: float(solid.low[0]))
+    low, high = (np.array([getattr(solid, name) for solid in solids]) for name in ("low", "high"))
+    left = _MOST_COMPARED
+    for i, each in enumerate(solids):
+        if not each.of_chain:
+            continue
+        before = np.searchsorted(low[:, 0], each.high[0] - least)
+        beside = np.flatnonzero(high[:before, 0] > each.low[0] + least)
+        shared = np.minimum(high[beside], each.high) - np.maximum(low[beside], each.low)
+        for k in beside[(shared > least).all(axis=1)].tolist():
+            left -= 1
+            # Of two of the chain, the later one finds the earlier.
+            if left > 0 and (k < i or not solids[k].of_chain) and _may_touch(model, each, solids[k]):
+                yield solids[k].name, each.name
 
 
 def _may_touch(model: Model, one: _Placed, other: _Placed) -> bool:
