@@ -384,9 +384,7 @@ class JudgedPieces:
     @cached_property
     def _rod_ratio(self) -> float:
         """J/(m l²) of the kind of rods that is meant: 1/12 of slender rods, 1/4 of masses at two tips."""
-        # Only with the springs of a rule of theirs are masses at two tips meant.
-        meant = [rule for rule, count in self.layouts if self.departure(rule, count) <= _SAME]
-        kinds = {1 / 12, *(float(rule.rotary_inertia) for rule in meant)}
+        kinds = {float(rule.rotary_inertia) for rule in RULES.values()}
         middle = float(np.median(self._gyration)) if len(self._gyration) else 1 / 12
         # Anything else is a slender rod with a section, which comes by any number where segments are short.
         return next((kind for kind in kinds if abs(kind - middle) < _KIND), min(kinds))
@@ -500,6 +498,12 @@ class JudgedPieces:
     def mismatches(self) -> list[str]:
         """Return what is said of matter that is not the beam's, and what it costs."""
         found = []
+        meant = {float(rule.rotary_inertia) for rule, _ in self.rules}
+        if self._rod_ratio > 1 / 6 and self._rod_ratio not in meant:
+            times = 12 * self._rod_ratio
+            found.append(
+                f"rotary inertia of the segments is that of masses at their tips, {times:.3g} times a rod's"
+            )
         if abs(self.rotary_inertia_mismatch) > _SAME or not self._has_section:
             rods = "slender rods" if self._rod_ratio < 1 / 6 else "masses at their tips"
             explained = self._has_section and self.rotary_inertia_mismatch >= 0
