@@ -12,6 +12,7 @@ import pytest
 import scipy.linalg
 import yaml
 from numpy.typing import NDArray
+from turns import in_turns
 
 import beammodes as bm
 from beammodes.exporters.planar_tree import planar_tree
@@ -141,8 +142,9 @@ def test_newton_has_a_rod_in_space(tmp_path: Path) -> None:
     assert found == pytest.approx(bm.spatial_modes(chain, 3).angular_frequency, rel=1e-5)
 
 
-@pytest.mark.parametrize("solver", ["MuJoCo", "Featherstone"])
-@pytest.mark.parametrize("suffix", [".xml", ".usda"])
+@pytest.mark.parametrize(
+    ("solver", "suffix"), in_turns(["MuJoCo", "Featherstone"], [".xml", ".usda"], every=2)
+)
 def test_newtons_solvers_ring_and_step_as_said(solver: str, suffix: str, tmp_path: Path) -> None:
     options = {"use_mujoco_cpu": True} if solver == "MuJoCo" else {}
     if options:
@@ -166,6 +168,7 @@ def test_newtons_solvers_ring_and_step_as_said(solver: str, suffix: str, tmp_pat
             assert first_frequency(motion, 0.97 * limit) == pytest.approx(FIRST, rel=1e-4)
 
 
+@pytest.mark.slow
 def test_newtons_other_solvers_are_not_for_springs(tmp_path: Path) -> None:
     (path,) = bm.export_chain(CHAIN, tmp_path / "beam.xml")
     model = newton_model(path)
@@ -324,6 +327,7 @@ def test_numbers_on_the_page_about_drives() -> None:
     soft = stiffness / (1 + 1e-8 * stiffness * np.diag(inverse) / 2)
     softened = scipy.linalg.eigh(np.diag(soft), found.inertia, eigvals_only=True)[0] ** 0.5 / (2 * math.pi)
     assert softened == pytest.approx(swept(CHAIN, 1e-4)[0], rel=1e-4)
+    assert f"4.55 Hz swings at {swept(CHAIN, 1 / 1200)[0]:.2f} Hz" in named("faq")
     # Of links' damping: a rate of 0.05 per second of momentum.
     assert f"{100 * 0.05 / (2 * 2 * math.pi * FIRST):.2f} % in mode 1" in page
 
