@@ -76,6 +76,7 @@ _T = TypeVar("_T")
 _LISTED = 5
 #: A straight chain deflects in two planes.
 _ALL_PLANES = 2
+_OTHER_PLANES = "say by plane which is meant; motion space judges all together"
 #: Longer chains take minutes.
 _MOST_PIECES = 10_000
 _OUT_OF_RANGE = (ArithmeticError, np.linalg.LinAlgError)
@@ -580,7 +581,7 @@ def _axis_by_axis(model: Model, asked: _Request) -> _Read | None:
     if len(found) == 1:
         return found[likeliest]
     planes = ", ".join(sorted(found))
-    said = f"deflection along {likeliest}; there are hinges for {planes}: say by plane which is meant"
+    said = f"deflection along {likeliest}; there are hinges for {planes}: {_OTHER_PLANES}"
     return replace(found[likeliest], given=(*found[likeliest].given, said))
 
 
@@ -681,7 +682,7 @@ def _of_path(model: Model, path: HingePath, asked: _Request) -> _Read:
     count = len(path.groups)
     said = [*model.given, f"chain at body {path.name}: {count} hinge{'s' * (count > 1)} with springs"]
     if len(planes) > 1:
-        said.append(f"deflection along {label}; there are hinges for {', '.join(planes)}")
+        said.append(f"deflection along {label}; there are hinges for {', '.join(planes)}: {_OTHER_PLANES}")
     loose = [
         joint.name
         for group in path.groups
