@@ -212,6 +212,14 @@ def test_curved_rods_are_judged_as_one(tmp_path: Path) -> None:
         found = bm.audit_file(path, rod, motion="space")
         np.testing.assert_allclose(found.errors, bm.rod_errors(chain, 3), atol=1e-10)
         assert not found.motions and "move each other" in found.text
+        assert found.layout == "gregory"
+        other = bm.SpatialChain(rod, "clamped-free", 8, "naive")
+        (bad,) = bm.export_chain(other, tmp_path / "naive.xml", force=True)
+        worse = bm.audit_file(bad, rod, motion="space")
+        assert worse.layout == "naive" and "at these nodes gregory has springs" in worse.text
+        half = bm.SpatialChain(rod, "clamped-free", 8, "half_stub")
+        (stub,) = bm.export_chain(half, tmp_path / "stub.xml", force=True)
+        assert bm.audit_file(stub, rod, motion="space", modes=1).layout == "half_stub"
         with pytest.raises(ValueError, match="boundary must fit the file, which holds 6 of 6"):
             bm.audit_file(path, rod, "free-free", motion="space")
         with pytest.raises(BadModel, match=r"straight line|joints along its line"):

@@ -24,6 +24,7 @@ from beammodes.auditing.bounded_xml import BadModel
 from beammodes.auditing.hinge_order import HingeOrder, hinge_order
 from beammodes.auditing.row_modes import RowModes, row_modes
 from beammodes.auditing.serial_chains import letters_of
+from beammodes.auditing.space_layout import space_layout
 from beammodes.auditing.space_row import (
     FIRST_BENDING,
     SECOND_BENDING,
@@ -84,6 +85,9 @@ class SpatialAudit(Shown):
     remarks : tuple of str
         Sentences on the order of hinges, on balls, and on motions that the file or the rod lacks.
     tolerance : float
+    layout : str
+        Where one motion moves another, the name of the rule with these nodes and springs, or "no known
+        layout"; else empty, and each of `motions` has its own.
     given, assumed : tuple of str
         Sentences on what was read from the file, and on what it does not say.
     step : StepVerdict or None
@@ -100,6 +104,7 @@ class SpatialAudit(Shown):
     joints: str
     remarks: tuple[str, ...]
     tolerance: float
+    layout: str = ""
     given: tuple[str, ...] = ()
     assumed: tuple[str, ...] = ()
     step: StepVerdict | None = None
@@ -437,7 +442,8 @@ class _InSpace:
             if row.line is not None:
                 why = "centres of mass are off its line, or principal axes oblique to it"
         remarks = [f"bending and twist of the chain move each other: {why}; all modes are judged together"]
-        remarks += [self.order.remark] if self.order.remark else []
+        layout = space_layout(row, rod, ends, errors)
+        remarks += [layout.remark, *([self.order.remark] if self.order.remark else [])]
         given, assumed = self._said()
         told = "clamped-free" if row.root.parent is None else "free-free"
         ends_said = [f"ends {told}, as far as the file tells"] if self.ends is None else []
@@ -451,6 +457,7 @@ class _InSpace:
             joints=self.order.name,
             remarks=tuple(remarks),
             tolerance=self.tolerance,
+            layout=layout.name,
             given=tuple(given),
             assumed=(*assumed, "the rod's s = 0 is where the file's chain begins", *ends_said),
             step=_step(self.model, self.whole),

@@ -66,7 +66,7 @@ def audited_in_space(case: RodCase) -> Answer:
         "tolerance": found.tolerance,
         "meets": found.meets,
     }
-    answer |= {"joints": found.joints, "planes": dict(found.planes), "modes": rows}
+    answer |= {"layout": found.layout, "joints": found.joints, "planes": dict(found.planes), "modes": rows}
     answer |= {"motions": {name: _one(one) for name, one in found.motions.items()}}
     answer |= {"step": _step(found.step), "step_set_by": found.step_set_by}
     table = frequency_table(rows).splitlines()
