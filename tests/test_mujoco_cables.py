@@ -162,6 +162,9 @@ def test_a_cable_is_judged_from_its_parameters(tmp_path: Path) -> None:
         assert "EI = 2 N m², GJ = 2.51327 N m², 0.5 kg/m over 1 m" in found.given[0]
         assert any("twist may need a shorter step" in line for line in found.assumed)
         assert found.suggestions[0].name == "rigid_stub_corrected"
+    # MuJoCo lets neighbours of a composite not touch each other.
+    capsules = composite('curve="s" count="6 1 1" initial="none"', CAPSULE)
+    assert "contact" not in audit_file(written(tmp_path, capsules), BEAM).text
 
 
 def test_the_springs_advised_are_set_by_the_sizes_of_geoms(tmp_path: Path) -> None:

@@ -257,6 +257,24 @@ def test_what_is_no_straight_rod_is_refused(text: str, message: str, tmp_path: P
         audit_file(written(tmp_path, text), BEAM)
 
 
+def test_a_rod_or_cable_beside_a_chain_or_on_it(tmp_path: Path) -> None:
+    rod = '<geom type="cylinder" fromto="0 0 0 .2 0 0" size=".005" mass=".1"/>'
+    link = f'<joint axis="0 1 0" stiffness="10"/>{rod}'
+    chain = f'<body>{link}<body name="end" pos=".2 0 0">{link}@</body></body>'
+    bent = '<composite type="cable" curve="s sin(s)" size="1 .2 1" count="8"/>'
+    hanging = '<flexcomp name="line" dim="1" count="8 1 1" type="circle"/>'
+    world = "<mujoco><worldbody>{}</worldbody>{}</mujoco>"
+    beside = audit_file(written(tmp_path, world.format(chain.replace("@", "") + bent + hanging, "")), BEAM)
+    assert any(
+        "line 1: <composite> must have a geom" in line or "straight" in line for line in beside.assumed
+    )
+    with pytest.raises(ValueError, match="what a rod does to the body that carries it is not read"):
+        audit_file(written(tmp_path, world.format(chain.replace("@", hanging), "")), BEAM)
+    flex = '<deformable><flex name="web" dim="2" body="world end"/></deformable>'
+    with pytest.raises(ValueError, match="<flex name='web'> holds the chain: say by boundary"):
+        audit_file(written(tmp_path, world.format(chain.replace("@", ""), flex)), BEAM)
+
+
 def test_other_motions_of_a_flex_are_refused_by_name(tmp_path: Path) -> None:
     beam = Beam(1.05, 2.0, 0.5, torsional_stiffness=1.5, polar_inertia_per_length=1e-4)
     with pytest.raises(ValueError, match="flex line is judged in bending only"):

@@ -19,7 +19,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from beammodes.auditing.body_tree import Frame, ModelBody, from_quaternion
-from beammodes.auditing.bounded_xml import XmlElement
+from beammodes.auditing.bounded_xml import BadModel, XmlElement
 from beammodes.checks import shown
 from beammodes.numerics.arrays import Floats
 
@@ -54,23 +54,43 @@ _SET_BY = (
 
 
 def expand_cables(root: XmlElement) -> None:
-    """Put the bodies that MuJoCo 3 makes of <composite type="cable"> in its place."""
+    """Put the bodies that MuJoCo 3 makes of <composite type="cable"> in its place.
+
+    A cable that cannot be judged stays, with the reason as its text: others of the file may be.
+    """
     made: list[XmlElement] = []
+    apart: list[XmlElement] = []
     waiting = [root]
     while waiting:
         element = waiting.pop()
         children: list[XmlElement] = []
         for child in element.children:
             if child.tag == "composite" and child.attributes.get("type") == "cable":
-                body, settings = _expanded(child)
+                try:
+                    body, settings = _expanded(child)
+                except BadModel as error:
+                    children.append(replace(child, text=str(error)))
+                    continue
                 children.append(body)
                 made += settings
+                apart += _excludes(child, body)
             else:
                 children.append(child)
                 waiting.append(child)
         element.children = children
-    if made:
-        root.children.append(XmlElement("extension", {}, 0, children=made))
+    root.children.append(XmlElement("extension", {}, 0, children=made))
+    root.children.append(XmlElement("contact", {}, 0, children=apart))
+
+
+def _excludes(cable: XmlElement, body: XmlElement) -> list[XmlElement]:
+    """Return the pairs of neighbours that MuJoCo lets not touch each other."""
+    found: list[XmlElement] = []
+    after = body.first("body")
+    while after is not None:
+        pair = {"body1": body.attributes["name"], "body2": after.attributes["name"]}
+        found.append(_made(cable, "exclude", pair))
+        body, after = after, after.first("body")
+    return found
 
 
 def _expanded(cable: XmlElement) -> tuple[XmlElement, list[XmlElement]]:

@@ -361,7 +361,7 @@ class _Reader:
         for odd, *_ in self._inside(world, "main", *_UNREAD):
             if _is_rod(odd):
                 continue
-            self.notes.append(f"{odd.where} is left out here: {_UNREAD[odd.tag]}")
+            self.notes.append(_left_out(odd, "is left out here"))
         while waiting:
             element, place, class_name, suffix, parent, outer = waiting.pop()
             class_name = element.attributes.get("childclass", class_name)
@@ -401,7 +401,7 @@ class _Reader:
             (
                 found
                 for found, *_ in self._inside(element, class_name, *_UNREAD)
-                if not _is_rod(found) and (cable is None or found.tag != "plugin")
+                if cable is None or found.tag != "plugin"
             ),
             None,
         )
@@ -409,7 +409,7 @@ class _Reader:
         self.homes |= dict.fromkeys(sites, name)
         self.copied |= set(sites) if suffix else set()
         matter = self._matter(element, class_name)
-        refusals = [f"{odd.where} must be left out: {_UNREAD[odd.tag]}" if odd else ""]
+        refusals = [_left_out(odd, "must be left out") if odd else ""]
         refusals += [self.acted_sites.get(site, "") for site in sites] + [matter.refusal]
         found = replace(matter, name=name, parent=parent, refusal=next(filter(None, refusals), ""))
         above = self.bodies[parent].moves_with if parent >= 0 else -1
@@ -443,21 +443,33 @@ class _Reader:
     def _rods(self) -> Iterator[ModelRod]:
         """Yield the rods that flexes of dim 1 are, made by a flexcomp or of bodies."""
         for flex, parent, frame, outer, name in self.flexes:
-            points, elements, pinned = flexcomp_points(flex)
-            order = ordered(flex, elements, len(points))
-            share = flex.at_least_0("mass", flex.number("mass", "1")) / len(points)
-            rod = ModelRod(
-                name,
-                np.array([frame.point(points[i]) for i in order]),
-                np.full(len(points), share),
-                tuple(pinned[i] for i in order),
-                tuple(f"{name}_{i}" for i in order),
-                refusal=self._why_no_rod(flex, parent),
-            )
-            yield rod_of_points(flex, rod, outer.rotation)
+            try:
+                yield self._rod_of_points(flex, parent, frame, outer, name)
+            except BadModel as error:
+                yield _no_rod(name, error)
         for flex in self._within("deformable", "flex"):
-            if _is_rod(flex):
+            if not _is_rod(flex):
+                continue
+            try:
                 yield self._rod_of_bodies(flex)
+            except BadModel as error:
+                yield _no_rod(flex.attributes.get("name", ""), error)
+
+    def _rod_of_points(
+        self, flex: XmlElement, parent: int, frame: Frame, outer: Frame, name: str
+    ) -> ModelRod:
+        points, elements, pinned = flexcomp_points(flex)
+        order = ordered(flex, elements, len(points))
+        share = flex.at_least_0("mass", flex.number("mass", "1")) / len(points)
+        rod = ModelRod(
+            name,
+            np.array([frame.point(points[i]) for i in order]),
+            np.full(len(points), share),
+            tuple(pinned[i] for i in order),
+            tuple(f"{name}_{i}" for i in order),
+            refusal=self._why_no_rod(flex, parent),
+        )
+        return rod_of_points(flex, rod, outer.rotation)
 
     def _why_no_rod(self, flex: XmlElement, parent: int) -> str:
         dof = flex.attributes.get("dof", "full")
@@ -835,7 +847,11 @@ class _Reader:
                 yield given.get("joint1", ""), element.where
 
     def _held_ends(self) -> Iterator[tuple[str, str]]:
-        """Yield the bodies and joints that other constraints act on, and what to say of these."""
+        """Yield the bodies and joints that other constraints and flexes act on, and what to say of these."""
+        sprung = {body.name for body in self.bodies if any(joint.is_sprung for joint in body.joints)}
+        for flex in self._within("deformable", "flex"):
+            for name in sprung & set(flex.attributes.get("body", "").split()):
+                yield name, flex.where
         for element in self._within("equality", "connect", "weld", "joint"):
             given = element.attributes
             if given.get("active") == "false" or given.get("joint1") in self.locked:
@@ -846,6 +862,18 @@ class _Reader:
             for end in ("site1", "site2"):
                 if given.get(end) in self.homes:
                     yield self.homes[given[end]], element.where
+
+
+def _no_rod(name: str, error: BadModel) -> ModelRod:
+    return ModelRod(name, np.zeros((0, 3)), np.zeros(0), (), refusal=str(error))
+
+
+def _left_out(element: XmlElement, verb: str) -> str:
+    """Say that an element is left out, and why; of a cable that cannot be judged its text says why."""
+    if element.tag == "composite" and element.attributes.get("type") == "cable":
+        return element.text
+    rod = "what a rod does to the body that carries it is not read"
+    return f"{element.where} {verb}: {rod if _is_rod(element) else _UNREAD[element.tag]}"
 
 
 def _is_rod(element: XmlElement) -> bool:

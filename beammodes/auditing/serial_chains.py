@@ -169,7 +169,8 @@ def hinge_paths(model: Model) -> list[HingePath]:
 
 def why_no_chain(model: Model) -> str:
     sprung = [body for body in model.bodies if any(joint.is_sprung for joint in body.joints)]
-    odd = [body.refusal for body in model.bodies if body.refusal]
+    odd = [note for note in model.notes if "line " in note.split(":")[0]]
+    odd += [body.refusal for body in model.bodies if body.refusal]
     odd += [joint.refusal for body in model.bodies for joint in body.joints if joint.refusal]
     odd += [
         f"{joint.name} on body {body.name} {NO_SPRING}"
@@ -184,7 +185,6 @@ def why_no_chain(model: Model) -> str:
         for joint in body.joints
         if joint.kind != "hinge"
     ]
-    odd += [note for note in model.notes if "line " in note.split(":")[0]]
     found = f"{len(model.bodies)} bodies without"
     if sprung:
         found = f"{len(model.bodies)} bodies, {len(sprung)} of them with springs, but none on hinges alone"
