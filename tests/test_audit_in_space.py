@@ -213,6 +213,8 @@ def test_curved_rods_are_judged_as_one(tmp_path: Path) -> None:
         np.testing.assert_allclose(found.errors, bm.rod_errors(chain, 3), atol=1e-10)
         assert not found.motions and "move each other" in found.text
         assert found.layout == "gregory"
+        shares = bm.spatial_modes(chain, 3).stored[:, 0]
+        assert list(found.mode_motion) == ["twist" if share > 0.5 else "bending" for share in shares]
         other = bm.SpatialChain(rod, "clamped-free", 8, "naive")
         (bad,) = bm.export_chain(other, tmp_path / "naive.xml", force=True)
         worse = bm.audit_file(bad, rod, motion="space")

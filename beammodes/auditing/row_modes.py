@@ -56,11 +56,10 @@ class RowModes:
         return self._solved[0]
 
     @cached_property
-    def shares(self) -> Floats:
-        """What the springs of each motion store of each mode's energy, shape (modes, 4)."""
+    def stored(self) -> Floats:
+        """The part of a mode's energy that each coordinate's spring stores, shape (modes, coordinates)."""
         omega, x = self._solved
-        stored = x * (self.stiffness @ x) / omega**2
-        return np.array([[stored[self.motion == k, n].sum() for k in range(4)] for n in range(len(omega))])
+        return np.asarray((x * (self.stiffness @ x) / omega**2).T)
 
     def of(self, motion: int) -> RowModes:
         """Return the modes of one motion, all others at rest."""

@@ -323,7 +323,7 @@ class _InSpace:
             given=tuple(given),
             assumed=tuple(assumed),
             step=_step(self.model, self.whole),
-            step_set_by=self._fastest,
+            step_set_by=self._mostly[-1],
         )
 
     def _alone(self, motion: int, name: str, in_plane: InPlane) -> Audit | AxialAudit:
@@ -405,18 +405,24 @@ class _InSpace:
             for motion in sorted(self.present & {FIRST_BENDING, SECOND_BENDING}, key=lambda k: self.names[k])
         }
 
-    @property
-    def _fastest(self) -> str:
-        share = self.whole.shares[-1]
-        return self.names[int(np.argmax(share))] if share.sum() > 0.5 else "no single motion"
+    @cached_property
+    def _mostly(self) -> list[str]:
+        """Which motion stores most of each mode of the whole."""
+        stored, motion = self.whole.stored, self.whole.motion
+        if self.row.line is None:
+            turning = self.row.twisting[-stored.shape[1] :]
+            return ["twist" if mode[turning].sum() > 0.5 * mode.sum() else "bending" for mode in stored]
+        shares = np.stack([stored[:, motion == k].sum(axis=1) for k in range(4)], axis=1)
+        return [self.names[k] for k in np.argmax(shares, axis=1).tolist()]
 
     def _said(self) -> tuple[list[str], list[str]]:
         """Return what the file says, and what is assumed of the whole chain."""
         kinds = [f"{name} along {label}" for name, label in self._planes.items()]
         kinds += [self.names[k] for k in (TWIST, STRETCH) if k in self.present]
         nodes = len(self.row.nodes)
+        told = ", ".join(kinds) or "on no straight line, or oblique to it"
         springs = f"joints with springs at {nodes} node{'s' * (nodes > 1)}"
-        given = [f"chain at body {self.row.name}: {springs}: {', '.join(kinds) or 'oblique to its line'}"]
+        given = [f"chain at body {self.row.name}: {springs}: {told}"]
         assumed = [*self.model.left_out]
         unlike = self.rod.second_bending_stiffness != self.rod.bending_stiffness
         if self.plane is None and unlike and self._planes:
@@ -433,8 +439,7 @@ class _InSpace:
         found = self.whole.angular_frequency[: self.modes]
         exact = rod_modes(rod.unstretched, ends, max(len(found), 1)).angular_frequency
         errors = ratios_less_one(found, exact, self.modes)
-        shares = self.whole.shares[: self.modes]
-        mostly = [self.names[int(np.argmax(share))] if share.sum() > 0.5 else "mixed" for share in shares]
+        mostly = self._mostly[: self.modes]
         mostly += [""] * (self.modes - len(mostly))
         why = "the rod's ends or its shape at rest couple them"
         if self._able.is_apart:
@@ -461,7 +466,7 @@ class _InSpace:
             given=tuple(given),
             assumed=(*assumed, "the rod's s = 0 is where the file's chain begins", *ends_said),
             step=_step(self.model, self.whole),
-            step_set_by=self._fastest,
+            step_set_by=self._mostly[-1],
         )
 
     @property

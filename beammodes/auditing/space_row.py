@@ -18,11 +18,13 @@ coordinates belong to no motion: all is then judged as one.
 from __future__ import annotations
 
 import itertools
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
+from numpy.typing import NDArray
 
 from beammodes.auditing.body_tree import Group, Model, ModelJoint, rigid_groups
 from beammodes.auditing.bounded_xml import BadModel
@@ -191,6 +193,24 @@ class SpaceRow:
         frame = np.eye(3) if self.line is None else np.array([self.line.along, *self.line.axes])
         turns = [("hinge", axis) for axis in frame]
         return turns if joint.kind == "ball" else [*(("slide", axis) for axis in frame), *turns]
+
+    @cached_property
+    def twisting(self) -> NDArray[np.bool_]:
+        """True for coordinates that turn about the row, whatever its shape: nearer to it than across."""
+        nodes = np.array(self.nodes)
+        if len(nodes) == 1:
+            nodes = np.vstack([nodes, self.groups[-1].inertial.centre])
+        # Of one node the line to what follows.
+        tangent = np.gradient(nodes, axis=0)
+        nearest = [
+            int(np.argmin(np.linalg.norm(nodes - each.joint.position, axis=1))) for each in self.coordinates
+        ]
+        along = [
+            each.kind == "hinge"
+            and abs(each.axis @ tangent[k]) > math.sqrt(0.5) * float(np.linalg.norm(tangent[k]))
+            for each, k in zip(self.coordinates, nearest, strict=True)
+        ]
+        return np.array(along, dtype=np.bool_)
 
     def alone(self, model: Model, motion: int, across: Floats | None = None) -> Model:
         """Return the model with the coordinates of one motion of this row only, all others of it at rest.
