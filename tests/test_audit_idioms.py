@@ -341,3 +341,27 @@ def test_a_heavy_first_rod_is_a_hub_only_if_the_beams_length_leaves_it_out(
     assert hub.rotary_inertia == pytest.approx(5 * MASS * ELL**2 / 3)
     assert whole.length_mismatch == pytest.approx(0, abs=1e-9) == outer.length_mismatch
     assert "is a hub, and the beam begins 0.2 m beside that hinge" in outer.text
+
+
+HALVES = "".join(
+    f'<geom type="cylinder" fromto="{start} 0 0 {start + ELL / 2} 0 0" size="0.004" mass="{MASS / 2}"/>'
+    for start in (0.0, ELL / 2)
+)
+ARM = (
+    '<body name="arm"><joint name="motor" axis="0 0 1"/>'
+    '<geom type="cylinder" fromto="-0.4 0 0 0 0 0" size="0.02" mass="2"/>{}</body>'
+)
+
+
+@pytest.mark.parametrize("share", [0.8, 1.0, 1.2])
+@pytest.mark.parametrize("root", ["{}", ARM])
+@pytest.mark.parametrize("rod", [INERTIAL, HALVES])
+def test_neither_solids_nor_carriers_nor_the_beams_length_change_the_rods(
+    share: float, root: str, rod: str, tmp_path: Path
+) -> None:
+    """A rod of two solids is one segment, and an arm that a motor turns out of the plane is none."""
+    path = tmp_path / "model.xml"
+    path.write_text(mjcf(root=root).replace(INERTIAL, rod))
+    found = audit_file(path, Beam(share * COUNT * ELL, SPRING * ELL, MASS / ELL))
+    assert (found.boundary.name, found.layout, found.segments) == ("clamped-free", "naive", COUNT)
+    assert found.length_mismatch == pytest.approx(1 / share - 1)

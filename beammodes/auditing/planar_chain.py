@@ -363,8 +363,9 @@ def _near_lengths(path: HingePath, line: HingeLine, root: RootSupport | None) ->
             # A slide has no place of its own: a carriage that is no segment may be none of the beam.
             heavy = segment is not None and path.root.inertial.mass > _MOST * segment.mass
             return _Lengths((0.0, place) if heavy else (place,), certain=not heavy)
-    if root is None and path.root.parent is not None:
-        # A body of a mechanism that carries the chain is no part of the beam.
+    still = root is None or (root.across == root.turning == math.inf)
+    if still and path.root.parent is not None:
+        # A body of a mechanism that carries the chain, held in its plane, is no part of the beam.
         return _Lengths((0.0,))
     if root is None:
         return _welded_lengths(path.root, line, segment)
@@ -512,8 +513,12 @@ def _by_matter(
     if _has_twin(group, line, hinge, way, path):
         return [segment.length]
     solids = (solid.inertial for body in group.bodies for solid in body.solids)
-    parts = (group.inertial, *(body.inertial for body in group.bodies), *solids)
-    lengths = (_length_of_kind(part, line, hinge, way, segment) for part in parts)
+    wholes = (group.inertial, *(body.inertial for body in group.bodies))
+    alike = (_length_alike(part, line, hinge, way, segment) for part in wholes)
+    certain = next((length for length in alike if length is not None), None)
+    if certain is not None:
+        return [certain]
+    lengths = (_length_of_kind(part, line, hinge, way, segment) for part in (*wholes, *solids))
     return [length for length in lengths if length is not None]
 
 
@@ -528,6 +533,15 @@ def _carries_body(group: Group, line: HingeLine, hinge: float, segment: Piece) -
     swing = segment.mass * mass / own.mass * (arm - segment.centre) ** 2
     rest = line.moment(own) - segment.inertia - swing
     return rest >= -_ALIKE * segment.mass * segment.length**2
+
+
+def _length_alike(part: Inertial, line: HingeLine, hinge: float, way: float, kind: Piece) -> float | None:
+    """Return the length of a body whose inertia is that of its kind too, whatever solids it is made of."""
+    length = _length_of_kind(part, line, hinge, way, kind)
+    if length is None:
+        return None
+    due = kind.inertia / kind.mass * (length / kind.length) ** 2
+    return length if abs(line.moment(part) / part.mass - due) <= _ALIKE * length**2 else None
 
 
 def _length_of_kind(part: Inertial, line: HingeLine, hinge: float, way: float, kind: Piece) -> float | None:
