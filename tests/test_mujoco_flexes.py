@@ -187,6 +187,9 @@ def test_a_flex_is_judged_from_its_parameters(tmp_path: Path) -> None:
     np.testing.assert_allclose(hertz, [1.14313754, 7.09450015, 17.80589873], rtol=1e-6)
     assert (found.layout, found.segments, found.boundary.name) == ("rigid_stub", 5, "clamped-free")
     assert "EI = 2 N m²" in found.given[0] and "0.6 kg over 1 m" in found.given[0]
+    assert any("every point has one segment's mass" in line for line in found.given)
+    lighter = audit_file(written(tmp_path, text.replace('mass=".6"', 'mass=".5"')), Beam(1.0, 2.0, 0.5))
+    assert any("as any other, where a beam ends with half of that" in line for line in lighter.given)
     # One share of six is too many; held points weigh as much as others.
     assert found.mass_mismatch == pytest.approx(0.2)
     assert all(place is not None and "export hinges" in place.refusal for place in found.spring_places)

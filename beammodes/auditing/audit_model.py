@@ -28,7 +28,7 @@ from beammodes.auditing.bounded_xml import BadModel, UnexpandedModel, XmlElement
 from beammodes.auditing.expand_with_mujoco import expanded_by_mujoco, needs_mujoco, with_places_of_no_file
 from beammodes.auditing.judged_pieces import UNKNOWN, longest_step
 from beammodes.auditing.model_ends import EndedChain, ended_chains
-from beammodes.auditing.mujoco_flex import rod_in_plane
+from beammodes.auditing.mujoco_flex import rod_in_plane, told_of_points
 from beammodes.auditing.planar_chain import (
     Piece,
     PlanarChain,
@@ -627,7 +627,8 @@ def _of_rod(model: Model, rod: ModelRod, asked: _Request) -> _Read:
     if held and asked.boundary is None:
         raise BadModel(f"{held[0]} holds the rod: say by boundary what its ends are")
     others = [each.name for each in model.rods if each is not rod][:_LISTED]
-    said = [*rod.given, f"deflection along {label}; there are springs for {', '.join(planes)}"]
+    points = told_of_points(rod, asked.beam.mean_mass_per_length)
+    said = [*rod.given, *points, f"deflection along {label}; there are springs for {', '.join(planes)}"]
     said += [f"other rods in the file: {', '.join(others)}"] if others else []
     pull = np.cross(*rod.across) @ model.gravity
     across = float(np.linalg.norm([each @ model.gravity for each in rod.across]))

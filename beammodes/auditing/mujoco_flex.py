@@ -24,7 +24,15 @@ from beammodes.auditing.planar_chain import Piece, PlanarChain, Spring
 from beammodes.checks import shown
 from beammodes.numerics.arrays import Floats
 
-__all__ = ["MOST_POINTS", "flexcomp_points", "listed", "ordered", "rod_in_plane", "rod_of_points"]
+__all__ = [
+    "MOST_POINTS",
+    "flexcomp_points",
+    "listed",
+    "ordered",
+    "rod_in_plane",
+    "rod_of_points",
+    "told_of_points",
+]
 
 #: Points of a chain in a file with nested bodies are as many.
 MOST_POINTS = 600
@@ -164,6 +172,23 @@ def rod_of_points(flex: XmlElement, rod: ModelRod, turned: Floats) -> ModelRod:
         place=SpringPlace("attribute", flex.start, flex.file, refusal=_SET_BY),
         given=given,
         notes=tuple(notes),
+    )
+
+
+def told_of_points(rod: ModelRod, mass_per_length: float) -> tuple[str, ...]:
+    """Say what the masses of a cantilever's equal points cost, or that they are those of whole segments."""
+    clamped = sorted((_leading(rod.held), _leading(rod.held[::-1]))) == [0, 2]
+    if not clamped or np.ptp(rod.masses) > _HEAVIER * rod.masses[0]:
+        return ()
+    segment = mass_per_length * float(_lengths(rod.points).mean())
+    if abs(rod.masses[0] / segment - 1) <= _HEAVIER:
+        return (
+            "every point has one segment's mass: read as begun half an edge inside the wall, with points in "
+            "the middles of segments, the flex has the beam's mass, and errs by 1/N²",
+        )
+    return (
+        f"the point at its free end has {rod.masses[0]:.6g} kg as any other, where a beam ends with half of "
+        "that; begun half an edge inside the wall, with a segment's mass at every point, a flex errs by 1/N²",
     )
 
 
