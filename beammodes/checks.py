@@ -30,6 +30,7 @@ __all__ = [
     "is_text",
     "kind_given",
     "not_negative",
+    "part_shown",
     "percent",
     "plain_array",
     "positive_real",
@@ -127,7 +128,7 @@ class Shown:
 
     def _line(self) -> str:
         """Return the line, of any length."""
-        told = (f"{name}={_part_shown(value)}" for name, value in told_fields(self))
+        told = (f"{name}={part_shown(value)}" for name, value in told_fields(self))
         return f"{type(self).__name__}({', '.join(told)})"
 
     def _repr_html_(self) -> str:
@@ -169,10 +170,17 @@ def _is_usual(field: Field[Any], value: Any) -> bool:
     )
 
 
-def _part_shown(value: Any) -> str:
+def part_shown(value: Any) -> str:
+    """Return a value of a field as its record's line has it: long lists are cut, functions have their name.
+
+    Examples
+    --------
+    >>> part_shown((1.0,) * 9), part_shown(math.hypot)
+    ('[1.0, 1.0, ... 9 in all]', 'hypot')
+    """
     if isinstance(value, np.ndarray | tuple | list) and np.size(value) > _SHOWN_NUMBERS:
         listed = list(value)
-        return f"[{_part_shown(listed[0])}, {_part_shown(listed[1])}, ... {len(listed)} in all]"
+        return f"[{part_shown(listed[0])}, {part_shown(listed[1])}, ... {len(listed)} in all]"
     # A function's place in memory tells nobody anything.
     own = getattr(value, "__name__", None) if callable(value) else None
     return own if isinstance(own, str) else repr(value)

@@ -11,6 +11,7 @@ import shutil
 import subprocess
 import sys
 import tomllib
+import typing
 from collections.abc import Iterator
 from functools import cache
 from importlib import import_module
@@ -284,6 +285,12 @@ def test_public_names_are_listed() -> None:
     assert dir(beammodes) == sorted(beammodes.__all__)
     assert len(set(beammodes.__all__)) == len(beammodes.__all__)
     assert {"Beam", "Chain", "frequency_error", "__version__"} <= set(beammodes.__all__)
+
+
+def test_type_hints_of_public_names_can_be_resolved() -> None:
+    for name in beammodes.__all__:
+        if callable(getattr(beammodes, name)):
+            typing.get_type_hints(getattr(beammodes, name))
 
 
 def test_unknown_names_are_an_error() -> None:

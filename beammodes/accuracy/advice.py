@@ -127,7 +127,8 @@ class Recommendations(Shown, list[Recommendation]):
 
     def _line(self) -> str:
         ways = ", ".join(f"{way.rule} with {way.segments} segments" for way in self)
-        return f"<{len(self)} ways, the cheapest first: {ways}>"
+        many = f"{len(self)} ways, the cheapest first" if len(self) != 1 else "1 way"
+        return f"<{many}: {ways}>"
 
 
 def recommend(

@@ -312,7 +312,9 @@ def _theory_words(modes: _Judged) -> tuple[str, str]:
     if errors is None:
         relative = modes.angular_frequency / modes.beam.frequency_unit
         slenderness = 6.0 * np.sqrt(float(relative[-1])) if len(relative) else 0.0
-        solid = f": 1 % or less if it is a solid one, assumed, no higher than L/{slenderness:.2g}"
+        solid = (
+            f": 1 % or less if it is a solid one, assumed, no higher than L/{float(f'{slenderness:.2g}'):g}"
+        )
         return "theory error not known without a section", solid
     told = f"theory error {row_shown(100.0 * errors, '{:+.3g}', '%')}"
     assumed = f", assumed: {', '.join(modes.theory[1])}" if modes.theory and modes.theory[1] else ""

@@ -16,6 +16,7 @@ from beammodes.checks import (
     bounded,
     flag,
     is_text,
+    part_shown,
     positive_real,
     real,
     real_numbers,
@@ -582,7 +583,8 @@ class Beam(Shown):
             "radius_of_gyration": self.radius_of_gyration,
             **{name: getattr(self, name) for name in _OPTIONAL[1:]},
         }
-        return f"Beam({', '.join(f'{name}={value!r}' for name, value in given.items() if value is not None)})"
+        told = (f"{name}={part_shown(value)}" for name, value in given.items() if value is not None)
+        return f"Beam({', '.join(told)})"
 
 
 #: Intervals of the tables of measured sections.

@@ -37,10 +37,10 @@ class SpatialLoad(Shown):
     (0.0, 0.0, 300.0)
     """
 
-    force: Three
-    moment: Three
-    torque: float
-    gravity: Three
+    force: Three = (0.0, 0.0, 0.0)
+    moment: Three = (0.0, 0.0, 0.0)
+    torque: float = 0.0
+    gravity: Three = (0.0, 0.0, 0.0)
 
     def __init__(
         self,

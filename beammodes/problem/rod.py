@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from beammodes.checks import Shown, bounded, positive_real, real, real_numbers, shown
+from beammodes.checks import Shown, bounded, part_shown, positive_real, real, real_numbers, shown
 from beammodes.deferred import Deferred
 from beammodes.numerics.arrays import Floats
 from beammodes.problem.beam import Beam, PropertyLike, each_place_once, kept_breaks, kept_property
@@ -489,5 +489,9 @@ class Rod(Shown):
         usual: dict[str, Any] = dict.fromkeys(_INERTIAS, 0.0) | dict.fromkeys(_OPTIONAL)
         usual |= {"second_bending_stiffness": self.bending_stiffness, "curvature": (0.0, 0.0, 0.0)}
         given = [(name, getattr(self, name)) for name in ("length", *_ALONG, "curvature")]
-        told = [f"{name}={value!r}" for name, value in given if name not in usual or value != usual[name]]
+        told = [
+            f"{name}={part_shown(value)}"
+            for name, value in given
+            if name not in usual or value != usual[name]
+        ]
         return f"Rod({', '.join(told)})"

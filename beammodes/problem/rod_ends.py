@@ -58,12 +58,12 @@ class RodEnd(Shown):
     (0.1, 0.0, 0.0)
     """
 
-    translational_stiffness: Three
-    rotational_stiffness: Three
-    mass: float
-    rotary_inertia: Tensor
-    offset: Three
-    on_segment: bool
+    translational_stiffness: Three = (0.0, 0.0, 0.0)
+    rotational_stiffness: Three = (0.0, 0.0, 0.0)
+    mass: float = 0.0
+    rotary_inertia: Tensor = ((0.0, 0.0, 0.0), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
+    offset: Three = (0.0, 0.0, 0.0)
+    on_segment: bool = False
 
     def __init__(
         self,

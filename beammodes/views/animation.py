@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from beammodes.checks import positive_real, real, shown
+from beammodes.deferred import Deferred
 from beammodes.dynamics.base_motion import BaseMotion
 from beammodes.files import file_target, write_atomically
 from beammodes.numerics.arrays import Floats
@@ -19,7 +20,9 @@ if TYPE_CHECKING:
     import xarray
     from matplotlib.axes import Axes
 
-    from beammodes.views.film import Film
+    from beammodes.views import film as films
+else:
+    xarray, films = Deferred("xarray"), Deferred("beammodes.views.film")
 
 __all__ = ["animate", "plot_motion", "seen_from"]
 
@@ -34,7 +37,7 @@ def animate(
     trace: float | None = None,
     width: float = 4.8,
     dpi: float = 100,
-) -> Path | Film:
+) -> Path | films.Film:
     """Film a computed motion: rods as lines, hinges as dots, and the trace of the tip.
 
     Parameters

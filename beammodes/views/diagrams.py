@@ -11,12 +11,16 @@ import numpy as np
 
 from beammodes.accuracy.loaded_structures import StructureStatics
 from beammodes.checks import choice, positive_real, shown
+from beammodes.deferred import Deferred
 from beammodes.numerics.arrays import Floats
 from beammodes.problem.structure import Member
 from beammodes.views.symbols import COLOURS, EDGE
 
 if TYPE_CHECKING:
+    import matplotlib.axes
     from matplotlib.axes import Axes
+else:
+    matplotlib = Deferred("matplotlib")
 
 __all__ = ["DIAGRAMS", "draw_statics"]
 
@@ -50,12 +54,12 @@ _NOTHING, _SAME = 1e-9, 0.02
 
 def draw_statics(
     statics: StructureStatics,
-    ax: Axes | None = None,
+    ax: matplotlib.axes.Axes | None = None,
     *,
     quantity: str = "moment",
     amplitude: float = 0.2,
     size: float = 10.0,
-) -> Axes:
+) -> matplotlib.axes.Axes:
     """Draw a diagram of a beam, a chain or a structure under loads.
 
     Of one member over its length, positive values up. Of several across each member, positive values to the

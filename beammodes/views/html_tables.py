@@ -60,6 +60,10 @@ def html_of(value: Any) -> str:
 # --- Pieces of HTML ---------------------------------------------------------------------------------------
 
 
+def _many(count: int, what: str) -> str:
+    return f"{count} {what}{'s' * (count != 1)}"
+
+
 def _text(value: Any) -> str:
     """Return a value as it stands in a table, escaped."""
     if isinstance(value, _Html):
@@ -77,7 +81,8 @@ def _text(value: Any) -> str:
     if isinstance(value, np.ndarray | tuple | list):
         flat = list(np.ravel(np.array(value, dtype=object)) if isinstance(value, np.ndarray) else value)
         more = f", … ({len(flat)} in all)" if len(flat) > _MOST_NUMBERS else ""
-        return ", ".join(map(_text, flat[:_MOST_NUMBERS])) + more if flat else "none"
+        between = "; " if flat and isinstance(flat[0], tuple | list) else ", "
+        return between.join(map(_text, flat[:_MOST_NUMBERS])) + more if flat else "none"
     if isinstance(value, Mapping):
         return escape(", ".join(f"{key}: {each}" for key, each in value.items()))
     own = getattr(value, "__name__", None) if callable(value) else None
@@ -135,8 +140,9 @@ def _table(
 
 def _pairs(rows: Iterable[tuple[str, Any, str]]) -> str:
     """Return a table of names, values and units."""
-    told = [(name, _Html(_text(value) + (f" {escape(unit)}" if unit else ""))) for name, value, unit in rows]
-    return _table(("", ""), told, words=(0, 1)) if told else ""
+    told = [(name, _text(value), escape(unit)) for name, value, unit in rows]
+    listed = [(name, _Html(f"{text} {unit}" if unit and text != "–" else text)) for name, text, unit in told]
+    return _table(("", ""), listed, words=(0, 1)) if listed else ""
 
 
 def _drawing(chain: Any, shape: Any = None) -> str:
@@ -289,8 +295,8 @@ def _modes(value: Any) -> list[str]:
     rigid = int(getattr(value, "rigid_body_modes", 0))
     title = _title(
         type(value).__name__,
-        *(str(each) for each in of[:1]),
-        f"{rigid} rigid-body mode{'s' * (rigid > 1)} before them" if rigid else "",
+        *(f"{each}{f' in {each.motion}' if hasattr(each, 'motion') else ''}" for each in of[:1]),
+        f"{_many(rigid, 'rigid-body mode')} before them" if rigid else "",
     )
     said = [getattr(value, "theory_words", "")]
     if "theory error [%]" in head:
@@ -310,7 +316,7 @@ def _shapes(value: Any) -> Any:
 
 
 def _chain(value: Any) -> list[str]:
-    by = [f"{value.segments} segments", f"rule {value.rule.name}"] if value.rule else []
+    by = [_many(value.segments, "segment"), f"rule {value.rule.name}"] if value.rule else []
     unit = 1.0 / float(value.units.stiffness)
     rows = [
         (k + 1, x, spring, spring * unit)
@@ -338,7 +344,7 @@ def _axial_chain(value: Any) -> list[str]:
         _title(
             "AxialChain",
             f"{value.boundary.name} in {value.boundary.motion}",
-            f"{value.segments} segments",
+            _many(value.segments, "segment"),
             f"rule {value.rule.name}",
         ),
         _table(("hinge", "x [m]", f"k [{unit}]"), [(k, *pair) for k, pair in rows], words=()),
@@ -349,7 +355,7 @@ def _spatial_chain(value: Any) -> list[str]:
     rows = enumerate(zip(value.hinge_position, value.joint_stiffness.tolist(), strict=True), start=1)
     head = ("hinge", "s [m]", "k twist [N m/rad]", "k about y", "k about z")
     return [
-        _title("SpatialChain", str(value.ends), f"{value.segments} segments", f"rule {value.rule.name}"),
+        _title("SpatialChain", str(value.ends), _many(value.segments, "segment"), f"rule {value.rule.name}"),
         _drawing(value),
         _table(head, [(k, s, *springs) for k, (s, springs) in rows], words=()),
     ]
@@ -365,24 +371,29 @@ def _structure_chain(value: Any) -> list[str]:
 
 
 def _structure(value: Any) -> list[str]:
-    joints = [
-        (name, joint.x, joint.y, _held(joint.support), joint.mass) for name, joint in value.joints.items()
-    ]
-    members = [
-        (
-            member.name,
-            member.beam.length,
-            member.beam.mean_bending_stiffness,
-            member.beam.mean_mass_per_length,
-        )
+    from beammodes.problem.structure import Station
+
+    joints = [(name, at.x, at.y, _held(at.support), at.mass) for name, at in value.joints.items()]
+    beams = [(member.name, member.beam) for member in value.members]
+    members = [(name, b.length, b.mean_bending_stiffness, b.mean_mass_per_length) for name, b in beams]
+    units = units_of(Station)
+    stations = [
+        (member.name, station.x, ", ".join(_told(name, each, units[name]) for name, each in rest))
         for member in value.members
+        for station in member.stations
+        for rest in [told_fields(station)[1:]]
     ]
     return [
-        _title("Structure", f"{len(joints)} joints", f"{len(members)} members"),
+        _title("Structure", _many(len(joints), "joint"), _many(len(members), "member")),
         _plan(value),
         _table(("joint", "x [m]", "y [m]", "support", "mass [kg]"), joints, words=(0, 3)),
         _table(("member", "length [m]", "EI [N m²]", "ρA [kg/m]"), members),
+        _table(("station on", "x [m]", ""), stations, words=(0, 2)) if stations else "",
     ]
+
+
+def _told(name: str, value: Any, unit: str) -> str:
+    return f"{name.replace('_', ' ')} {_text(value)} {unit}"
 
 
 def _held(support: Any) -> str:
@@ -394,7 +405,7 @@ def _held(support: Any) -> str:
 
 
 def _plan(structure: Any) -> str:
-    """Return a plan of a structure: members as lines, joints as dots, what is held as squares."""
+    """Return a structure from above: members are lines, joints dots, held ones squares, stations circles."""
     places = {name: (float(joint.x), -float(joint.y)) for name, joint in structure.joints.items()}
     x, y = np.array(list(places.values())).T
     size = float(max(np.ptp(x), np.ptp(y)))
@@ -408,6 +419,12 @@ def _plan(structure: Any) -> str:
         'stroke="currentColor" stroke-width="3" stroke-linecap="round"/>'
         for m in structure.members
     ]
+    for member in structure.members:
+        (x0, y0), (x1, y1) = at[member.start], at[member.end]
+        for station in member.stations:
+            part = station.x / member.beam.length
+            x, y = x0 + part * (x1 - x0), y0 + part * (y1 - y0)
+            drawn.append(f'<circle cx="{x:.1f}" cy="{y:.1f}" r="5" fill="none" stroke="currentColor"/>')
     for name, joint in structure.joints.items():
         a, b = at[name]
         radius = 6 if _held(joint.support) != "free" else 3.5
@@ -433,16 +450,22 @@ def _structure_statics(value: Any) -> list[str]:
     from beammodes.views.diagrams import draw_statics
     from beammodes.views.inline_svg import inline_svg
 
-    rows = [(name, *force) for name, force in value.reactions.items()]
+    rows = _without_rounding([(name, *force) for name, force in value.reactions.items()])
     width, height = _BEAM_DIAGRAM if len(value.structure.members) == 1 else _FRAME
     svg = inline_svg(draw_statics(value, size=8.0), width=width, height=height)
-    moved = [(name, *where) for name, where in value.displacements.items()]
+    moved = _without_rounding([(name, *where) for name, where in value.displacements.items()])
     return [
         _title("StructureStatics", repr(value.structure)),
         f'<div style="margin: 0.3em 0">{svg}</div>',
         _table(("reaction at", "F_x [N]", "F_y [N]", "M [N m]"), rows),
         _table(("displacement of", "x [m]", "y [m]", "rotation [rad]"), moved),
     ]
+
+
+def _without_rounding(rows: list[tuple[Any, ...]]) -> list[tuple[Any, ...]]:
+    """Return rows of a name and numbers, with zeros where a number is rounding beside the largest."""
+    largest = max((abs(each) for _, *numbers in rows for each in numbers if math.isfinite(each)), default=0.0)
+    return [(name, *(0.0 if abs(n) < 1e-12 * largest else n for n in numbers)) for name, *numbers in rows]
 
 
 def _equilibrium(value: Any) -> list[str]:
@@ -570,17 +593,20 @@ def _case(value: Any) -> list[str]:
 
 
 def _law(value: Any) -> list[str]:
+    if math.isnan(value.coefficient):
+        return [_title("ErrorLaw"), _lines(["the leading terms cancel for this mode: no law holds"])]
     rows = [(n, _percent(float(value.at(n)))) for n in (5, 10, 20, 50, 100)]
     law = f"e ~ {_number(value.coefficient)} / N^{value.order}"
     return [_title("ErrorLaw", law), _table(("N", "e [%] by the law"), rows, words=())]
 
 
+def _per_segment(number: Fraction) -> str:
+    return f" {'-+'[number > 0]} {abs(number)}/N".replace("-", "−") if number else ""
+
+
 def _rule(value: Any) -> list[str]:
     def springs(weights: Iterable[Any]) -> str:
-        return (
-            ", ".join(f"{w.constant}{f' {w.per_segment:+}/N' if w.per_segment else ''}" for w in weights)
-            or "none"
-        )
+        return ", ".join(f"{w.constant}{_per_segment(w.per_segment)}" for w in weights) or "none"
 
     stub = {0: "at the walls", 1: "the first one a segment from the wall"}
     rows: list[tuple[str, Any, str]] = [
@@ -631,10 +657,10 @@ def _matched_springs(value: Any) -> list[str]:
     ratio, springs = value.stiffness_ratio.tolist(), value.chain.joint_stiffness.tolist()
     rows = [(k, *row) for k, row in enumerate(zip(ratio, springs, strict=True), start=1)]
     motion = getattr(value.boundary, "motion", "bending")
-    met = f"{value.modes} mode{'s' * (value.modes > 1)} of the beam met"
+    met = f"{_many(value.modes, 'mode')} of the beam met"
     unit = "N/m" if motion == "stretch" else "N m/rad"
     return [
-        _title(type(value).__name__, str(value.boundary), f"{value.segments} segments", met),
+        _title(type(value).__name__, str(value.boundary), _many(value.segments, "segment"), met),
         _drawing(value.chain) if motion == "bending" else "",
         _table(("hinge", "k over the beam's own", f"k [{unit}]"), rows, words=()),
         _pairs([("stable step, rk4", value.stable_time_step, "s")]),

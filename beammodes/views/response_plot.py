@@ -8,11 +8,15 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from beammodes.checks import choice, shown
+from beammodes.deferred import Deferred
 from beammodes.views.symbols import COLOURS
 
 if TYPE_CHECKING:
+    import matplotlib.axes
     import xarray
     from matplotlib.axes import Axes
+else:
+    matplotlib, xarray = Deferred("matplotlib"), Deferred("xarray")
 
 __all__ = ["plot_response"]
 
@@ -21,12 +25,12 @@ _PARTS = ("magnitude", "phase")
 
 def plot_response(
     response: xarray.Dataset,
-    ax: Axes | Sequence[Axes] | None = None,
+    ax: matplotlib.axes.Axes | Sequence[matplotlib.axes.Axes] | None = None,
     *,
     quantity: str | None = None,
     label: str | None = None,
     **style: Any,
-) -> tuple[Axes, ...]:
+) -> tuple[matplotlib.axes.Axes, ...]:
     """Draw the magnitude of a frequency response on a logarithmic scale, and its phase below.
 
     Call it again with the axes that it returned to lay another response, of a chain, over the first.

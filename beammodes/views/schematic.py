@@ -18,6 +18,7 @@ from beammodes.chains.pieces import Number
 from beammodes.chains.spatial_chain import SpatialChain
 from beammodes.chains.structure_chain import StructureChain
 from beammodes.checks import choice, flag, instead, positive_real, real_numbers, shown, whole_number
+from beammodes.deferred import Deferred
 from beammodes.equations.equilibria import Equilibrium
 from beammodes.equations.equilibria_in_space import SpatialEquilibrium
 from beammodes.numerics.arrays import Floats
@@ -43,8 +44,11 @@ from beammodes.views.symbols import (
 )
 
 if TYPE_CHECKING:
+    import matplotlib.axes
     import xarray
     from matplotlib.axes import Axes
+else:
+    matplotlib, xarray = Deferred("matplotlib"), Deferred("xarray")
 
 __all__ = ["LABELS", "Pose", "Shape", "draw_chain", "pose_of", "spring_texts", "support_texts"]
 
@@ -66,7 +70,7 @@ _ABOVE, _BESIDE = 0.11, 0.09
 
 def draw_chain(
     chain: Chain | StructureChain | SpatialChain,
-    ax: Axes | None = None,
+    ax: matplotlib.axes.Axes | None = None,
     *,
     shape: Shape | None = None,
     mode: int = 1,
@@ -74,7 +78,7 @@ def draw_chain(
     labels: str | None = "EI/ell",
     ends: bool = True,
     size: float = 10.0,
-) -> Axes:
+) -> matplotlib.axes.Axes:
     """Draw a chain of rigid segments as the report's Figures 3 and 5 do, one of a structure, or one in space.
 
     Rods are blue, hinges circles, their springs orange spirals; what is welded to the ground is dark, springs
