@@ -182,6 +182,21 @@ def test_engines_of_urdf_and_sdformat_agree(tmp_path: Path) -> None:
         np.diag([springs[name] for name in list(model.names)[1:]]), mass, eigvals_only=True
     )
     np.testing.assert_allclose(found[0].angular_frequency[:6], np.sqrt(squares[:6]), rtol=1e-8)
+    parsing = pytest.importorskip("pydrake.multibody.parsing")
+    plant = pytest.importorskip("pydrake.multibody.plant").MultibodyPlant(0.0)
+    forces = pytest.importorskip("pydrake.multibody.tree").MultibodyForces
+    parsing.Parser(plant).AddModels(str(sdf))
+    plant.Finalize()
+    context, count = plant.CreateDefaultContext(), plant.num_positions()
+    mass, stiffness = plant.CalcMassMatrix(context), np.zeros((count, count))
+    # Of linear springs, by the forces of unit turns.
+    for k in range(count):
+        plant.SetPositions(context, 1e-3 * np.eye(count)[k])
+        felt = forces(plant)
+        plant.CalcForceElementsContribution(context, felt)
+        stiffness[:, k] = -1e3 * felt.generalized_forces()
+    squares = scipy.linalg.eigh(stiffness, mass, eigvals_only=True)
+    np.testing.assert_allclose(found[1].angular_frequency[:6], np.sqrt(squares[:6]), rtol=1e-7)
 
 
 def test_planes_as_near_to_one_axis_of_the_world_have_letters_of_their_own(tmp_path: Path) -> None:
