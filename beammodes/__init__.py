@@ -68,27 +68,28 @@ from typing import TYPE_CHECKING, Any
 
 #: Public names by the file that defines them: read when first asked for.
 _NAMES = {
-    "accuracy.advice": "recommend",
+    "accuracy.advice": "recommend Recommendation",
     "accuracy.buckling": "buckling_dataset buckling_load",
     "accuracy.chain_against_beam": "SlendernessWarning chain_errors theory_errors",
     "accuracy.chain_against_rod": "rod_error_dataset rod_errors",
     "accuracy.error_table": "derived_error_dataset error_dataset",
     "accuracy.errors": "frequency_error",
     "accuracy.identification": "stiffness_from_deflection stiffness_from_frequency",
-    "accuracy.law": "error_law law_holds_from",
+    "accuracy.law": "error_law ErrorLaw law_holds_from",
     "accuracy.loaded_structures": "StructureStatics structure_chain_statics structure_statics",
     "accuracy.random_motion": "random_response",
     "accuracy.remarks": "error_remarks",
     "accuracy.response_law": "response_error",
     "accuracy.responses": "frequency_response",
-    "accuracy.segments": "segments_needed",
+    "accuracy.segments": "segments_needed ToleranceOutOfReach",
     "accuracy.shapes": "modal_assurance shape_dataset",
-    "accuracy.statics": "beam_statics chain_statics static_dataset",
+    "accuracy.statics": "beam_statics chain_statics static_dataset Statics",
     "accuracy.stressed_structures": "structure_modes_under",
-    "accuracy.uncertainty": "Tolerance frequency_spread segments_within_spread",
-    "auditing.audit": "Audit audit_chain",
+    "accuracy.uncertainty": "EnoughSegments frequency_spread segments_within_spread Tolerance",
+    "auditing.audit": "Audit audit_chain StepVerdict Suggestion",
     "auditing.audit_model": "audit_file",
     "auditing.axial_audit": "AxialAudit",
+    "auditing.bounded_xml": "BadModel",
     "auditing.mended_files": "MendedFile mend_file",
     "auditing.space_audit": "SpatialAudit",
     "batch.cases": "Case",
@@ -96,7 +97,7 @@ _NAMES = {
     "chains.axial_chain": "AxialChain",
     "chains.chain": "Chain",
     "chains.rods": "MissedFeatureWarning",
-    "chains.rules": "Layout RULES Rule Weight axially_corrected",
+    "chains.rules": "axially_corrected AxiallyCorrected Layout NotClosed Rule RULES Weight",
     "chains.spatial_chain": "SpatialChain",
     "chains.structure_chain": "StructureChain",
     "closed_form.chain_frequencies": "chain_frequency",
@@ -113,8 +114,9 @@ _NAMES = {
         "NoEquilibriumInSpace SpatialEquilibrium critical_factor spatial_equilibrium"
     ),
     "equations.joint_laws": "JOINT_LAWS JointLaw",
-    "equations.numeric": "compile_equations",
-    "equations.symbolic": "equations_of_motion symbolic_energies",
+    "equations.mechanics": "Energies",
+    "equations.numeric": "compile_equations CompiledEquations",
+    "equations.symbolic": "equations_of_motion EquationsOfMotion symbolic_energies",
     "exact.axial_beam": "AxialModes",
     "exact.axial_statics": "axial_displacement",
     "exact.axial_theory": "axial_modes",
@@ -128,11 +130,11 @@ _NAMES = {
     "exporters.chain_csv": "read_chain_csv",
     "exporters.export": "export_chain",
     "numerics.distributions": "Normal Uniform",
-    "problem.axial_ends": "AxialBoundary AxialEnd",
     "problem.applied_loads": "LineLoad PointLoad",
+    "problem.axial_ends": "AxialBoundary AxialEnd",
     "problem.beam": "Beam",
     "problem.end_columns": "Ends",
-    "problem.ends": "BOUNDARIES Boundary ENDS End",
+    "problem.ends": "BOUNDARIES Boundary End ENDS NotPlain",
     "problem.load_in_space": "SpatialLoad",
     "problem.loading": "Load",
     "problem.materials": "MODULI elastic_modulus",
@@ -141,9 +143,12 @@ _NAMES = {
     "problem.rod_ends": "RodEnd RodEnds",
     "problem.sections": "Box Channel Circle GivenSection ISection Rectangle Tube from_sectionproperties",
     "problem.structure": "Joint Member Station Structure",
-    "springs.matched_springs": "match_springs matched",
-    "springs.tuning": "mode_tuned",
+    "springs.axial_matching": "AxialMatched AxialMatchedSprings NoPositiveAxialSprings",
+    "springs.axial_tuning": "AxialTuned",
+    "springs.matched_springs": "match_springs Matched matched MatchedSprings NoPositiveSprings",
+    "springs.tuning": "mode_tuned ModeTuned",
     "version": "__version__",
+    "vibration.axial_spectrum": "AxialChainModes",
     "vibration.damping": "Damping DampingFitWarning damped_modes joint_dampers",
     "vibration.follower": "FlutterLoad flutter_load follower_modes",
     "vibration.integrators": "INTEGRATORS Integrator",
@@ -151,6 +156,7 @@ _NAMES = {
     "vibration.measured_damping": "DecayRatio ratio_from_decay rayleigh_damping",
     "vibration.modes": "Modes solve_modes",
     "vibration.modes_in_space": "SpatialModes spatial_modes",
+    "vibration.spectrum": "Buckled",
     "vibration.stability": "published_time_step stable_time_step",
     "vibration.structure_vibration": "StructureChainModes structure_chain_modes",
     "views.animation": "animate",
@@ -163,6 +169,7 @@ _HOME = {name: home for home, names in _NAMES.items() for name in names.split()}
 __all__ = sorted(_HOME)
 
 if TYPE_CHECKING:
+    from beammodes.accuracy.advice import Recommendation as Recommendation
     from beammodes.accuracy.advice import recommend as recommend
     from beammodes.accuracy.buckling import buckling_dataset as buckling_dataset
     from beammodes.accuracy.buckling import buckling_load as buckling_load
@@ -176,6 +183,7 @@ if TYPE_CHECKING:
     from beammodes.accuracy.errors import frequency_error as frequency_error
     from beammodes.accuracy.identification import stiffness_from_deflection as stiffness_from_deflection
     from beammodes.accuracy.identification import stiffness_from_frequency as stiffness_from_frequency
+    from beammodes.accuracy.law import ErrorLaw as ErrorLaw
     from beammodes.accuracy.law import error_law as error_law
     from beammodes.accuracy.law import law_holds_from as law_holds_from
     from beammodes.accuracy.loaded_structures import StructureStatics as StructureStatics
@@ -185,20 +193,26 @@ if TYPE_CHECKING:
     from beammodes.accuracy.remarks import error_remarks as error_remarks
     from beammodes.accuracy.response_law import response_error as response_error
     from beammodes.accuracy.responses import frequency_response as frequency_response
+    from beammodes.accuracy.segments import ToleranceOutOfReach as ToleranceOutOfReach
     from beammodes.accuracy.segments import segments_needed as segments_needed
     from beammodes.accuracy.shapes import modal_assurance as modal_assurance
     from beammodes.accuracy.shapes import shape_dataset as shape_dataset
+    from beammodes.accuracy.statics import Statics as Statics
     from beammodes.accuracy.statics import beam_statics as beam_statics
     from beammodes.accuracy.statics import chain_statics as chain_statics
     from beammodes.accuracy.statics import static_dataset as static_dataset
     from beammodes.accuracy.stressed_structures import structure_modes_under as structure_modes_under
+    from beammodes.accuracy.uncertainty import EnoughSegments as EnoughSegments
     from beammodes.accuracy.uncertainty import Tolerance as Tolerance
     from beammodes.accuracy.uncertainty import frequency_spread as frequency_spread
     from beammodes.accuracy.uncertainty import segments_within_spread as segments_within_spread
     from beammodes.auditing.audit import Audit as Audit
+    from beammodes.auditing.audit import StepVerdict as StepVerdict
+    from beammodes.auditing.audit import Suggestion as Suggestion
     from beammodes.auditing.audit import audit_chain as audit_chain
     from beammodes.auditing.audit_model import audit_file as audit_file
     from beammodes.auditing.axial_audit import AxialAudit as AxialAudit
+    from beammodes.auditing.bounded_xml import BadModel as BadModel
     from beammodes.auditing.mended_files import MendedFile as MendedFile
     from beammodes.auditing.mended_files import mend_file as mend_file
     from beammodes.auditing.space_audit import SpatialAudit as SpatialAudit
@@ -209,7 +223,9 @@ if TYPE_CHECKING:
     from beammodes.chains.chain import Chain as Chain
     from beammodes.chains.rods import MissedFeatureWarning as MissedFeatureWarning
     from beammodes.chains.rules import RULES as RULES
+    from beammodes.chains.rules import AxiallyCorrected as AxiallyCorrected
     from beammodes.chains.rules import Layout as Layout
+    from beammodes.chains.rules import NotClosed as NotClosed
     from beammodes.chains.rules import Rule as Rule
     from beammodes.chains.rules import Weight as Weight
     from beammodes.chains.rules import axially_corrected as axially_corrected
@@ -246,7 +262,10 @@ if TYPE_CHECKING:
     from beammodes.equations.equilibria_in_space import spatial_equilibrium as spatial_equilibrium
     from beammodes.equations.joint_laws import JOINT_LAWS as JOINT_LAWS
     from beammodes.equations.joint_laws import JointLaw as JointLaw
+    from beammodes.equations.mechanics import Energies as Energies
+    from beammodes.equations.numeric import CompiledEquations as CompiledEquations
     from beammodes.equations.numeric import compile_equations as compile_equations
+    from beammodes.equations.symbolic import EquationsOfMotion as EquationsOfMotion
     from beammodes.equations.symbolic import equations_of_motion as equations_of_motion
     from beammodes.equations.symbolic import symbolic_energies as symbolic_energies
     from beammodes.exact.axial_beam import AxialModes as AxialModes
@@ -277,6 +296,7 @@ if TYPE_CHECKING:
     from beammodes.problem.ends import ENDS as ENDS
     from beammodes.problem.ends import Boundary as Boundary
     from beammodes.problem.ends import End as End
+    from beammodes.problem.ends import NotPlain as NotPlain
     from beammodes.problem.load_in_space import SpatialLoad as SpatialLoad
     from beammodes.problem.loading import Load as Load
     from beammodes.problem.materials import MODULI as MODULI
@@ -297,10 +317,19 @@ if TYPE_CHECKING:
     from beammodes.problem.structure import Member as Member
     from beammodes.problem.structure import Station as Station
     from beammodes.problem.structure import Structure as Structure
+    from beammodes.springs.axial_matching import AxialMatched as AxialMatched
+    from beammodes.springs.axial_matching import AxialMatchedSprings as AxialMatchedSprings
+    from beammodes.springs.axial_matching import NoPositiveAxialSprings as NoPositiveAxialSprings
+    from beammodes.springs.axial_tuning import AxialTuned as AxialTuned
+    from beammodes.springs.matched_springs import Matched as Matched
+    from beammodes.springs.matched_springs import MatchedSprings as MatchedSprings
+    from beammodes.springs.matched_springs import NoPositiveSprings as NoPositiveSprings
     from beammodes.springs.matched_springs import match_springs as match_springs
     from beammodes.springs.matched_springs import matched as matched
+    from beammodes.springs.tuning import ModeTuned as ModeTuned
     from beammodes.springs.tuning import mode_tuned as mode_tuned
     from beammodes.version import __version__ as __version__
+    from beammodes.vibration.axial_spectrum import AxialChainModes as AxialChainModes
     from beammodes.vibration.damping import Damping as Damping
     from beammodes.vibration.damping import DampingFitWarning as DampingFitWarning
     from beammodes.vibration.damping import damped_modes as damped_modes
@@ -320,6 +349,7 @@ if TYPE_CHECKING:
     from beammodes.vibration.modes import solve_modes as solve_modes
     from beammodes.vibration.modes_in_space import SpatialModes as SpatialModes
     from beammodes.vibration.modes_in_space import spatial_modes as spatial_modes
+    from beammodes.vibration.spectrum import Buckled as Buckled
     from beammodes.vibration.stability import published_time_step as published_time_step
     from beammodes.vibration.stability import stable_time_step as stable_time_step
     from beammodes.vibration.structure_vibration import StructureChainModes as StructureChainModes

@@ -27,6 +27,20 @@ CHAIN = bm.Chain(UNIT, "clamped-free", 3)
 SPAN = bm.Structure.of_beam(UNIT, "clamped-pinned")
 BODY = bm.Boundary.of(("clamped", bm.End(mass=0.5)))
 
+SPREAD = bm.frequency_spread(
+    bm.Rectangle(0.06, 0.02),
+    "clamped-free",
+    {"height": 0.02},
+    1,
+    samples=100,
+    elastic_modulus=207e9,
+    density=7850.0,
+    length=1.0,
+)
+#: Columns of a chain whose springs are half as stiff.
+SOFT: dict[str, Any] = {name: getattr(CHAIN, name) for name in ("length", "mass", "rotary_inertia")}
+SOFT["joint_stiffness"] = 0.5 * CHAIN.joint_stiffness
+
 #: Made from equal parts by each call.
 MADE: dict[str, Callable[[], Any]] = {
     "AxialBoundary": lambda: bm.AxialBoundary.of("fixed-free(mass=0.5)", "stretch"),
@@ -78,12 +92,15 @@ MADE: dict[str, Callable[[], Any]] = {
     "Station": lambda: bm.Station(0.5, mass=0.1),
     "Structure": lambda: bm.Structure.of_beam(bm.Beam.unit(), "clamped-free", [bm.Station(0.5, mass=0.1)]),
     "Rule": lambda: bm.RULES["gregory"],
-    "axially_corrected": lambda: bm.axially_corrected("mitiguy", bm.Load(axial_force=0.1), UNIT),
-    "mode_tuned": lambda: bm.mode_tuned(1),
-    "mode_tuned in twist": lambda: bm.mode_tuned(1, motion="twist"),
-    "matched": lambda: bm.matched(2),
-    "error_law": lambda: bm.error_law("clamped-free", 1),
+    "AxiallyCorrected": lambda: bm.axially_corrected("mitiguy", bm.Load(axial_force=0.1), UNIT),
+    "ModeTuned": lambda: bm.mode_tuned(1),
+    "AxialTuned": lambda: bm.mode_tuned(1, motion="twist"),
+    "Matched": lambda: bm.matched(2),
+    "AxialMatched": lambda: bm.matched(2, motion="twist"),
+    "EnoughSegments": lambda: bm.segments_within_spread(SPREAD),
+    "ErrorLaw": lambda: bm.error_law("clamped-free", 1),
     "Study": lambda: bm.Study.grid(boundary="free-free", segments=[3, 4], mode=1, compute="relative_error"),
+    "Statics": lambda: bm.beam_statics(UNIT, "clamped-free", "tip_force"),
     "Table": lambda: bm.Table([0.0, 0.5, 1.0], [1.0, 0.8, 0.7]),
     "Tolerance": lambda: bm.Tolerance(0.1),
     "Tube": lambda: bm.Tube(0.1, wall=0.01),
@@ -123,8 +140,15 @@ FOUND: dict[str, Callable[[], Any]] = {
     "StructureChainModes": lambda: bm.structure_chain_modes(bm.StructureChain(SPAN, 4), 2),
     "StructureModes": lambda: bm.structure_modes(SPAN, 2),
     "StructureStatics": lambda: bm.structure_statics(SPAN, [bm.PointLoad(0.5, -2.0)]),
-    "match_springs": lambda: bm.match_springs("clamped-free", 3, 2),
-    "recommend": lambda: bm.recommend("clamped-free", 0.01, 2)[0],
+    "AxialChainModes": lambda: bm.solve_modes(bm.AxialChain(BAR, "fixed-free", 3, motion="stretch")),
+    "AxialMatchedSprings": lambda: bm.match_springs("fixed-free", 4, 2, motion="twist"),
+    "CompiledEquations": lambda: bm.compile_equations(CHAIN),
+    "Energies": lambda: bm.symbolic_energies(bm.Chain(UNIT, "clamped-free", 2)),
+    "EquationsOfMotion": lambda: bm.equations_of_motion(bm.Chain(UNIT, "clamped-free", 2)),
+    "StepVerdict": lambda: bm.StepVerdict(0.001, 0.002, "rk4", False),
+    "Suggestion": lambda: bm.audit_chain(UNIT, "clamped-free", **SOFT).suggestions[0],
+    "MatchedSprings": lambda: bm.match_springs("clamped-free", 3, 2),
+    "Recommendation": lambda: bm.recommend("clamped-free", 0.01, 2)[0],
 }
 
 

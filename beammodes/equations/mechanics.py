@@ -337,7 +337,7 @@ def _support_units(chain: Chain, algebra: Algebra) -> list[tuple[Any, Any]]:
     ]
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True, repr=False, eq=False)
 class Energies(Shown):
     """Kinetic and potential energy, and the closures c(q), all zero on an admissible configuration."""
 

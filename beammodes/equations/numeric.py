@@ -17,7 +17,7 @@ from beammodes.problem.loading import Load, checked_load
 __all__ = ["CompiledEquations", "column", "compile_equations"]
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True, repr=False, eq=False)
 class CompiledEquations(Shown):
     """The terms of  M(q) q'' + h(q, q') + s(q) = (∂c/∂q)ᵀ λ,  c(q) = 0  as CasADi functions of q and q'.
 

@@ -62,7 +62,7 @@ class ExactLinearModel(LinearizedChain):
         return ExactLinearModel(self.coordinates, *(matrix.xreplace(ones) for matrix in matrices))
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True, repr=False, eq=False)
 class EquationsOfMotion(Shown):
     """The nonlinear equations  M(q) q'' + h(q, q') + s(q) = (∂c/∂q)ᵀ λ,  c(q) = 0.
 
