@@ -508,7 +508,6 @@ def test_what_a_structure_refuses() -> None:
         (lambda: bm.Joint(0, 0, "pined"), 'did you mean "pinned"'),
         (lambda: bm.StructureChain(ell(), 1), "segments must be at least 2, for 2 stretches"),
         (lambda: bm.StructureChain(ell(), [3]), "or 2, one for each stretch"),
-        (lambda: bm.structure_chain_modes(bm.StructureChain(ell(), 4), 9), "modes must be at most 4"),
     ]
     for call, words in cases:
         with pytest.raises(ValueError, match=words):

@@ -322,7 +322,7 @@ def derived_error_dataset(
     segments: Iterable[int],
     modes: int,
     rule: AnyRule = "mitiguy",
-    progress: Progress | None = None,
+    progress: Progress | bool | None = False,
 ) -> xarray.Dataset:
     """Return the errors of a rule by the report's route, `derive_chain`, as in its Figures 6 and 7.
 
@@ -359,7 +359,7 @@ def derived_error_dataset(
     """
     grid = ChainGrid.of(Boundary.of(boundary), segments, layout_of(rule), MAX_DERIVED).canonical
     mode = np.arange(1, whole_number("modes", modes, most=MAX_MODES) + 1)
-    told = progress_of(False if progress is None else progress, "derivation", "chains")
+    told = progress_of(progress, "derivation", "chains")
     exact = exact_frequencies(grid.boundaries[0], mode, Load())
     omega, worst = np.full((*grid.shape, len(mode)), np.nan), 0.0
     for i, count in enumerate(grid.segments):

@@ -24,7 +24,7 @@ from beammodes.closed_form.relative_errors import relative_error
 from beammodes.closed_form.uniform_chains import MAX_MODE, MAX_SEGMENTS
 from beammodes.deferred import Deferred
 from beammodes.exact.exact_beam import wavenumber
-from beammodes.numerics.arrays import Floats
+from beammodes.numerics.arrays import Floats, keeps_labels
 from beammodes.problem.beam import Beam
 from beammodes.problem.ends import (
     BOUNDARIES,
@@ -90,6 +90,7 @@ def frequency_error(
 ) -> float | Floats: ...
 
 
+@keeps_labels
 def frequency_error(
     boundary: BoundaryLike
     | axial_ends.AxialBoundary

@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from beammodes.accuracy.errors import frequency_error
 from beammodes.checks import positive_real, real_numbers, shown
+from beammodes.numerics.arrays import keeps_labels
 from beammodes.problem.beam import Beam
 from beammodes.problem.ends import BoundaryLike, ManyPairs
 from beammodes.problem.loading import Load
@@ -21,6 +22,7 @@ __all__ = ["LARGEST_RATIO", "frequency_error_allowed", "response_error"]
 LARGEST_RATIO = 0.2
 
 
+@keeps_labels
 def response_error(
     boundary: BoundaryLike | ManyPairs | Iterable[BoundaryLike] | NDArray[Any],
     *,

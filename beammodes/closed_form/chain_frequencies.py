@@ -28,7 +28,7 @@ from numpy.typing import ArrayLike, NDArray
 from beammodes.closed_form.exact_states import characteristic_polynomial
 from beammodes.closed_form.uniform_chains import Boundaries, Rules, UniformChains, looked_up
 from beammodes.closed_form.waves import exchange
-from beammodes.numerics.arrays import Floats
+from beammodes.numerics.arrays import Floats, keeps_labels
 from beammodes.numerics.roots import NotFollowed, increasing_root, polynomial_roots, sign_changes
 
 __all__ = ["chain_frequency", "edge_frequencies", "frequencies"]
@@ -109,6 +109,7 @@ _LAST_EXCHANGING = 24
 _MOST_COUNTED = 1000
 
 
+@keeps_labels
 def chain_frequency(
     boundary: Boundaries, segments: ArrayLike, mode: ArrayLike, rule: Rules = "mitiguy"
 ) -> float | Floats:

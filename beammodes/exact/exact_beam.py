@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from beammodes.checks import Shown, brief, row_shown, shown, whole_number, whole_numbers
-from beammodes.numerics.arrays import Floats
+from beammodes.numerics.arrays import Floats, keeps_labels
 from beammodes.problem.beam import Beam, positions_on
 from beammodes.problem.ends import BOUNDARIES, Boundary, BoundaryLike, End, boundary_codes
 
@@ -125,6 +125,7 @@ def wavenumber(boundary: str | Boundary, mode: int) -> float: ...
 def wavenumber(boundary: Boundaries, mode: ArrayLike) -> float | Floats: ...
 
 
+@keeps_labels
 def wavenumber(boundary: Boundaries, mode: ArrayLike) -> float | Floats:
     """Return β = (wavenumber) L, the dimensionless root of an elastic mode.
 

@@ -7,8 +7,10 @@ does with it, and `math` a twentieth of that.
 from __future__ import annotations
 
 import math
+import sys
 from collections.abc import Callable
-from typing import Any, NamedTuple
+from functools import wraps
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,6 +23,7 @@ __all__ = [
     "elementary",
     "first_factor",
     "frozen",
+    "keeps_labels",
     "ratios_less_one",
     "signs_of_largest",
 ]
@@ -29,6 +32,7 @@ __all__ = [
 Floats = NDArray[np.float64]
 
 Function = Callable[..., Any]
+_F = TypeVar("_F", bound=Function)
 
 
 class Elementary(NamedTuple):
@@ -114,3 +118,46 @@ def signs_of_largest(rows: Floats) -> Floats:
     size = np.abs(rows)
     first = (size >= (1.0 - 1e-6) * size.max(axis=1, keepdims=True)).argmax(axis=1)
     return np.where(rows[np.arange(len(rows)), first] < 0.0, -1.0, 1.0)
+
+
+def keeps_labels(function: _F) -> _F:
+    """Return a function of arrays that gives a `DataArray` where it is given one.
+
+    DataArrays among its arguments meet by the names of their dimensions, and pass these and their coordinates
+    on. What is given beside them must not add dimensions of its own: it would have no names for them.
+
+    Examples
+    --------
+    >>> import xarray
+    >>> product = keeps_labels(lambda a, *, b: np.multiply(a, b))
+    >>> product(xarray.DataArray([1, 2], dims="x"), b=xarray.DataArray([1, 2, 3], dims="y")).dims
+    ('x', 'y')
+    >>> product(2, b=3)
+    np.int64(6)
+    """
+
+    @wraps(function)
+    def labelled(*args: Any, **options: Any) -> Any:
+        xarray = sys.modules.get("xarray")
+        named = () if xarray is None else getattr(xarray, "DataArray", ())
+        given: dict[Any, Any] = dict(enumerate(args)) | options
+        arrays = {name: each for name, each in given.items() if isinstance(each, named)}
+        if not arrays or xarray is None:
+            return function(*args, **options)
+        together = dict(zip(arrays, xarray.broadcast(*arrays.values()), strict=True))
+        plain = given | {name: each.values for name, each in together.items()}
+        found = function(
+            *(plain[place] for place in range(len(args))), **{name: plain[name] for name in options}
+        )
+        first = next(iter(together.values()))
+        if not first.dims and np.ndim(found):
+            # One number, for which the other arguments stand in a plain array.
+            return found
+        if np.shape(found) != first.shape:
+            raise ValueError(
+                "arrays beside a DataArray must be DataArrays too: the answer has shape "
+                f"{np.shape(found)} and names for {first.dims}"
+            )
+        return xarray.DataArray(found, dims=first.dims, coords=first.coords)
+
+    return labelled  # type: ignore[return-value]

@@ -103,7 +103,7 @@ def solve_modes(
     ----------
     model : LinearModel or BentModel, AxialChain, or StructureChain
         From `linearize`; a chain in twist or stretch is linear as it is (`solve_axial_modes`), and so is one
-        of a structure (`structure_chain_modes`, whose number of modes it must have). About a bent
+        of a structure (`structure_chain_modes`). About a bent
         shape `position` is that along the chain, `deflection` the nodes' motion along y (along x they move by
         -Σ l_i sin θ_i  times the rotations), and the accuracy of ω is about 1e-16 N².
     modes : int, optional

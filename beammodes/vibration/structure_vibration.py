@@ -113,7 +113,7 @@ def structure_chain_modes(chain: StructureChain, modes: int | None = None) -> St
     ----------
     chain : StructureChain
     modes : int, optional
-        At most as many as the chain has.
+        From the first; all of them by default. A chain with fewer gives those it has.
 
     Returns
     -------
@@ -123,7 +123,7 @@ def structure_chain_modes(chain: StructureChain, modes: int | None = None) -> St
     Raises
     ------
     TypeError, ValueError
-        If an argument is not of its kind, or the chain has fewer modes, or more than 3,000 pieces.
+        If an argument is not of its kind, or the chain has more than 3,000 pieces.
 
     Examples
     --------
@@ -182,9 +182,7 @@ def _modes_of(coordinates: StructureCoordinates, modes: int | None) -> Structure
     chain, moved = coordinates.chain, coordinates.momentum()
     _, size, shape = np.linalg.svd(moved, full_matrices=False)
     has = int(np.sum(size > _MASSLESS * size.max(initial=0.0)))
-    count = has if modes is None else whole_number("modes", modes)
-    if count > has:
-        raise ValueError(f"modes must be at most {has}, as many as the chain has, got {count}")
+    count = has if modes is None else min(has, whole_number("modes", modes))
     omega = 1.0 / size[:count]
     omega.flags.writeable = False
     motions = shape[:count].T * omega
