@@ -116,7 +116,7 @@ def test_one_word_is_one_thing_and_options_have_their_names() -> None:
 
 
 #: Returned, and of no use but by what returns them.
-INNER = {"BeamWaves", "Cases", "ExactLinearModel", "LinearizedChain", "Motion", "Parts"}
+INNER = {"BeamWaves", "Cases", "ExactLinearModel", "Film", "LinearizedChain", "Motion", "Parts"}
 
 
 def test_what_is_returned_and_raised_is_public() -> None:
