@@ -68,7 +68,7 @@ from typing import TYPE_CHECKING, Any
 
 #: Public names by the file that defines them: read when first asked for.
 _NAMES = {
-    "accuracy.advice": "recommend Recommendation",
+    "accuracy.advice": "recommend Recommendation Recommendations",
     "accuracy.buckling": "buckling_dataset buckling_load",
     "accuracy.chain_against_beam": "SlendernessWarning chain_errors theory_errors",
     "accuracy.chain_against_rod": "rod_error_dataset rod_errors",
@@ -170,6 +170,7 @@ __all__ = sorted(_HOME)
 
 if TYPE_CHECKING:
     from beammodes.accuracy.advice import Recommendation as Recommendation
+    from beammodes.accuracy.advice import Recommendations as Recommendations
     from beammodes.accuracy.advice import recommend as recommend
     from beammodes.accuracy.buckling import buckling_dataset as buckling_dataset
     from beammodes.accuracy.buckling import buckling_load as buckling_load

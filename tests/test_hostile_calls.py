@@ -734,6 +734,7 @@ ANSWERS = {
     "ModeTuned",
     "Modes",
     "Recommendation",
+    "Recommendations",
     "RodModes",
     "SpatialAudit",
     "SpatialEquilibrium",
