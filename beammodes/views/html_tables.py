@@ -79,10 +79,10 @@ def _text(value: Any) -> str:
     if value is None:
         return "–"
     if isinstance(value, np.ndarray | tuple | list):
-        flat = list(np.ravel(np.array(value, dtype=object)) if isinstance(value, np.ndarray) else value)
+        flat = value.ravel() if isinstance(value, np.ndarray) else value
         more = f", … ({len(flat)} in all)" if len(flat) > _MOST_NUMBERS else ""
-        between = "; " if flat and isinstance(flat[0], tuple | list) else ", "
-        return between.join(map(_text, flat[:_MOST_NUMBERS])) + more if flat else "none"
+        between = "; " if len(flat) and isinstance(flat[0], tuple | list) else ", "
+        return between.join(map(_text, flat[:_MOST_NUMBERS])) + more if len(flat) else "none"
     if isinstance(value, Mapping):
         return escape(", ".join(f"{key}: {each}" for key, each in value.items()))
     own = getattr(value, "__name__", None) if callable(value) else None
@@ -112,11 +112,20 @@ def _lines(said: Iterable[str]) -> str:
 
 
 def _table(
-    head: Sequence[str], rows: Iterable[Sequence[Any]], words: Iterable[int] = (0,), *, most: int = _MOST_ROWS
+    head: Sequence[str],
+    rows: Iterable[Sequence[Any]],
+    words: Iterable[int] = (0,),
+    *,
+    most: int = _MOST_ROWS,
+    count: int | None = None,
 ) -> str:
-    """Return a table; the columns `words` are text and stand to the left, numbers to the right."""
+    """Return a table; the columns `words` are text and stand to the left, numbers to the right.
+
+    `count` is how many rows there are, where some are left out already.
+    """
     listed, left = list(rows), set(words)
-    cut = len(listed) > most
+    count = count or len(listed)
+    cut = count > most
     shown = [*listed[: most - _LAST], None, *listed[-_LAST:]] if cut else listed
 
     def cell(kind: str, column: int, content: str) -> str:
@@ -125,9 +134,7 @@ def _table(
 
     def row(values: Sequence[Any] | None) -> str:
         if values is None:
-            return (
-                f'<tr><td colspan="{len(head)}" style="text-align: center">… {len(listed)} in all</td></tr>'
-            )
+            return f'<tr><td colspan="{len(head)}" style="text-align: center">… {count} in all</td></tr>'
         return f"<tr>{''.join(cell('td', i, _text(value)) for i, value in enumerate(values))}</tr>"
 
     top = "".join(cell("th", i, escape(name)) for i, name in enumerate(head))
@@ -136,6 +143,16 @@ def _table(
         '<table style="border-collapse: collapse; margin: 0.3em 0; font-variant-numeric: tabular-nums">'
         f"{head_row}<tbody>{''.join(map(row, shown))}</tbody></table>"
     )
+
+
+def _numbered(head: Sequence[str], *columns: Any) -> str:
+    """Return a table of arrays, side by side, of which only the rows that are shown are read."""
+    count = len(columns[0])
+    places = (
+        [*range(_MOST_ROWS - _LAST), *range(count - _LAST, count)] if count > _MOST_ROWS else range(count)
+    )
+    rows = [(k + 1, *(column[k] for column in columns)) for k in places]
+    return _table(head, rows, words=(), count=count)
 
 
 def _pairs(rows: Iterable[tuple[str, Any, str]]) -> str:
@@ -301,7 +318,8 @@ def _modes(value: Any) -> list[str]:
     said = [getattr(value, "theory_words", "")]
     if "theory error [%]" in head:
         said = [f"theory error: Timoshenko's beam, assumed {each}" for each in value.theory_assumed]
-    return [title, _table(head, zip(*columns, strict=True), words=()), _lines(filter(None, said))]
+    drawn = _drawing(value.chain, value) if hasattr(value, "chain") else ""
+    return [title, _table(head, zip(*columns, strict=True), words=()), drawn, _lines(filter(None, said))]
 
 
 def _shapes(value: Any) -> Any:
@@ -317,47 +335,38 @@ def _shapes(value: Any) -> Any:
 
 def _chain(value: Any) -> list[str]:
     by = [_many(value.segments, "segment"), f"rule {value.rule.name}"] if value.rule else []
-    unit = 1.0 / float(value.units.stiffness)
-    rows = [
-        (k + 1, x, spring, spring * unit)
-        for k, (x, spring) in enumerate(zip(value.hinge_position, value.joint_stiffness, strict=True))
-    ]
-    head = ["hinge", "x [m]", "k [N m/rad]"] + (["k / (EI/ℓ)"] if value.rule else [])
+    many = [_many(value.pieces, "piece"), _many(value.elastic_modes, "elastic mode")]
+    springs, own = value.joint_stiffness, 1.0 / float(value.units.stiffness)
+    ratio = {"k / (EI/ℓ)": springs * own} if value.rule else {}
+    columns = {"x [m]": value.hinge_position, "k [N m/rad]": springs, **ratio}
     return [
-        _title(
-            "Chain",
-            value.boundary.name,
-            *by,
-            f"{value.pieces} pieces",
-            f"{value.elastic_modes} elastic modes",
-        ),
+        _title("Chain", value.boundary.name, *by, *many),
         _drawing(value),
-        _table(head, [row[: len(head)] for row in rows], words=()) if rows else "",
+        _numbered(("hinge", *columns), *columns.values()) if len(springs) else "",
     ]
 
 
 def _axial_chain(value: Any) -> list[str]:
     unit = "N m/rad" if value.boundary.motion == "twist" else "N/m"
-    x = np.cumsum(value.length)[: len(value.joint_stiffness)]
-    rows = enumerate(zip(x, value.joint_stiffness, strict=True), start=1)
+    where = f"{value.boundary.name} in {value.boundary.motion}"
     return [
-        _title(
-            "AxialChain",
-            f"{value.boundary.name} in {value.boundary.motion}",
-            _many(value.segments, "segment"),
-            f"rule {value.rule.name}",
-        ),
-        _table(("hinge", "x [m]", f"k [{unit}]"), [(k, *pair) for k, pair in rows], words=()),
+        _title("AxialChain", where, _many(value.segments, "segment"), f"rule {value.rule.name}"),
+        _numbered(
+            ("hinge", "x [m]", f"k [{unit}]"),
+            np.cumsum(value.length)[: len(value.joint_stiffness)],
+            value.joint_stiffness,
+        )
+        if len(value.joint_stiffness)
+        else "",
     ]
 
 
 def _spatial_chain(value: Any) -> list[str]:
-    rows = enumerate(zip(value.hinge_position, value.joint_stiffness.tolist(), strict=True), start=1)
     head = ("hinge", "s [m]", "k twist [N m/rad]", "k about y", "k about z")
     return [
         _title("SpatialChain", str(value.ends), _many(value.segments, "segment"), f"rule {value.rule.name}"),
         _drawing(value),
-        _table(head, [(k, s, *springs) for k, (s, springs) in rows], words=()),
+        _numbered(head, value.hinge_position, *value.joint_stiffness.T) if len(value.hinge_position) else "",
     ]
 
 
