@@ -365,3 +365,27 @@ def test_neither_solids_nor_carriers_nor_the_beams_length_change_the_rods(
     found = audit_file(path, Beam(share * COUNT * ELL, SPRING * ELL, MASS / ELL))
     assert (found.boundary.name, found.layout, found.segments) == ("clamped-free", "naive", COUNT)
     assert found.length_mismatch == pytest.approx(1 / share - 1)
+
+
+@pytest.mark.parametrize("share", [0.8, 1.0, 1.2])
+@pytest.mark.parametrize(
+    "tip",
+    ["", '<body pos="0.1 0 0"><inertial mass="0.3" pos="0.02 0 0" diaginertia="1e-3 1e-3 1e-3"/></body>'],
+)
+@pytest.mark.parametrize("lumps", [False, True])
+def test_half_segments_at_both_ends_are_halves(share: float, tip: str, lumps: bool, tmp_path: Path) -> None:
+    """Welded half a rod before the first hinge, half a rod after the last, with a body or lumped masses."""
+    lengths, text = [ELL / 2, *[ELL] * (COUNT - 1), ELL / 2], ""
+    for i in reversed(range(COUNT + 1)):
+        own, mass = lengths[i], MASS * lengths[i] / ELL
+        rod = f'<geom type="cylinder" fromto="0 0 0 {own} 0 0" size="0.004" mass="{0.0 if lumps else mass}"/>'
+        rod += f'<geom size="0.01" pos="{own} 0 0" mass="{mass}"/>' if lumps else ""
+        hinge = f'<joint axis="0 1 0" stiffness="{SPRING}"/>' if i else ""
+        place = f'pos="{lengths[i - 1]} 0 0"' if i else ""
+        text = f"<body {place}>{hinge}{rod}{tip if i == COUNT else ''}{text}</body>"
+    path = tmp_path / "model.xml"
+    path.write_text(f'<mujoco><option gravity="0 0 0"/><worldbody>{text}</worldbody></mujoco>')
+    found = audit_file(path, Beam(share * COUNT * ELL, SPRING * ELL, MASS / ELL))
+    assert (found.layout, found.segments) == ("half_stub", COUNT)
+    assert found.length_mismatch == pytest.approx(1 / share - 1)
+    assert found.boundary.right.mass == pytest.approx(0.3 if tip else 0.0)

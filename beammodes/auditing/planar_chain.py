@@ -354,8 +354,12 @@ def _near_lengths(path: HingePath, line: HingeLine, root: RootSupport | None) ->
         return _Lengths((_pivot(root.hinge, line),))
     segment = _segment(path, line, -1, root)
     found = _by_matter(path.root, line, line.places[0], -1.0, segment, path)
-    if found:
-        return _Lengths((found[0],))
+    if found and segment:
+        # Half a mass on the hinge is that of half a segment or of a whole one: solids tell.
+        ahead = _ahead(path.root.extent, line, line.places[0], -1.0)
+        drawn = any(abs(value - found[0]) <= _ALIKE * segment.length for value in ahead)
+        ends = [] if drawn else _whole_or_half(ahead, segment)
+        return _Lengths((ends[0] if ends else found[0],))
     slides = [j for j in path.root.joints if root is not None and j.kind == "slide"]
     for slide in slides:
         place = -line.place(slide.position)
@@ -439,6 +443,9 @@ def _far_lengths(
     if far.place is not None:
         return _Lengths((far.place - hinge,))
     segment = _segment(path, line, 1, root)
+    certain = None if segment is None else _certain_length(tip, line, hinge, 1.0, segment, path)
+    if certain is not None:
+        return _Lengths((certain,))
     found, ahead = _by_matter(tip, line, hinge, 1.0, segment, path), _ahead(tip.extent, line, hinge, 1.0)
     carries = segment is not None and _carries_body(tip, line, hinge, segment)
     if found and segment:
@@ -504,20 +511,28 @@ def _has_twin(group: Group, line: HingeLine, hinge: float, way: float, path: Hin
     )
 
 
+def _certain_length(
+    group: Group, line: HingeLine, hinge: float, way: float, segment: Piece, path: HingePath
+) -> float | None:
+    """Return the length of an outer piece that has a body made as its neighbour is, in all its matter."""
+    if _has_twin(group, line, hinge, way, path):
+        return segment.length
+    wholes = (group.inertial, *(body.inertial for body in group.bodies))
+    alike = (_length_alike(part, line, hinge, way, segment) for part in wholes)
+    return next((length for length in alike if length is not None), None)
+
+
 def _by_matter(
     group: Group, line: HingeLine, hinge: float, way: float, segment: Piece | None, path: HingePath
 ) -> list[float]:
     """Return lengths of an outer piece that is made as its neighbour is, alone or with a body on it."""
     if segment is None:
         return []
-    if _has_twin(group, line, hinge, way, path):
-        return [segment.length]
-    solids = (solid.inertial for body in group.bodies for solid in body.solids)
-    wholes = (group.inertial, *(body.inertial for body in group.bodies))
-    alike = (_length_alike(part, line, hinge, way, segment) for part in wholes)
-    certain = next((length for length in alike if length is not None), None)
+    certain = _certain_length(group, line, hinge, way, segment, path)
     if certain is not None:
         return [certain]
+    solids = (solid.inertial for body in group.bodies for solid in body.solids)
+    wholes = (group.inertial, *(body.inertial for body in group.bodies))
     lengths = (_length_of_kind(part, line, hinge, way, segment) for part in (*wholes, *solids))
     return [length for length in lengths if length is not None]
 
@@ -538,7 +553,8 @@ def _carries_body(group: Group, line: HingeLine, hinge: float, segment: Piece) -
 def _length_alike(part: Inertial, line: HingeLine, hinge: float, way: float, kind: Piece) -> float | None:
     """Return the length of a body whose inertia is that of its kind too, whatever solids it is made of."""
     length = _length_of_kind(part, line, hinge, way, kind)
-    if length is None:
+    # What looks longer may as well be a segment with a body.
+    if length is None or length > kind.length * (1 + _ALIKE):
         return None
     due = kind.inertia / kind.mass * (length / kind.length) ** 2
     return length if abs(line.moment(part) / part.mass - due) <= _ALIKE * length**2 else None
