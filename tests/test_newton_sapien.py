@@ -239,6 +239,7 @@ def sapien_robot(folder: Path, step: float, iterations: int = 10) -> tuple[Any, 
     scene = sapien.Scene([sapien.physx.PhysxCpuSystem()])
     scene.set_timestep(step)
     robot = scene.create_urdf_loader().load(str(bare))
+    assert robot.solver_position_iterations == 10
     robot.set_solver_position_iterations(iterations)
     for link in robot.links:
         link.disable_gravity = True
@@ -270,9 +271,10 @@ def test_torques_in_sapien_ring_and_step_as_said(tmp_path: Path) -> None:
         limit = bm.stable_time_step(CHAIN, "PhysX torques", damping=damping)
         still = sapien_motion(tmp_path, 0.97 * limit, 400, rough, seconds)
         assert np.abs(still).max() < 4 * np.abs(rough).max()
-        # Until the engine's largest speeds hold it.
+        # Until the engine's largest speed of joints, 100 rad/s, holds it.
         grown = sapien_motion(tmp_path, 1.03 * limit, 400, rough, seconds)
         assert np.abs(grown).max() > 8 * np.abs(rough).max()
+        assert np.abs(np.diff(grown, axis=0)).max() < 1.01 * 100 * 1.03 * limit
     limit = bm.stable_time_step(CHAIN, "PhysX torques")
     motion = sapien_motion(tmp_path, 0.97 * limit, 4000, BENT).sum(axis=1)
     assert first_frequency(motion, 0.97 * limit) == pytest.approx(FIRST, rel=1e-4)
@@ -343,6 +345,11 @@ def test_numbers_on_the_page_about_drives() -> None:
 
 def test_a_page_on_newton_names_what_is_in_the_file() -> None:
     page = named("newton_isaac")
+    shown = re.findall(r'--integrator "(.*?)"( --damping-ratio 0.01)?   # (\S+) s', named("sapien") + page)
+    assert len(shown) == 3
+    for name, damped, step in shown:
+        found = bm.stable_time_step(CHAIN, name, damping=DAMPING if damped else None)
+        assert step == f"{found:.6g}"
     limit = bm.stable_time_step(CHAIN, "Newton Featherstone")
     assert f"stable to {1e3 * limit:.3f} ms here" in page
     assert page.count(f"| {FIRST:.4f} Hz |") == 2
