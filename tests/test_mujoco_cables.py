@@ -193,6 +193,8 @@ def test_the_springs_advised_are_set_by_the_sizes_of_geoms(tmp_path: Path) -> No
         (composite('curve="s" count="8 2 1"'), "count from 2 to 600 along a line"),
         (composite('curve="s" count="100000"'), "count from 2 to 600 along a line, got '100000'"),
         (composite('vertex="0 0 0 1"'), "points of three numbers"),
+        (composite(f'{ALONG} prefix="{"x" * 1000}"'), "printable prefix of at most 100"),
+        (re.sub("<composite.*</composite>", lambda found: found[0] * 1000, composite(ALONG)), "at most 5000"),
         (composite('curve="s" count="8" quat="2 0 0 0"'), "quat of length 1"),
         (composite('curve="s" count="8" initial="held"'), "initial of none, ball or free, got 'held'"),
         (composite('curve="t" count="8"'), "curve of up to three of"),

@@ -40,6 +40,9 @@ CABLE = "mujoco.elasticity.cable"
 BARE = " "
 #: Elements nest no deeper in files either.
 _MOST_POINTS = 600
+#: More in all cables of a file are no chain that anybody looks at.
+_MOST_HINGES = 5000
+_LONGEST_PREFIX = 100
 #: Sines of angles up to which points are on a line and bodies are aligned; MuJoCo saves six digits.
 _STRAIGHT = 1e-5
 _TYPES = ("capsule", "cylinder", "box")
@@ -74,6 +77,8 @@ def expand_cables(root: XmlElement) -> None:
                 children.append(body)
                 made += settings
                 apart += _excludes(child, body)
+                if len(apart) > _MOST_HINGES:
+                    child.refuse(f"must be of cables with at most {_MOST_HINGES} hinges in all")
             else:
                 children.append(child)
                 waiting.append(child)
@@ -107,6 +112,8 @@ def _expanded(cable: XmlElement) -> tuple[XmlElement, list[XmlElement]]:
     if initial not in ("none", "ball", "free"):
         cable.refuse(f"must have an initial of none, ball or free, got {shown(initial)}")
     prefix, last = cable.attributes.get("prefix", ""), len(lengths) - 1
+    if len(prefix) > _LONGEST_PREFIX or not prefix.isprintable():
+        cable.refuse(f"must have a printable prefix of at most {_LONGEST_PREFIX} characters")
     plugins, settings = _plugins(cable)
     inner: list[XmlElement] = []
     for i in range(last, -1, -1):

@@ -68,15 +68,13 @@ def flexcomp_points(flex: XmlElement) -> tuple[Floats, list[int], tuple[bool, ..
         elements = [int(i) for i in listed(flex, "element", 2).ravel()]
     else:
         flex.refuse(f"must be of type grid or direct to be judged, got {shown(kind)}")
-    pinned = [False] * len(points)
+    pinned = np.zeros(len(points), dtype=bool)
     for pin in flex.all("pin"):
-        ids = _indices(pin, "id", len(points))
+        pinned[_indices(pin, "id", len(points))] = True
         ends = _indices(pin, "range", len(points))
         for first, last in zip(ends[::2], ends[1::2], strict=False):
-            ids += range(first, last + 1)
-        for i in ids:
-            pinned[i] = True
-    return points, elements, tuple(pinned)
+            pinned[first : last + 1] = True
+    return points, elements, tuple(pinned.tolist())
 
 
 def listed(element: XmlElement, name: str, columns: int) -> Floats:

@@ -51,6 +51,7 @@ __all__ = ["include_files", "read_mjcf"]
 
 _MOST_INCLUDED = 20
 _MOST_BODIES = 20_000
+_MOST_FLEXES = 50
 #: More copies by replicates than these are no chain that anybody looks at.
 _MAX_COPIES = 10_000
 
@@ -439,6 +440,8 @@ class _Reader:
             if _is_rod(flex):
                 name = flex.attributes.get("name", f"flexcomp on line {flex.line}") + suffix + more
                 self.flexes.append((flex, index, frame @ place @ self._pose(flex), frame, name))
+                if len(self.flexes) > _MOST_FLEXES:
+                    flex.refuse(f"must be one of at most {_MOST_FLEXES} rods")
 
     def _rods(self) -> Iterator[ModelRod]:
         """Yield the rods that flexes of dim 1 are, made by a flexcomp or of bodies."""
@@ -850,7 +853,8 @@ class _Reader:
         """Yield the bodies and joints that other constraints and flexes act on, and what to say of these."""
         sprung = {body.name for body in self.bodies if any(joint.is_sprung for joint in body.joints)}
         for flex in self._within("deformable", "flex"):
-            for name in sprung & set(flex.attributes.get("body", "").split()):
+            named = flex.attributes.get("body", "").split(maxsplit=_MOST_BODIES)
+            for name in sprung & set(named):
                 yield name, flex.where
         for element in self._within("equality", "connect", "weld", "joint"):
             given = element.attributes
