@@ -240,7 +240,7 @@ GOOD: dict[str, dict[str, Any]] = {
         "duration": 0.01,
         "step": 1e-3,
         "output_step": 1e-3,
-        "initial": ([0.0] * 4, [0.0] * 4),
+        "initial": ([0.01] * 4, [0.0] * 4),
         "tolerance": 1e-6,
         "modes": 1,
         "halve_step": False,
