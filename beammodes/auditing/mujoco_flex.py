@@ -69,7 +69,10 @@ def flexcomp_points(flex: XmlElement) -> tuple[Floats, list[int], tuple[bool, ..
     else:
         flex.refuse(f"must be of type grid or direct to be judged, got {shown(kind)}")
     pinned = np.zeros(len(points), dtype=bool)
-    for pin in flex.all("pin"):
+    pins = list(flex.all("pin"))
+    if len(pins) > MOST_POINTS:
+        flex.refuse(f"must have at most {MOST_POINTS} <pin> elements")
+    for pin in pins:
         pinned[_indices(pin, "id", len(points))] = True
         ends = _indices(pin, "range", len(points))
         for first, last in zip(ends[::2], ends[1::2], strict=False):
