@@ -159,6 +159,7 @@ def test_every_number_of_every_public_function_is_taken_with_its_unit_and_with_n
 
 
 @pytest.mark.slow
+@pytest.mark.filterwarnings("ignore:Animation was deleted", "ignore::pytest.PytestUnraisableExceptionWarning")
 @pytest.mark.parametrize("name", sorted(LONG))
 def test_long_computations_take_units_too(name: str) -> None:
     check_call(name)

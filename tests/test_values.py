@@ -11,7 +11,9 @@ import copy
 import dataclasses
 import inspect
 import pickle
+import tempfile
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -40,6 +42,19 @@ SPREAD = bm.frequency_spread(
 #: Columns of a chain whose springs are half as stiff.
 SOFT: dict[str, Any] = {name: getattr(CHAIN, name) for name in ("length", "mass", "rotary_inertia")}
 SOFT["joint_stiffness"] = 0.5 * CHAIN.joint_stiffness
+
+
+def written(chain: Any) -> Path:
+    """A model file of a chain."""
+    path = Path(tempfile.mkdtemp()) / "chain.xml"
+    bm.export_chain(chain, path)
+    return path
+
+
+FLAT = bm.Rod(1.0, 1.0, 0.8, 1.0, 0.01, second_bending_stiffness=2.0)
+FLAT_FILE = written(bm.SpatialChain(FLAT, "clamped-free", 4))
+FILE = written(bm.Chain(UNIT, "clamped-free", 3, "naive"))
+SHAFT = bm.Beam(1.0, 1.0, 1.0, torsional_stiffness=0.8, polar_inertia_per_length=0.01)
 
 #: Made from equal parts by each call.
 MADE: dict[str, Callable[[], Any]] = {
@@ -116,6 +131,11 @@ FOUND: dict[str, Callable[[], Any]] = {
         mass=CHAIN.mass,
         rotary_inertia=CHAIN.rotary_inertia,
         joint_stiffness=CHAIN.joint_stiffness,
+    ),
+    "AxialAudit": lambda: bm.audit_file(FLAT_FILE, SHAFT, "fixed-free", modes=1, motion="twist"),
+    "SpatialAudit": lambda: bm.audit_file(FLAT_FILE, FLAT, "clamped-free", modes=2, motion="space"),
+    "MendedFile": lambda: bm.mend_file(
+        FILE, FILE.with_name("mended.xml"), UNIT, "clamped-free", modes=1, force=True
     ),
     "AxialModes": lambda: bm.axial_modes(
         bm.Beam(1, 1, 1, axial_stiffness=2), "free-free", 2, motion="stretch"

@@ -93,7 +93,7 @@ def _edit(text: _Text, place: SpringPlace, number: NewNumber) -> tuple[int, int,
     """Return from where to where a text is replaced, and by what."""
     new = repr(number.new)
     if place.kind == "scalar":
-        start = place.start + text.content.startswith("\ufeff")
+        start = place.start + text.content.startswith(chr(0xFEFF))
         return (*_number(_SCALAR.match(text.content, start), 0, number), yaml_number(number.new))
     at = text.character(place.start)
     name = _NAME.match(text.content, at)
