@@ -461,7 +461,10 @@ def test_the_first_screen_says_what_the_code_computes() -> None:
 
 #: Errors as it is and mended, by the tool's name in README's table.
 SCREEN: dict[str, tuple[Errors, Errors]] = {
-    "MuJoCo 3 `cable`": (partial(_rule_errors, "rigid_stub"), partial(_rule_errors, "rigid_stub_corrected")),
+    "MuJoCo 3 `cable`, Newton `add_rod`": (
+        partial(_rule_errors, "rigid_stub"),
+        partial(_rule_errors, "rigid_stub_corrected"),
+    ),
     "MuJoCo 4 `flexcomp`": (flex_errors, partial(flex_errors, shifted=True)),
     "Adams flexible link": (
         partial(adams_link_errors, attachment="rigid"),
@@ -479,7 +482,7 @@ SPRINGS = re.compile(r"\d+/\d+")
 
 def test_the_springs_of_the_first_screen_are_the_rules() -> None:
     for tool, rule in {
-        "MuJoCo 3 `cable`": "rigid_stub_corrected",
+        "MuJoCo 3 `cable`, Newton `add_rod`": "rigid_stub_corrected",
         "Drake, Gazebo by hand": "gregory",
         "Simscape, Modelica": "half_stub_corrected",
         "Working Model": "gregory",
