@@ -90,11 +90,19 @@ REFUSED: dict[str, Callable[[Any], Any]] = {
 }
 
 
+def _is_an_answer(value: object) -> bool:
+    """Errors, and values that functions return with the rule that they were asked about."""
+    return inspect.isclass(value) and (
+        issubclass(value, BaseException)
+        or value in (bm.EnoughSegments, bm.Recommendation, bm.AxiallyCorrected)
+    )
+
+
 def with_a_rule() -> set[str]:
     found = set()
     for name in bm.__all__:
         value = getattr(bm, name)
-        if callable(value) and not (inspect.isclass(value) and issubclass(value, BaseException)):
+        if callable(value) and not _is_an_answer(value):
             try:
                 parameters = inspect.signature(value).parameters
             except (TypeError, ValueError):

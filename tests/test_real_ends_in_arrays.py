@@ -21,7 +21,7 @@ def test_ends_are_as_their_records_in_the_units_of_a_beam() -> None:
     beam, load = bm.Beam(2.0, 30.0, 0.5), bm.Load(axial_force=2.0)
     records = [random_end(random) for _ in range(40)]
     # Arrays of ends know no hubs.
-    names = bm.End.__dataclass_fields__.keys() - {"on_segment", "hub_radius"}
+    names = bm.End.__dataclass_fields__.keys() - {"on_segment", "hub_radius", "in_si"}
     many = bm.Ends(**{name: [float(getattr(end, name)) for end in records] for name in names})
     segments, mode = random.integers(4, 60, 40), random.integers(1, 4, 40)
     pairs = [bm.Boundary(bm.ENDS["clamped"], end) for end in records]

@@ -201,8 +201,8 @@ def recommend(
 
     A shaft with a disc, in multiples of rho Ip L:
 
-    >>> bm.recommend("fixed-free(inertia=0.5)", 0.01, 3, rules=["mitiguy"], motion="twist")
-    [Recommendation(mitiguy, 12 segments: frequency error 0.945 %, stable step 0.1171 s, cost 598)]
+    >>> bm.recommend("fixed-free(inertia=0.5)", 0.01, 3, rules=["mitiguy"], motion="twist")[0]
+    Recommendation(mitiguy, 12 segments: frequency error 0.945 %, stable step 0.1171 s, cost 598)
     """
     kind, integrator = motion_named(motion), find_integrator(integrator, _LIMITED).name
     limit = small_fraction("tolerance", tolerance)
