@@ -460,8 +460,10 @@ def test_numbers_within_a_mapping_are_bounded_too(name: str, mapping: str, key: 
 @pytest.mark.parametrize(("name", "argument"), [pair for pair in arguments("int") if pair[1] == "modes"])
 @pytest.mark.parametrize("modes", [10**9, 2**63, 10**30])
 def test_numbers_of_modes_are_bounded(name: str, argument: str, modes: int) -> None:
-    if name == "solve_modes":
-        assert len(call(name, {argument: modes}).angular_frequency) == CHAIN.elastic_modes
+    if name in ("solve_modes", "structure_chain_modes"):  # these give all that the chain has
+        found = call(name, {argument: modes})
+        has = CHAIN.elastic_modes if name == "solve_modes" else found.elastic_modes
+        assert len(found.angular_frequency) == has
         return
     with pytest.raises(ValueError, match=r"modes must be (a whole number of at least 1 and )?at most"):
         call(name, {argument: modes})

@@ -511,20 +511,20 @@ def _from_csv(place: Path, length: float) -> _Read:
 
 def _of_model_file(place: Path, springs: Path | None, answer: Callable[[Model], _T]) -> _T:
     """Return the answer to a model file, or to what MuJoCo makes of one that is refused without it."""
-    root, whole = read_xml(place), False
+    root = read_xml(place)
     try:
         return answer(_model(root, place, springs))
     except BadModel as error:
-        whole = isinstance(error, UnexpandedModel)
         if root.tag not in ("mujoco", "mujocoinclude"):
             raise
-        refusal = error
+        element = needs_mujoco(root) or ("its replicates" if isinstance(error, UnexpandedModel) else "")
+        if not element:
+            raise
+        # A traceback holds the tree, which a large file should not be in memory with twice.
+        refusal = error.with_traceback(None)
     # The tree that was read has its cables expanded.
     root = read_xml(place)
     include_files(root, place.parent)
-    element = needs_mujoco(root) or ("its replicates" if whole else "")
-    if not element:
-        raise refusal from None
     try:
         expanded, version = expanded_by_mujoco(root, place, include_files)
     except BadModel as why:

@@ -2,8 +2,7 @@
 
 A cable's plugin (mujoco.elasticity.cable) resists, between a body and the one before it at the distance ℓ,
 
-.. math:: M_x = \\frac{G J}{\\ell} \\theta_x, \\quad M_y = \\frac{E I_y}{\\ell} \\theta_y, \\quad
-          M_z = \\frac{E I_z}{\\ell} \\theta_z,
+    M_x = G J θ_x / ℓ,   M_y = E I_y θ_y / ℓ,   M_z = E I_z θ_z / ℓ,
 
 where E is the setting `bend`, G is `twist`, and J and I are those of the body's first geom. The first body of
 a cable has none before it: whatever carries it holds it, if it has no joint, for its whole length.

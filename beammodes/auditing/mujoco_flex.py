@@ -1,9 +1,9 @@
 """Flexes of MuJoCo 4 that are straight rods: point masses on massless edges, springs at points between them.
 
-A point between edges of the lengths ℓ₀ and ℓ₁ bends by the energy :math:`k |\\kappa b|^2`, where
-:math:`k = E I/(\\ell_0 + \\ell_1)` and κb is the angle between the edges, near rest. So
+A point between edges of the lengths ℓ₀ and ℓ₁ bends by the energy k |κb|², where k = E I / (ℓ₀ + ℓ₁)
+and κb is the angle between the edges, near rest. So its moment is
 
-.. math:: M = \\frac{2 E I}{\\ell_0 + \\ell_1} \\theta.
+    M = 2 E I θ / (ℓ₀ + ℓ₁).
 
 Points have their mass in the place where they are: the last one a whole share where a beam's end has half of
 one. What is pinned is held: one point is a pinned end, two a clamped one, whose edge does not bend.

@@ -100,7 +100,7 @@ def kind_of(unit: str) -> Kind:
     ((1, 3, -2), (1, -3, 0), (0, 0, -1))
     """
     above, _, below = unit.partition("/")
-    total = [0.0, 0.0, 0.0]
+    total: list[float] = [0, 0, 0]
     for part, sign in ((above, 1), (below, -1)):
         for word in part.split():
             base, power = re.fullmatch(r"([A-Za-z]+|1)(\d*)", word).groups()  # type: ignore[union-attr]
