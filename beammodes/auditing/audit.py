@@ -5,29 +5,34 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 
 from beammodes.accuracy.chain_against_beam import stout_remark
 from beammodes.auditing.body_tree import SpringPlace
-from beammodes.auditing.judged_pieces import SOLVED, UNKNOWN, Columns, JudgedPieces
+from beammodes.auditing.judged_pieces import UNKNOWN, Columns, JudgedPieces
+from beammodes.auditing.told_audit import (
+    ToldAudit,
+    audit_line,
+    listed_errors,
+    listed_parts,
+    off_the_beam,
+    told_ratios,
+)
 from beammodes.chains.chain import Chain
-from beammodes.checks import Shown, percent, row_shown, shown, small_fraction
+from beammodes.checks import Shown, shown, small_fraction
 from beammodes.numerics.arrays import Floats
 from beammodes.problem.beam import Beam
 from beammodes.problem.ends import Boundary, BoundaryLike
 from beammodes.vibration.linear import linearize
 from beammodes.vibration.modes import MAX_DENSE, solve_modes
 
-__all__ = ["Audit", "StepVerdict", "Suggestion", "audit_chain", "audit_line", "listed_errors"]
+__all__ = ["Audit", "StepVerdict", "Suggestion", "audit_chain"]
 
 #: Names of suggestions that are no rule for the chain's own hinges.
 _TUNED, _MOVED, _HINGED = "first_spring_tuned", "gregory", "gregory with a hinge at the body"
 #: Springs nearer to those of the corrected rule are its own already.
 _SAME_SPRING = 1e-4
-#: A smaller relative difference of lengths or masses is not reported.
-_SAME = 1e-6
 _LISTED = 8
 #: An error of mode 1 that is none.
 _EXACT = 1e-9
@@ -107,7 +112,7 @@ class StepVerdict(Shown):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Audit(Shown):
+class Audit(ToldAudit):
     """The result of `audit_chain` or `audit_file`: what is given, what is assumed, and what is found.
 
     Attributes
@@ -191,11 +196,6 @@ class Audit(Shown):
     spring_places: tuple[SpringPlace | None, ...] = ()
 
     @property
-    def meets(self) -> bool:
-        """True if all modes exist and their errors are within the tolerance."""
-        return bool((np.abs(self.errors) <= self.tolerance).all())
-
-    @property
     def swings(self) -> tuple[bool, ...]:
         """True for each mode that swings, and does not creep back."""
         return tuple((self.damping_ratio < 1).tolist())
@@ -203,13 +203,9 @@ class Audit(Shown):
     @property
     def mismatches(self) -> tuple[str, ...]:
         """Sentences on matter that is not the beam's, which is blamed before any spring."""
-        off = {"length": self.length_mismatch, "mass": self.mass_mismatch}
-        found = [
-            f"{name} is {percent(part)} off the beam's: more segments do not remove that error"
-            for name, part in off.items()
-            if abs(part) > _SAME
-        ]
-        if self.matter or abs(self.mass_mismatch) > _SAME:
+        off = off_the_beam({"length": self.length_mismatch, "mass": self.mass_mismatch})
+        found = [f"{each}: more segments do not remove that error" for each in off]
+        if self.matter or off_the_beam({"mass": self.mass_mismatch}):
             with_rods = listed_errors(self.errors_with_rods)
             found += self.matter
             found.append(
@@ -220,9 +216,7 @@ class Audit(Shown):
     @property
     def found(self) -> tuple[str, ...]:
         """Sentences on what is found: the verdict first, then what it is due to."""
-        verdict = "meets" if self.meets else "does not meet"
-        allowed = f"{100 * self.tolerance:.3g} %"
-        first = f"{self.boundary.name} chain {verdict} {allowed}: {listed_errors(self.errors)}"
+        first = self._verdict(f"{self.boundary.name} chain", listed_errors(self.errors))
         theory = (self.theory,) if self.theory else ()
         sizes = self._sizes()
         return (first, *theory, *self.mismatches, self.remark, *sizes, *self._motion(), *self.other_readings)
@@ -249,24 +243,17 @@ class Audit(Shown):
         costs = (1 + self.errors) / (1 + self.errors_without_armature) - 1
         if (costs < 0).any():
             lines.append(
-                f"the armature of its hinges, which no beam has, changes the modes by {_listed(costs)}; "
+                f"the armature of its hinges, which no beam has, changes the modes by {listed_parts(costs)}; "
                 f"without it: {listed_errors(self.errors_without_armature)}"
             )
         if (self.damping_ratio > 0).any():
-            ratios = [
-                "no such mode"
-                if math.isnan(value)
-                else f"{value:.4g}" + (" (overdamped: does not swing)" if value >= 1 else "")
-                for value in self.damping_ratio.tolist()
-            ]
-            lines.append(f"the dampers of its hinges give the modes damping ratios of {', '.join(ratios)}")
+            lines.append(told_ratios(self.damping_ratio, "hinges"))
         return [*lines, *self.weight, *([str(self.step)] if self.step else [])]
 
     @property
     def text(self) -> str:
         """A short report: what is given, what is assumed, what is found."""
-        lines = [f"given: {line}" for line in self.given] + [f"assumed: {line}" for line in self.assumed]
-        return "\n".join([*lines, *self.found, *(f"  {suggestion}" for suggestion in self.suggestions)])
+        return self._report(self.found, map(str, self.suggestions))
 
     @property
     def frequency(self) -> Floats:
@@ -275,29 +262,6 @@ class Audit(Shown):
 
     def _line(self) -> str:
         return audit_line(self, f"{self.boundary}, {self.layout}: chain against beam")
-
-
-def audit_line(audit: Any, of: str) -> str:
-    """Return the line that a prompt shows of an audit: frequencies, of what, errors, and the verdict."""
-    frequency = row_shown(audit.angular_frequency / (2.0 * math.pi), "{:.4g}", "Hz")
-    errors = row_shown(100 * audit.errors, "{:+.3g}", "%")
-    meets = "meets" if audit.meets else "does not meet"
-    return f"{type(audit).__name__}({frequency}; {meets} {100 * audit.tolerance:.3g} %, {of} {errors})"
-
-
-def listed_errors(errors: Floats) -> str:
-    """Return errors as text, those of modes that are not there as such.
-
-    Examples
-    --------
-    >>> listed_errors(np.array([0.1, np.nan]))
-    'errors +10 %, no such mode'
-    """
-    return f"errors {_listed(errors)}"
-
-
-def _listed(parts: Floats) -> str:
-    return ", ".join("no such mode" if math.isnan(e) else percent(e, rounding=SOLVED) for e in parts.tolist())
 
 
 def audit_chain(

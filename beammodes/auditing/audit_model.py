@@ -21,7 +21,7 @@ from typing import Literal, TypeVar, overload
 
 import numpy as np
 
-from beammodes.auditing.audit import Audit, StepVerdict, audit_chain, listed_errors
+from beammodes.auditing.audit import Audit, StepVerdict, audit_chain
 from beammodes.auditing.axial_audit import AxialAudit
 from beammodes.auditing.body_tree import FileStep, Model, ModelRod
 from beammodes.auditing.bounded_xml import BadModel, UnexpandedModel, XmlElement, read_xml
@@ -56,6 +56,7 @@ from beammodes.auditing.serial_chains import (
     without_stretch,
 )
 from beammodes.auditing.space_audit import SpatialAudit, audit_along, audit_in_space
+from beammodes.auditing.told_audit import listed_errors
 from beammodes.auditing.touching import touching_remark
 from beammodes.auditing.weight_effect import weight_remarks
 from beammodes.chains.chain import Chain

@@ -13,15 +13,16 @@ from functools import cached_property
 
 import numpy as np
 
-from beammodes.auditing.audit import StepVerdict, Suggestion, audit_line, listed_errors
+from beammodes.auditing.audit import StepVerdict, Suggestion
 from beammodes.auditing.judged_pieces import SOLVED, UNKNOWN
 from beammodes.auditing.row_modes import elastic_modes
+from beammodes.auditing.told_audit import ToldAudit, audit_line, listed_errors, off_the_beam, told_ratios
 from beammodes.chains.axial_chain import AxialChain, laid_out
 from beammodes.chains.pieces import floats
 from beammodes.chains.rules import RULES, Rule
-from beammodes.checks import Shown, percent, whole_number
+from beammodes.checks import percent, whole_number
 from beammodes.exact.axial_theory import axial_modes
-from beammodes.numerics.arrays import Floats
+from beammodes.numerics.arrays import Floats, ratios_less_one
 from beammodes.problem.axial_ends import AxialBoundary, AxialEnd
 from beammodes.problem.beam import Beam
 from beammodes.problem.motions import MOTIONS
@@ -40,7 +41,7 @@ _MOVED, _TUNED = "gregory", "first_spring_tuned"
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class AxialAudit(Shown):
+class AxialAudit(ToldAudit):
     """What is found of a chain in twist or stretch.
 
     Attributes
@@ -100,21 +101,12 @@ class AxialAudit(Shown):
         return self.boundary.motion
 
     @property
-    def meets(self) -> bool:
-        """True if all modes exist and their errors are within the tolerance."""
-        return bool((np.abs(self.errors) <= self.tolerance).all())
-
-    @property
     def mismatches(self) -> tuple[str, ...]:
         """Sentences on length and inertia that are not the beam's, blamed before any spring."""
         body = "inertia about the axis" if self.motion == "twist" else "mass"
-        off = {"length": self.length_mismatch, body: self.inertia_mismatch}
-        found = [
-            f"{name} is {percent(part)} off the beam's: more segments do not remove that error"
-            for name, part in off.items()
-            if abs(part) > _NONE
-        ]
-        if abs(self.inertia_mismatch) > _NONE:
+        off = off_the_beam({"length": self.length_mismatch, body: self.inertia_mismatch})
+        found = [f"{each}: more segments do not remove that error" for each in off]
+        if off_the_beam({body: self.inertia_mismatch}):
             errors = listed_errors(self.errors_with_beam_inertia)
             found.append(
                 f"between pieces of the beam the same springs give {errors}; the rest is due to matter"
@@ -124,22 +116,13 @@ class AxialAudit(Shown):
     @property
     def found(self) -> tuple[str, ...]:
         """Sentences on what is found: the verdict first, then what it is due to."""
-        verdict = "meets" if self.meets else "does not meet"
-        allowed = f"{100 * self.tolerance:.3g} %"
-        first = (
-            f"{self.boundary.name} chain in {self.motion} {verdict} {allowed}: {listed_errors(self.errors)}"
-        )
+        first = self._verdict(f"{self.boundary.name} chain in {self.motion}", listed_errors(self.errors))
         return (first, *self.mismatches, self.remark, *self._damping(), *self._step())
 
     def _damping(self) -> list[str]:
         if not (self.damping_ratio > 0).any():
             return []
-        told = [
-            f"{value:.4g}" + (" (overdamped: does not swing)" if value >= 1 else "")
-            for value in self.damping_ratio.tolist()
-            if not math.isnan(value)
-        ]
-        return [f"the dampers of its joints give the modes damping ratios of {', '.join(told)}"]
+        return [told_ratios(self.damping_ratio[~np.isnan(self.damping_ratio)], "joints")]
 
     def _step(self) -> list[str]:
         return [str(self.step)] if self.step else []
@@ -152,8 +135,7 @@ class AxialAudit(Shown):
     @property
     def text(self) -> str:
         """A short report: what is given, what is assumed, what is found."""
-        lines = [f"given: {line}" for line in self.given] + [f"assumed: {line}" for line in self.assumed]
-        return "\n".join([*lines, *self.found, *(f"  {suggestion}" for suggestion in self.suggestions)])
+        return self._report(self.found, map(str, self.suggestions))
 
     def _line(self) -> str:
         return audit_line(self, f"{self.boundary} in {self.motion}, {self.layout}: chain against beam")
@@ -289,10 +271,7 @@ class _Judged:
 
     def against_exact(self, omega: Floats) -> Floats:
         """Return the relative errors of frequencies, NaN for missing modes."""
-        errors = np.full(len(self.exact), np.nan)
-        count = min(len(omega), len(errors))
-        errors[:count] = omega[:count] / self.exact[:count] - 1
-        return errors
+        return ratios_less_one(omega, self.exact, len(self.exact))
 
     @cached_property
     def own_errors(self) -> Floats:

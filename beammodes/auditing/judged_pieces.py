@@ -17,7 +17,7 @@ from beammodes.chains.pieces import Number, piece_numbers
 from beammodes.chains.rules import RULES, Rule
 from beammodes.checks import percent, shown, whole_number
 from beammodes.exact.beam_theory import euler_bernoulli
-from beammodes.numerics.arrays import Floats
+from beammodes.numerics.arrays import Floats, ratios_less_one
 from beammodes.problem.beam import Beam
 from beammodes.problem.ends import Boundary, End
 from beammodes.problem.loading import Load
@@ -214,10 +214,7 @@ class JudgedPieces:
 
     def against_exact(self, omega: Floats) -> Floats:
         """Return the relative errors of frequencies, NaN for missing modes."""
-        errors = np.full(len(self.exact), np.nan)
-        count = min(len(omega), len(errors))
-        errors[:count] = omega[:count] / self.exact[:count] - 1
-        return errors
+        return ratios_less_one(omega, self.exact, len(self.exact))
 
     @cached_property
     def own_errors(self) -> Floats:

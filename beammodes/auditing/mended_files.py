@@ -11,13 +11,14 @@ from typing import Any
 
 import numpy as np
 
-from beammodes.auditing.audit import Audit, Suggestion, audit_line, listed_errors
+from beammodes.auditing.audit import Audit, Suggestion
 from beammodes.auditing.audit_model import audit_file
 from beammodes.auditing.body_tree import SpringPlace
 from beammodes.auditing.bounded_xml import BadModel, XmlElement, bounded_bytes, read_xml
 from beammodes.auditing.changed_springs import NewNumber, with_numbers
 from beammodes.auditing.read_mjcf import include_files
-from beammodes.checks import Shown, choice, flag, percent, row_shown, shown
+from beammodes.auditing.told_audit import audit_line, listed_errors, off_the_beam
+from beammodes.checks import Shown, choice, flag, row_shown, shown
 from beammodes.files import file_target, named_path, write_atomically
 from beammodes.numerics.arrays import Floats
 from beammodes.problem.beam import Beam
@@ -27,8 +28,6 @@ __all__ = ["MendedFile", "mend_file"]
 
 #: A smaller relative difference of springs, or of what is read back from what is promised, is rounding.
 _ROUNDING = 1e-8
-#: A smaller relative difference of lengths or masses is none.
-_NONE = 1e-6
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -84,11 +83,10 @@ class MendedFile(Shown):
 
     def _left(self) -> Iterator[str]:
         found = self.audit
-        off = {"length": found.length_mismatch, "mass": found.mass_mismatch}
         listed = [
-            f"{name} is {percent(part)} off the beam's" for name, part in off.items() if abs(part) > _NONE
+            *off_the_beam({"length": found.length_mismatch, "mass": found.mass_mismatch}),
+            *found.matter,
         ]
-        listed += found.matter
         if listed:
             yield "springs do not mend matter: " + ", ".join(listed)
         if (found.errors < found.errors_without_armature).any():
@@ -115,9 +113,8 @@ class MendedFile(Shown):
         return "\n".join([*lines, *self.notes])
 
     def _line(self) -> str:
-        return audit_line(
-            self.audit, f"{self.path.name}, {self.suggestion.name}: chain against beam"
-        ).replace(type(self.audit).__name__, "MendedFile", 1)
+        of = f"{self.path.name}, {self.suggestion.name}: chain against beam"
+        return audit_line(self.audit, of, "MendedFile")
 
 
 def mend_file(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -21,6 +21,8 @@ __all__ = [
     "HingePath",
     "RootSupport",
     "about_one_axis",
+    "are_parallel",
+    "are_square",
     "axes_across",
     "check_carrier",
     "chosen_path",
@@ -29,6 +31,7 @@ __all__ = [
     "letters_of",
     "lone_segment",
     "root_support",
+    "rows_of",
     "with_motors_held",
     "without_stretch",
 ]
@@ -49,11 +52,25 @@ _LISTED = 8
 _MOST_AXES = 6
 
 
-def _parallel(one: Floats, other: Floats) -> bool:
+def are_parallel(one: Floats, other: Floats) -> bool:
+    """Return True for two directions of one line, either way along it.
+
+    Examples
+    --------
+    >>> are_parallel(np.array([0.0, 1.0, 0.0]), np.array([0.0, -1.0, 0.0]))
+    True
+    """
     return bool(np.linalg.norm(np.cross(one, other)) < _PARALLEL)
 
 
-def _square(one: Floats, other: Floats) -> bool:
+def are_square(one: Floats, other: Floats) -> bool:
+    """Return True for two directions at a right angle.
+
+    Examples
+    --------
+    >>> are_square(np.array([0.0, 1.0, 0.0]), np.array([1.0, 1.0, 0.0]))
+    False
+    """
     return bool(abs(one @ other) <= _PARALLEL)
 
 
@@ -153,21 +170,32 @@ class HingePath:
 
 def hinge_paths(model: Model) -> list[HingePath]:
     """Return all serial chains of a model, the longest first; refuse a model without any."""
-    found = []
-    for group in rigid_groups(model.bodies):
-        before = group.parent
-        if before is None or not _is_sprung(group) or (_is_sprung(before) and _next(before) is group):
-            continue
-        row = [group]
-        while (after := _next(row[-1])) is not None:
-            row.append(after)
-        found.append(HingePath(before, tuple(row), model.in_space))
-    if not found:
-        raise BadModel(why_no_chain(model))
+    found = [HingePath(*row, model.in_space) for row in rows_of(model, _is_sprung, _next)]
     return sorted(found, key=lambda path: -len(path.groups))
 
 
-def why_no_chain(model: Model) -> str:
+def rows_of(
+    model: Model, is_sprung: Callable[[Group], bool], after: Callable[[Group], Group | None]
+) -> list[tuple[Group, tuple[Group, ...]]]:
+    """Return the rows of groups with springs, each with what it is on; refuse a model without any.
+
+    `after` says which group goes on with a row, None at its end.
+    """
+    found = []
+    for group in rigid_groups(model.bodies):
+        before = group.parent
+        if before is None or not is_sprung(group) or (is_sprung(before) and after(before) is group):
+            continue
+        row = [group]
+        while (another := after(row[-1])) is not None:
+            row.append(another)
+        found.append((before, tuple(row)))
+    if not found:
+        raise BadModel(_why_no_chain(model))
+    return found
+
+
+def _why_no_chain(model: Model) -> str:
     sprung = [body for body in model.bodies if any(joint.is_sprung for joint in body.joints)]
     odd = [note for note in model.notes if "line " in note.split(":")[0]]
     odd += [body.refusal for body in model.bodies if body.refusal]
@@ -216,11 +244,11 @@ def about_one_axis(model: Model) -> Iterator[tuple[str, Model]]:
     sprung = [j for body in model.bodies for j in body.joints if j.stiffness]
     axes: list[Floats] = []
     for joint in sprung:
-        new = not any(_parallel(joint.axis, axis) for axis in axes)
+        new = not any(are_parallel(joint.axis, axis) for axis in axes)
         if joint.kind == "hinge" and new and len(axes) < _MOST_AXES:
             axes.append(joint.axis)
     for axis in axes if len(axes) > 1 else ():
-        rest = [j for j in sprung if j.kind == "hinge" and abs(j.axis @ axis) < _PARALLEL]
+        rest = [j for j in sprung if j.kind == "hinge" and are_square(j.axis, axis)]
         counts = (len(rest), len(sprung) - len(rest))
         if 2 * min(counts) >= max(counts) - 1:
             resting = {id(joint) for joint in rest}
@@ -258,7 +286,7 @@ def without_stretch(model: Model) -> tuple[Model, list[str]]:
         id(joint): joint.name
         for body in both
         for joint in body.joints
-        if joint.kind == "slide" and joint.stiffness and _parallel(joint.axis, along / size)
+        if joint.kind == "slide" and joint.stiffness and are_parallel(joint.axis, along / size)
     }
     bodies = tuple(
         replace(body, joints=tuple(j for j in body.joints if id(j) not in at_rest)) for body in model.bodies
@@ -316,7 +344,7 @@ def _hinge(group: Group, axis: Floats) -> ModelJoint | None:
     if _is_ball(group):
         stiffness = group.joints[0].stiffness_about(axis)
         return replace(group.joints[0], kind="hinge", axis=axis, stiffness=stiffness) if stiffness else None
-    found = [joint for joint in group.joints if joint.kind == "hinge" and _parallel(joint.axis, axis)]
+    found = [joint for joint in group.joints if joint.kind == "hinge" and are_parallel(joint.axis, axis)]
     return found[0] if len(found) == 1 and found[0].stiffness else None
 
 
@@ -455,7 +483,7 @@ def check_carrier(path: HingePath, line: HingeLine) -> None:
         )
     for each in row[:-1]:
         for joint in each.joints:
-            if joint.stiffness and elbow and not _square(joint.axis, line.axis):
+            if joint.stiffness and elbow and not are_square(joint.axis, line.axis):
                 raise BadModel(
                     f"{elbow.name}, {carrier} has no spring and is carried by hinge {joint.name} with a "
                     f"spring: {ask}; a motor between hinges with springs is then held, and all bend as one "
@@ -465,8 +493,8 @@ def check_carrier(path: HingePath, line: HingeLine) -> None:
     others = [child for child in root.children if child is not path.groups[0]]
     # Such a hub rings with all that it carries; held, each of its chains rings alone.
     for joint in root.joints if any(j.stiffness for child in others for j in child.joints) else ():
-        turns = joint.kind == "hinge" and not _square(joint.axis, line.axis)
-        shifts = joint.kind == "slide" and not _square(joint.axis, line.across)
+        turns = joint.kind == "hinge" and not are_square(joint.axis, line.axis)
+        shifts = joint.kind == "slide" and not are_square(joint.axis, line.across)
         if turns or shifts or joint.kind == "ball":
             raise BadModel(
                 f"body {root.name}, {carrier} moves on joint {joint.name} with other springs that it "
@@ -504,12 +532,12 @@ def root_support(path: HingePath, line: HingeLine) -> RootSupport | None:
             raise BadModel(joint.refusal)
         if joint.kind == "free":
             found = replace(found, across=0.0, turning=0.0)
-        elif joint.kind == "slide" and not _square(joint.axis, line.across):
+        elif joint.kind == "slide" and not are_square(joint.axis, line.across):
             _check_joint(joint, line.across, found.slide)
             if joint.armature:
                 raise BadModel(f"joint {joint.name} must have no armature: only that of hinges is read")
             found = replace(found, across=joint.stiffness, slide=joint)
-        elif joint.kind == "hinge" and not _square(joint.axis, line.axis):
+        elif joint.kind == "hinge" and not are_square(joint.axis, line.axis):
             _check_joint(joint, line.axis, found.hinge)
             found = replace(found, turning=joint.stiffness, hinge=joint)
         elif joint.kind == "ball":
@@ -533,7 +561,7 @@ def _own_pinned_end(path: HingePath, line: HingeLine) -> RootSupport | None:
     size, other = lone_segment(first, line) or (0.0, first.inertial)
     if len(line.places) > 1:
         size, other = line.places[1] - line.places[0], first.inertial
-    on_line = _parallel(joint.axis, line.axis) and line.off_line(joint.position) <= OFF_LINE * size
+    on_line = are_parallel(joint.axis, line.axis) and line.off_line(joint.position) <= OFF_LINE * size
     if joint.kind != "hinge" or joint.stiffness or not on_line or length <= 0:
         return None
     # A segment has its share of mass, at the same share of its length, as the next one.
@@ -552,7 +580,7 @@ def _own_pinned_end(path: HingePath, line: HingeLine) -> RootSupport | None:
 
 
 def _check_joint(joint: ModelJoint, direction: Floats, before: ModelJoint | None) -> None:
-    if not _parallel(joint.axis, direction):
+    if not are_parallel(joint.axis, direction):
         raise BadModel(f"joint {joint.name} must be along or across the chain, got an oblique axis")
     if before is not None:
         raise BadModel(f"joint {joint.name} must not move the chain as {before.name} does: one too many")

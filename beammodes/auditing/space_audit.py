@@ -16,7 +16,7 @@ from typing import Protocol
 import numpy as np
 
 from beammodes.accuracy.judged_motions import StraightRod
-from beammodes.auditing.audit import Audit, StepVerdict, audit_line, listed_errors
+from beammodes.auditing.audit import Audit, StepVerdict
 from beammodes.auditing.axial_audit import AxialAudit
 from beammodes.auditing.axial_file import axial_audit_of
 from beammodes.auditing.body_tree import Model
@@ -33,7 +33,8 @@ from beammodes.auditing.space_row import (
     SpaceRow,
     chosen_row,
 )
-from beammodes.checks import Shown, choice, percent, whole_number
+from beammodes.auditing.told_audit import ToldAudit, audit_line, listed_errors
+from beammodes.checks import choice, percent, whole_number
 from beammodes.exact.exact_rod import rod_modes
 from beammodes.numerics.arrays import Floats, ratios_less_one
 from beammodes.problem.axial_ends import AxialBoundary, AxialEnd
@@ -65,7 +66,7 @@ class InPlane(Protocol):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class SpatialAudit(Shown):
+class SpatialAudit(ToldAudit):
     """What is found of a chain in space.
 
     Attributes
@@ -111,20 +112,13 @@ class SpatialAudit(Shown):
     step_set_by: str = ""
 
     @property
-    def meets(self) -> bool:
-        """True if all judged modes exist and their errors are within the tolerance."""
-        return bool((np.abs(self.errors) <= self.tolerance).all())
-
-    @property
     def found(self) -> tuple[str, ...]:
         """Sentences on what is found: the verdict first, then each motion, then what concerns all."""
-        verdict = "meets" if self.meets else "does not meet"
-        allowed = f"{100 * self.tolerance:.3g} %"
         if self.motions:
             each = "; ".join(f"{name} {listed_errors(one.errors)}" for name, one in self.motions.items())
         else:
             each = f"{listed_errors(self.errors)}, mostly {', '.join(self.mode_motion)}"
-        lines = [f"chain in space {verdict} {allowed}: {each}", *self.remarks]
+        lines = [self._verdict("chain in space", each), *self.remarks]
         lines += _of_each({name: one.found[1:] for name, one in self.motions.items()})
         return (*lines, *self._step())
 
@@ -139,10 +133,8 @@ class SpatialAudit(Shown):
     @property
     def text(self) -> str:
         """A short report: what is given, what is assumed, what is found, and better springs."""
-        lines = [f"given: {line}" for line in self.given] + [f"assumed: {line}" for line in self.assumed]
-        lines += self.found
         better = {name: [str(item) for item in one.suggestions] for name, one in self.motions.items()}
-        return "\n".join([*lines, *(f"  {line}" for line in _of_each(better))])
+        return self._report(self.found, _of_each(better))
 
     def _line(self) -> str:
         return audit_line(self, f"{', '.join(self.motions) or 'motions coupled'}: chain against rod")

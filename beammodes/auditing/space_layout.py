@@ -12,9 +12,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from beammodes.accuracy.chain_against_rod import rod_errors
-from beammodes.auditing.audit import listed_errors
 from beammodes.auditing.judged_pieces import UNKNOWN
 from beammodes.auditing.space_row import SpaceRow
+from beammodes.auditing.told_audit import listed_errors
 from beammodes.chains.rules import RULES
 from beammodes.chains.spatial_chain import SpatialChain
 from beammodes.numerics.arrays import Floats

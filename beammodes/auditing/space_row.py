@@ -26,9 +26,16 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from beammodes.auditing.body_tree import Group, Model, ModelJoint, rigid_groups
+from beammodes.auditing.body_tree import Group, Model, ModelJoint
 from beammodes.auditing.bounded_xml import BadModel
-from beammodes.auditing.serial_chains import OFF_LINE, axes_across, moves_alone, why_no_chain
+from beammodes.auditing.serial_chains import (
+    OFF_LINE,
+    are_parallel,
+    are_square,
+    axes_across,
+    moves_alone,
+    rows_of,
+)
 from beammodes.checks import choice
 from beammodes.numerics.arrays import Floats
 
@@ -45,8 +52,6 @@ __all__ = [
 
 TWIST, FIRST_BENDING, SECOND_BENDING, STRETCH = range(4)
 
-#: Sine of the angle up to which two axes are parallel, as hinges of one plane are.
-_PARALLEL = 1e-6
 _NO_LENGTH = 1e-12
 _LISTED = 8
 
@@ -77,10 +82,10 @@ class SpaceLine:
         """Return the motion of a coordinate, None if its axis is oblique."""
         if kind == "hinge":
             directions = (self.along, *self.axes)
-            return next((k for k, each in enumerate(directions) if _parallel(axis, each)), None)
-        if _parallel(axis, self.along):
+            return next((k for k, each in enumerate(directions) if are_parallel(axis, each)), None)
+        if are_parallel(axis, self.along):
             return STRETCH
-        return next((k for k in (1, 2) if _parallel(axis, self.across(k))), None)
+        return next((k for k in (1, 2) if are_parallel(axis, self.across(k))), None)
 
 
 @dataclass(frozen=True, eq=False)
@@ -166,7 +171,7 @@ class SpaceRow:
 
     def _across(self, along: Floats) -> tuple[Floats, Floats]:
         """Return the axes of bending: those of hinges across the line, else those of balls."""
-        hinges = [axis for kind, axis in self._moves() if kind == "hinge" and abs(axis @ along) <= _PARALLEL]
+        hinges = [axis for kind, axis in self._moves() if kind == "hinge" and are_square(axis, along)]
         if not hinges:
             springs = next((joint.springs for joint in self.joints if joint.springs is not None), None)
             return axes_across(along, springs, [group.inertial for group in self.groups])
@@ -241,17 +246,7 @@ def chosen_row(model: Model, name: str | None) -> SpaceRow:
     ValueError
         If there is none, or what a row has cannot be honoured; the message says why.
     """
-    rows: list[SpaceRow] = []
-    for group in rigid_groups(model.bodies):
-        before = group.parent
-        if before is None or not _is_sprung(group) or (_is_sprung(before) and _next(before) is group):
-            continue
-        row = [group]
-        while (after := _next(row[-1])) is not None:
-            row.append(after)
-        rows.append(SpaceRow(before, tuple(row)))
-    if not rows:
-        raise BadModel(why_no_chain(model))
+    rows = [SpaceRow(*row) for row in rows_of(model, _is_sprung, _next)]
     rows.sort(key=lambda row: -len(row.joints))
     names = [row.name for row in rows]
     chosen = rows[0]
@@ -292,7 +287,3 @@ def _check(row: SpaceRow) -> None:
             raise BadModel(
                 f"{joint.name} must have a spring, as all joints of a chain in space: it moves freely"
             )
-
-
-def _parallel(one: Floats, other: Floats) -> bool:
-    return bool(np.linalg.norm(np.cross(one, other)) < _PARALLEL)
