@@ -75,6 +75,11 @@ FILES: dict[str, tuple[str | bytes | Callable[[], str | bytes], str, str]] = {
         "200000 elements",
         ".xml",
     ),
+    "sixty thousand bodies with springs": (
+        lambda: f"<mujoco><worldbody>{f'<body>{HINGE}</body>' * 60_000}</worldbody></mujoco>",
+        "at most 5000 bodies",
+        ".xml",
+    ),
     "a million nested bodies": (
         lambda: "<mujoco><worldbody>" + "<body>" * 10**6,
         "nested at most 600",
@@ -178,7 +183,13 @@ def model(folder: Path, case: str) -> tuple[Path, str]:
 
 
 #: Of two files that end at the same bound one is in the plain suite; the other's is peak memory below, too.
-AGAIN = {"a million links", "many attributes", "a huge class", "a huge comment"}
+AGAIN = {
+    "sixty thousand bodies with springs",
+    "a million links",
+    "many attributes",
+    "a huge class",
+    "a huge comment",
+}
 
 
 @pytest.mark.parametrize(

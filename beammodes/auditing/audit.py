@@ -342,7 +342,7 @@ def audit_chain(
         errors_without_armature=judged.errors_without_armature,
         damping_ratio=judged.damping_ratio,
         length_mismatch=float(judged.length.sum() / beam.length - 1),
-        mass_mismatch=float(judged.mass.sum() / (beam.mean_mass_per_length * beam.length) - 1),
+        mass_mismatch=float(judged.beam_mass / (beam.mean_mass_per_length * beam.length) - 1),
         rotary_inertia_mismatch=judged.rotary_inertia_mismatch,
         centre_mismatch=judged.centre_mismatch,
         segments=judged.likeliest[0][1] if judged.likeliest else None,

@@ -106,7 +106,8 @@ class XmlElement:
         words = text[: _LONGEST_NUMBER * (max(allowed) + 1)].split()
         if len(words) not in allowed:
             self.refuse(f"must have {' or '.join(map(str, allowed))} numbers in {name}, got {shown(text)}")
-        return [finite_number(f"{self.where} {name}", word) for word in words]
+        own = f"{self.where} {name}"
+        return [finite_number(own, word) for word in words]
 
     def at_least_0(self, name: str, value: float) -> float:
         """Return the value of what `name` says; refuse one below 0."""

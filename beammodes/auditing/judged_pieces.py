@@ -41,6 +41,8 @@ Found = tuple[Rule, int]
 _SAME = 1e-3
 #: Largest difference of J/(m l²) from that of masses at two tips where these are meant.
 _KIND = 0.01
+#: Of pieces unlike most as many are named.
+_NAMED = 3
 #: Less is the rounding of numbers in files, and of frequencies that are solved for.
 _ROUNDING, SOLVED = 1e-5, 1e-10
 
@@ -362,6 +364,14 @@ class JudgedPieces:
         moves[-1] &= not self.boundary.right.holds_rotation
         return np.asarray(moves)
 
+    @property
+    def beam_mass(self) -> float:
+        """Mass of the pieces, but for what is held and has no length: that is none of the beam [kg]."""
+        counts = self.length > 0
+        counts[0] |= not self.boundary.left.holds_deflection
+        counts[-1] |= not self.boundary.right.holds_deflection
+        return float(self.mass[counts].sum())
+
     @cached_property
     def _section(self) -> float:
         """The beam's own rotary inertia per length [kg m]."""
@@ -429,7 +439,8 @@ class JudgedPieces:
     def remark(self) -> str:
         """Return the layout in one sentence."""
         if not self.layouts:
-            return f"{UNKNOWN}: hinges are not where a rule with equal segments puts them"
+            odd = self._odd_ones(self.length[self.length > 0], "{:.6g} m long, most others {:.6g} m")
+            return f"{UNKNOWN}: hinges are not where a rule with equal segments puts them{odd}"
         rules, error = self.rules, float(self.own_errors[0])
         rule, count = self.likeliest[0]
         where, said = self._where(rule), percent(error, 2, rounding=SOLVED)
@@ -448,7 +459,12 @@ class JudgedPieces:
             factor = float(np.median(ratio))
             if factor > 0 and np.abs(ratio / factor - 1).max() <= _SAME:
                 own = factor * self.beam.mean_bending_stiffness
-                return f", {factor:.4g} times those of {rule.name}: as of EI = {own:.6g}"
+                degrees = ""
+                if abs(math.degrees(factor) - 1) <= _KIND:
+                    degrees = " (π/180 times: as of springs given per degree, not per radian)"
+                if abs(math.radians(factor) - 1) <= _KIND:
+                    degrees = " (180/π times: as of springs turned from degrees twice)"
+                return f", {factor:.4g} times those of {rule.name}{degrees}: as of EI = {own:.6g}"
         return ""
 
     def _down_to(self, rule: Rule, error: float) -> str:
@@ -515,8 +531,18 @@ class JudgedPieces:
             found.append(f"centres of mass are up to {part} off the segments' middles")
         if self.share_mismatch > _SAME:
             part = f"{100 * self.share_mismatch:.3g} %"
-            found.append(f"masses of segments are up to {part} off their shares by length")
+            spread = self.mass[self.length > 0] / self.length[self.length > 0]
+            odd = self._odd_ones(spread, "of {:.6g} kg/m, most others of {:.6g} kg/m")
+            found.append(f"masses of segments are up to {part} off their shares by length{odd}")
         return found
+
+    def _odd_ones(self, values: Floats, said: str) -> str:
+        """Return which pieces have another number than most, if few have."""
+        usual = float(np.median(values))
+        odd = np.flatnonzero(np.abs(values / usual - 1) > _SAME) if usual > 0 else np.arange(0)
+        if not 0 < len(odd) <= len(values) / 4:
+            return ""
+        return ": " + ", ".join(f"segment {i + 1} is {said.format(values[i], usual)}" for i in odd[:_NAMED])
 
 
 def _of_hinges(name: str, values: Columns | None, springs: Floats) -> Floats:

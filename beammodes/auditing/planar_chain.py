@@ -54,6 +54,8 @@ _SAME = 1e-6
 _ALIKE = 2e-3
 #: A piece this much heavier or lighter than its neighbour is no longer or shorter one of its kind.
 _LEAST, _MOST = 0.05, 2.5
+#: An axis that is off by less than this is meant to be parallel [degrees].
+_TURNED = 20.0
 #: Engines that want some mass of every body get less than this share of the chain's.
 _TRACE = 1e-9
 
@@ -309,9 +311,11 @@ def _check(path: HingePath, line: HingeLine, support: RootSupport | None) -> Non
                 _check_refusals(other)
                 if other.joints[0].kind == "ball":
                     raise BadModel(f"{other.joints[0].name} on body {group.name} {NO_SPRING}")
+                turned = math.degrees(math.acos(min(abs(float(other.joints[0].axis @ line.axis)), 1.0)))
+                by = f", got one {turned:.3g} degrees off" if 1e-4 < turned < _TURNED else ""
                 raise BadModel(
                     f"{other.joints[0].name} on body {group.name} must be a hinge with a spring, parallel "
-                    f"to {line.hinges[0].name}: nothing else may move on the chain. If a motor holds it, "
+                    f"to {line.hinges[0].name}{by}: nothing else may move on the chain. If a motor holds it, "
                     "say by boundary what the chain's ends are: a hinge without a spring between hinges with "
                     "springs, or beyond them, is then held"
                 )
@@ -333,7 +337,10 @@ def _check_matter(group: Group, line: HingeLine, in_space: bool) -> None:
     off = own.centre - line.origin - line.place(own.centre) * line.along
     distance = float(np.linalg.norm(off)) if in_space else line.off_line(own.centre)
     if distance > max(OFF_LINE * spacing, 1e-12):
-        raise BadModel(f"body {group.name} must have its centre of mass on the line of the hinges")
+        raise BadModel(
+            f"body {group.name} must have its centre of mass on the line of the hinges, got it "
+            f"{distance:.3g} m beside that line"
+        )
     product = abs(float(line.axis @ own.inertia @ line.across))
     if in_space and product > OFF_LINE * float(np.trace(own.inertia)):
         raise BadModel(f"body {group.name} must have its principal axes along the hinges'")
@@ -612,6 +619,9 @@ def _by_solids(group: Group, line: HingeLine, hinge: float, way: float, segment:
     if segment is None:
         return _Lengths((longest or max(double, 0.0),))
     ends = _whole_or_half(ahead, segment)
+    if ends and group.inertial.mass > _MOST * segment.mass:
+        # A heavy body that happens to be as large as a segment may be none of the beam.
+        return _Lengths((ends[0], 0.0), certain=False)
     if ends:
         return _Lengths(tuple(ends[:1]))
     found = [longest, double, segment.length, 0.0]

@@ -50,7 +50,7 @@ from beammodes.vibration.integrators import find_integrator
 __all__ = ["include_files", "read_mjcf"]
 
 _MOST_INCLUDED = 20
-_MOST_BODIES = 20_000
+_MOST_BODIES = 5_000
 _MOST_FLEXES = 50
 #: More copies by replicates than these are no chain that anybody looks at.
 _MAX_COPIES = 10_000
@@ -776,7 +776,19 @@ class _Reader:
         for element in self.servos:
             names = [element.attributes.get(key, "") for key in ("joint", "jointinparent")]
             for name in filter(None, [*names, *joints.get(element.attributes.get("tendon", ""), [])]):
-                yield name, f"{element.where} must not act on a hinge of the chain, like a spring"
+                yield (
+                    name,
+                    f"{element.where} must not act on a hinge of the chain, like a spring: if it holds that "
+                    "joint, say by boundary what the ends are; else give the hinge its gain as stiffness",
+                )
+        for element in self._within("equality", "joint"):
+            # Two hinges that turn as one are no longer two; one that is held elsewhere is no hinge at rest.
+            given, offset = element.attributes, element.numbers("polycoef", (1, 2, 3, 4, 5), "0")[0]
+            if given.get("active") == "false" or ("joint2" not in given and not offset):
+                continue
+            why = "must not tie hinges of the chain, but for one that a motor holds as you say by boundary"
+            for key in given.keys() & {"joint1", "joint2"}:
+                yield given[key], f"{element.where} {why}"
 
     def _acted_sites(self) -> Iterator[tuple[str, str]]:
         """Yield the sites that servos or spatial tendons with springs pull at, and what to say of it."""
@@ -856,11 +868,11 @@ class _Reader:
             named = flex.attributes.get("body", "").split(maxsplit=_MOST_BODIES)
             for name in sprung & set(named):
                 yield name, flex.where
-        for element in self._within("equality", "connect", "weld", "joint"):
+        for element in self._within("equality", "connect", "weld"):
             given = element.attributes
-            if given.get("active") == "false" or given.get("joint1") in self.locked:
+            if given.get("active") == "false":
                 continue
-            for end in ("body1", "body2", "joint1", "joint2"):
+            for end in ("body1", "body2"):
                 if end in given:
                     yield given[end], element.where
             for end in ("site1", "site2"):

@@ -82,6 +82,9 @@ def read_sdf(root: XmlElement) -> Model:
         inertial, extent = _matter(element)
         bodies.append(ModelBody(name, above, inertial, extent, own).placed(frame))
     sprung = any(joint.stiffness for body in bodies for joint in body.joints)
+    still = [shown(name) for name in read if top.models[name].is_static]
+    if sprung and still:
+        notes.append(f"<static> keeps model {', '.join(still)} from moving: it is judged as without it")
     hint = "SDFormat has a spring as <spring_stiffness> in the <dynamics> of a joint's <axis>"
     gravity = np.zeros(3) if world is None else np.array(_gravity(world))
     return Model(tuple(bodies), notes=tuple(notes), gravity=gravity, hint="" if sprung else hint)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import difflib
 import math
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -48,6 +49,8 @@ _KINDS = {
     "floating": "free",
     "fixed": "fixed",
 }
+#: As many names, of as many letters, are looked through for the one that is meant.
+_SHORT = 200
 #: Engines take a limit of this size for none; Gazebo writes the largest double, others infinity.
 _NO_LIMIT = 1e16
 MOMENTS = ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")
@@ -163,7 +166,11 @@ def read_urdf(root: XmlElement, springs: Mapping[str, PlacedSpring]) -> Model:
     springs = _both_springs(_gazebo_springs(root), springs)
     unknown = springs.keys() - joints.keys()
     if unknown:
-        raise BadModel(f"springs must name joints of the URDF file, got {shown(sorted(unknown)[0])}")
+        name = sorted(unknown)[0]
+        short = [own for own in joints if len(own) <= _SHORT][:_SHORT]
+        near = difflib.get_close_matches(name[:_SHORT].lower(), short, n=1)
+        hint = f" (did you mean {shown(near[0])}?)" if near else ""
+        raise BadModel(f"springs must name joints of the URDF file, got {shown(name)}{hint}")
     driven = _driven(root, joints)
     ends = [(_end(joint, "parent"), _end(joint, "child"), joint) for joint in joints.values()]
     frames = {"world": Frame()}

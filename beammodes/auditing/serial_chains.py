@@ -309,7 +309,8 @@ def with_motors_held(model: Model) -> tuple[Model, list[str]]:
     """Return a model whose joints without springs in a chain or at its tip are held, and their names.
 
     No beam has a hinge inside: who says what a beam's ends are says that a motor holds such an elbow, or what
-    carries a hand at the tip and its fingers.
+    carries a hand at the tip and its fingers; so is a slide without a spring that shifts a link on springs,
+    as of a catheter that is pushed in.
     """
     sprung = [any(joint.is_sprung for joint in body.joints) for body in model.bodies]
     above, below = _around(model, sprung)
@@ -321,6 +322,10 @@ def with_motors_held(model: Model) -> tuple[Model, list[str]]:
         if loose and (elbow or hand):
             bodies[i] = replace(body, joints=())
             names += [joint.name for joint in body.joints]
+        pushed = [joint for joint in body.joints if joint.kind == "slide" and not joint.is_sprung]
+        if sprung[i] and pushed:
+            bodies[i] = replace(body, joints=tuple(j for j in body.joints if j not in pushed))
+            names += [joint.name for joint in pushed]
     return replace(model, bodies=tuple(bodies)), names
 
 
