@@ -11,7 +11,15 @@ from beammodes.auditing.judged_pieces import SOLVED
 from beammodes.checks import Shown, percent, row_shown
 from beammodes.numerics.arrays import Floats
 
-__all__ = ["ToldAudit", "audit_line", "listed_errors", "listed_parts", "off_the_beam", "told_ratios"]
+__all__ = [
+    "ToldAudit",
+    "audit_line",
+    "listed_errors",
+    "listed_parts",
+    "meets_or_not",
+    "off_the_beam",
+    "told_ratios",
+]
 
 #: A smaller relative difference of lengths, masses or inertias is not reported.
 _SAME = 1e-6

@@ -38,7 +38,9 @@ from beammodes.exporters.model_tree import (
     Tie,
     Tree,
     Vector,
+    drawn_thickness,
     links,
+    placed,
     principal_moments,
 )
 from beammodes.exporters.unit_systems import UnitSystem
@@ -199,11 +201,6 @@ def _check_bodies(model: Model) -> None:
             )
 
 
-def _thickness(tree: Tree) -> float:
-    """Return the thickness in which bodies are drawn."""
-    return math.fsum(body.length for body in tree.bodies) / 100
-
-
 @_format(
     "mjcf",
     ".xml",
@@ -280,7 +277,7 @@ def _mjcf_start(model: Model) -> Iterator[str]:
 
 
 def _mjcf_bodies(tree: Tree, depth: int, name: str) -> list[str]:
-    radius, lines = _thickness(tree) / 2, []
+    radius, lines = drawn_thickness(tree) / 2, []
     for i, body in enumerate(tree.bodies):
         pad = " " * (depth + i)
         lines.append(f'{pad}<body name="{body.name}" pos="{_n(*body.position)}"{_quat(body.rotation)}>')
@@ -382,10 +379,8 @@ def _sdf(model: Model) -> Sequence[Iterable[str]]:
         *_carriers(model.tree),
     )
     _check_bodies(model)
-    inner, thickness = [], _thickness(model.tree)
-    place, frame = np.zeros(3), np.eye(3)
-    for link in links(model.tree):
-        place, frame = place + frame @ link.position, frame @ np.array(link.rotation)
+    inner, thickness = [], drawn_thickness(model.tree)
+    for link, place, frame in placed(links(model.tree)):
         inner += [*_sdf_link(link.body, place, frame, thickness)]
         if link.joint is None or link.joint.kind != "free":
             inner += [*_sdf_joint(link.parent, link.body, link.joint)]
@@ -470,7 +465,7 @@ def _urdf_text(model: Model, *notes: str) -> str:
     lines = [XML_HEAD, *_comment(model, *notes, *carriers), f'<robot name="{model.name}">']
     if not any(joint.kind == "free" for body in model.tree.bodies for joint in body.joints):
         lines.append(' <link name="world"/>')
-    thickness = _thickness(model.tree)
+    thickness = drawn_thickness(model.tree)
     for link in links(model.tree):
         lines += _urdf_link(link.body, thickness)
         if link.joint is not None and link.joint.kind == "free":

@@ -13,10 +13,13 @@ joint coordinates.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
+from typing import TypeVar
 
 import numpy as np
+
+from beammodes.numerics.arrays import Floats
 
 __all__ = [
     "IDENTITY",
@@ -28,7 +31,9 @@ __all__ = [
     "Tie",
     "Tree",
     "Vector",
+    "drawn_thickness",
     "links",
+    "placed",
     "principal_moments",
 ]
 
@@ -141,6 +146,22 @@ def links(tree: Tree) -> Iterator[Link]:
             parent, position, rotation = name, still, IDENTITY
         yield Link(parent, position, rotation, body, body.joints[-1] if body.joints else None)
         parent = body.name
+
+
+_Part = TypeVar("_Part", Link, Body)
+
+
+def placed(row: Iterable[_Part]) -> Iterator[tuple[_Part, Floats, Floats]]:
+    """Yield the parts of a row, each with where its frame is at rest in the world and how it is turned."""
+    place, frame = np.zeros(3), np.eye(3)
+    for part in row:
+        place, frame = place + frame @ part.position, frame @ np.array(part.rotation)
+        yield part, place, frame
+
+
+def drawn_thickness(tree: Tree) -> float:
+    """Return the thickness in which bodies are drawn, a hundredth of the length of all."""
+    return math.fsum(body.length for body in tree.bodies) / 100
 
 
 def principal_moments(body: Body) -> tuple[Vector, Rows]:

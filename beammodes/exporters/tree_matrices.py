@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from beammodes.exporters.model_tree import Tree
+from beammodes.exporters.model_tree import Tree, placed
 from beammodes.numerics.arrays import Floats
 
 __all__ = ["TreeMatrices", "tree_matrices"]
@@ -56,14 +56,12 @@ def tree_matrices(
     >>> tree_matrices(planar_tree(Chain(Beam.unit(), "clamped-free", 2, "naive"))).stiffness.tolist()
     [[2.0, 0.0], [0.0, 2.0]]
     """
-    place, frame = np.zeros(3), np.eye(3)
     starts, centres = np.zeros((2, len(tree.bodies), 3))
     moments, frames = np.zeros((2, len(tree.bodies), 3, 3))
     names: list[str] = []
     carrier, slides, hinges, springs, dampers = [], [], [], [], []
     still = np.zeros(3)
-    for i, body in enumerate(tree.bodies):
-        place, frame = place + frame @ body.position, frame @ np.array(body.rotation)
+    for i, (body, place, frame) in enumerate(placed(tree.bodies)):
         starts[i], centres[i] = place, place + frame @ body.centre
         moments[i] = frame @ np.array(body.inertia) @ frame.T
         frames[i] = frame

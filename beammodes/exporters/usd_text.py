@@ -19,7 +19,17 @@ from types import MappingProxyType
 
 import numpy as np
 
-from beammodes.exporters.model_tree import IDENTITY, Body, Link, Tree, Vector, links, principal_moments
+from beammodes.exporters.model_tree import (
+    IDENTITY,
+    Body,
+    Link,
+    Tree,
+    Vector,
+    drawn_thickness,
+    links,
+    placed,
+    principal_moments,
+)
 from beammodes.exporters.unit_systems import UnitSystem
 from beammodes.numerics.arrays import Floats
 from beammodes.numerics.rotations import quaternion
@@ -95,10 +105,8 @@ def _articulation(tree: Tree, name: str) -> Iterator[str]:
         base = Body(f"{name}_base", still, IDENTITY, still, tree.bodies[0].mass, still, inertia, ())
         first = Link(base.name, first.position, first.rotation, first.body, first.joint)
         row = [Link("world", still, IDENTITY, base, None), first, *row[1:]]
-    thickness = math.fsum(body.length for body in tree.bodies) / 100
-    place, frame = np.zeros(3), np.eye(3)
-    for link in row:
-        place, frame = place + frame @ link.position, frame @ np.array(link.rotation)
+    thickness = drawn_thickness(tree)
+    for link, place, frame in placed(row):
         fields = _body(link.body, place, frame, thickness)
         yield from _prim("Xform", link.body.name, fields, "PhysicsRigidBodyAPI", "PhysicsMassAPI")
     for link in row:

@@ -16,28 +16,30 @@ from typing import Any
 
 import numpy as np
 
-from beammodes.checks import percent, told_fields
+from beammodes.checks import told_fields
+from beammodes.views.html_pieces import (
+    counted,
+    curve_of,
+    lines_of,
+    number_of,
+    numbered_table,
+    pairs_table,
+    percent_of,
+    table_of,
+    text_of,
+    title_of,
+)
 
 __all__ = ["html_of", "units_of"]
 
-#: Of more rows the first and the last are shown.
-_MOST_ROWS, _LAST = 12, 2
-#: Likewise of lists to choose from.
+#: Of longer lists to choose from the first and the last rows are shown.
 _MOST_LISTED = 50
-#: Numbers of a field that are shown, and letters of a text.
-_MOST_NUMBERS, _MOST_LETTERS = 6, 300
-#: Points of a mode's shape, and the size of its picture [px].
-_POINTS, _WIDE, _HIGH = 49, 96, 22
+#: Points of a mode's shape.
+_POINTS = 49
 #: Points of a rod's centre line.
 _LINE_POINTS = 161
 #: Sizes of drawings [in].
 _BEAM, _FRAME, _SPACE, _BEAM_DIAGRAM = (5.0, 1.3), (3.4, 2.6), (4.6, 3.6), (5.0, 2.4)
-
-
-class _Html(str):
-    """Text that is HTML already."""
-
-    __slots__ = ()
 
 
 def html_of(value: Any) -> str:
@@ -57,111 +59,6 @@ def html_of(value: Any) -> str:
     return f'<div class="beammodes" style="line-height: 1.35; overflow-x: auto">{parts}</div>'
 
 
-# --- Pieces of HTML ---------------------------------------------------------------------------------------
-
-
-def _many(count: int, what: str) -> str:
-    return f"{count} {what}{'s' * (count != 1)}"
-
-
-def _text(value: Any) -> str:
-    """Return a value as it stands in a table, escaped."""
-    if isinstance(value, _Html):
-        return value
-    if isinstance(value, bool | np.bool_):
-        return "yes" if value else "no"
-    if isinstance(value, int | np.integer):
-        return str(int(value))
-    if isinstance(value, float | np.floating):
-        return _number(float(value))
-    if isinstance(value, Fraction):
-        return str(value)
-    if value is None:
-        return "–"
-    if isinstance(value, np.ndarray | tuple | list):
-        flat = value.ravel() if isinstance(value, np.ndarray) else value
-        more = f", … ({len(flat)} in all)" if len(flat) > _MOST_NUMBERS else ""
-        between = "; " if len(flat) and isinstance(flat[0], tuple | list) else ", "
-        return between.join(map(_text, flat[:_MOST_NUMBERS])) + more if len(flat) else "none"
-    if isinstance(value, Mapping):
-        return escape(", ".join(f"{key}: {each}" for key, each in value.items()))
-    own = getattr(value, "__name__", None) if callable(value) else None
-    told = own if isinstance(own, str) else str(value)
-    return escape(told if len(told) <= _MOST_LETTERS else f"{told[:_MOST_LETTERS]}…")
-
-
-def _number(value: float) -> str:
-    if math.isnan(value):
-        return "–"
-    if math.isinf(value):
-        return "∞" if value > 0 else "−∞"
-    return f"{value:.6g}".replace("-", "−")
-
-
-def _percent(value: float) -> str:
-    return "–" if math.isnan(value) else percent(value, rounding=1e-12, unit="").replace("-", "−")
-
-
-def _title(what: str, *said: str) -> str:
-    told = ", ".join(escape(part) for part in said if part)
-    return f"<div><b>{escape(what)}</b>{' ' + told if told else ''}</div>"
-
-
-def _lines(said: Iterable[str]) -> str:
-    return "".join(f"<div>{escape(line)}</div>" for line in said)
-
-
-def _table(
-    head: Sequence[str],
-    rows: Iterable[Sequence[Any]],
-    words: Iterable[int] = (0,),
-    *,
-    most: int = _MOST_ROWS,
-    count: int | None = None,
-) -> str:
-    """Return a table; the columns `words` are text and stand to the left, numbers to the right.
-
-    `count` is how many rows there are, where some are left out already.
-    """
-    listed, left = list(rows), set(words)
-    count = count or len(listed)
-    cut = count > most
-    shown = [*listed[: most - _LAST], None, *listed[-_LAST:]] if cut else listed
-
-    def cell(kind: str, column: int, content: str) -> str:
-        side = "left" if column in left else "right"
-        return f'<{kind} style="text-align: {side}; padding: 0.1em 0.7em">{content}</{kind}>'
-
-    def row(values: Sequence[Any] | None) -> str:
-        if values is None:
-            return f'<tr><td colspan="{len(head)}" style="text-align: center">… {count} in all</td></tr>'
-        return f"<tr>{''.join(cell('td', i, _text(value)) for i, value in enumerate(values))}</tr>"
-
-    top = "".join(cell("th", i, escape(name)) for i, name in enumerate(head))
-    head_row = f"<thead><tr>{top}</tr></thead>" if any(head) else ""
-    return (
-        '<table style="border-collapse: collapse; margin: 0.3em 0; font-variant-numeric: tabular-nums">'
-        f"{head_row}<tbody>{''.join(map(row, shown))}</tbody></table>"
-    )
-
-
-def _numbered(head: Sequence[str], *columns: Any) -> str:
-    """Return a table of arrays, side by side, of which only the rows that are shown are read."""
-    count = len(columns[0])
-    places = (
-        [*range(_MOST_ROWS - _LAST), *range(count - _LAST, count)] if count > _MOST_ROWS else range(count)
-    )
-    rows = [(k + 1, *(column[k] for column in columns)) for k in places]
-    return _table(head, rows, words=(), count=count)
-
-
-def _pairs(rows: Iterable[tuple[str, Any, str]]) -> str:
-    """Return a table of names, values and units."""
-    told = [(name, _text(value), escape(unit)) for name, value, unit in rows]
-    listed = [(name, _Html(f"{text} {unit}" if unit and text != "–" else text)) for name, text, unit in told]
-    return _table(("", ""), listed, words=(0, 1)) if listed else ""
-
-
 def _drawing(chain: Any, shape: Any = None) -> str:
     """Return the drawing of a chain, none of one too long to be seen."""
     from beammodes.views.inline_svg import inline_svg
@@ -174,24 +71,6 @@ def _drawing(chain: Any, shape: Any = None) -> str:
     size = {"SpatialChain": _SPACE, "StructureChain": _FRAME}.get(type(chain).__name__, _BEAM)
     pieces = len(np.atleast_1d(chain.joint_stiffness))
     return f'<div style="margin: 0.3em 0">{inline_svg(ax, width=size[0], height=size[1], parts=pieces)}</div>'
-
-
-def _curve(values: Any) -> _Html:
-    """Return a mode's shape as a picture in a row of a table."""
-    y = np.asarray(values, dtype=np.float64)
-    largest = float(np.abs(y).max())
-    if not (largest > 0 and math.isfinite(largest)):
-        return _Html("")
-    middle, half = _HIGH / 2, _HIGH / 2 - 2
-    x = np.linspace(1, _WIDE - 1, len(y)) if y.ndim == 1 else y[0]
-    points = " ".join(
-        f"{a:.1f},{b:.1f}" for a, b in zip(x.tolist(), (middle - half * y / largest).tolist(), strict=True)
-    )
-    return _Html(
-        f'<svg width="{_WIDE}" height="{_HIGH}" viewBox="0 0 {_WIDE} {_HIGH}" style="vertical-align: middle">'
-        f'<path d="M1 {middle}H{_WIDE - 1}" stroke="currentColor" stroke-opacity="0.3"/>'
-        f'<polyline points="{points}" fill="none" stroke="currentColor" stroke-width="1.5"/></svg>'
-    )
 
 
 def units_of(kind: type) -> Mapping[str, str]:
@@ -212,17 +91,14 @@ def units_of(kind: type) -> Mapping[str, str]:
     return MappingProxyType(found)
 
 
-# --- What is shown of each class --------------------------------------------------------------------------
-
-
 def _record(value: Any) -> list[str]:
     """A record's fields that are not at their defaults, with units."""
     if not is_dataclass(value):
-        return [_title(repr(value))]
+        return [title_of(repr(value))]
     units, told = units_of(type(value)), told_fields(value)
     name = getattr(value, "_called", None) or type(value).__name__
     rows = [(field.replace("_", " "), each, _unit(each, units.get(field, ""))) for field, each in told]
-    return [_title(name, "" if rows else "with nothing but defaults"), _pairs(rows)]
+    return [title_of(name, "" if rows else "with nothing but defaults"), pairs_table(rows)]
 
 
 def _unit(value: Any, unit: str) -> str:
@@ -243,7 +119,12 @@ def _beam(value: Any) -> list[str]:
     ]
     assumed = getattr(value, "assumed", ())
     line = _centre_line(value) if hasattr(value, "frames") else ""
-    return [_title(type(value).__name__), line, _pairs(rows), _lines(f"assumed: {each}" for each in assumed)]
+    return [
+        title_of(type(value).__name__),
+        line,
+        pairs_table(rows),
+        lines_of(f"assumed: {each}" for each in assumed),
+    ]
 
 
 def _centre_line(rod: Any) -> str:
@@ -276,8 +157,8 @@ def _ends(value: Any) -> list[str]:
         for name, pair in pairs.items()
         if pair not in zero
     ]
-    title = _title(type(value).__name__, str(value), f"in {motion}" if motion else "")
-    return [title, _table(("", "left", "right", "unit"), rows, words=(0, 3))]
+    title = title_of(type(value).__name__, str(value), f"in {motion}" if motion else "")
+    return [title, table_of(("", "left", "right", "unit"), rows, words=(0, 3))]
 
 
 def _many_ends(value: Any) -> list[str]:
@@ -290,7 +171,10 @@ def _many_ends(value: Any) -> list[str]:
         if numbers.any():
             unit = units.get(name, "")
             rows.append((name.replace("_", " "), *map(float, (numbers.min(), numbers.max())), unit))
-    return [_title("Ends", f"shape {value.shape}"), _table(("", "from", "to", "unit"), rows, words=(0, 3))]
+    return [
+        title_of("Ends", f"shape {value.shape}"),
+        table_of(("", "from", "to", "unit"), rows, words=(0, 3)),
+    ]
 
 
 def _modes(value: Any) -> list[str]:
@@ -299,7 +183,7 @@ def _modes(value: Any) -> list[str]:
     theory = np.asarray(getattr(value, "theory_error", np.nan))
     if np.isfinite(theory).any():
         head.append("theory error [%]")
-        columns.append([_percent(each) for each in theory.tolist()])
+        columns.append([percent_of(each) for each in theory.tolist()])
     stored = getattr(value, "stored", None)
     if stored is not None:
         head += ["twist [%]", "about y [%]", "about z [%]"]
@@ -307,19 +191,19 @@ def _modes(value: Any) -> list[str]:
     shapes = _shapes(value)
     if shapes is not None:
         head.append("shape")
-        columns.append([_curve(shape) for shape in shapes])
+        columns.append([curve_of(shape) for shape in shapes])
     of = [getattr(value, name) for name in ("boundary", "ends", "structure", "chain") if hasattr(value, name)]
     rigid = int(getattr(value, "rigid_body_modes", 0))
-    title = _title(
+    title = title_of(
         type(value).__name__,
         *(f"{each}{f' in {each.motion}' if hasattr(each, 'motion') else ''}" for each in of[:1]),
-        f"{_many(rigid, 'rigid-body mode')} before them" if rigid else "",
+        f"{counted(rigid, 'rigid-body mode')} before them" if rigid else "",
     )
     said = [getattr(value, "theory_words", "")]
     if "theory error [%]" in head:
         said = [f"theory error: Timoshenko's beam, assumed {each}" for each in value.theory_assumed]
     drawn = _drawing(value.chain, value) if hasattr(value, "chain") else ""
-    return [title, _table(head, zip(*columns, strict=True), words=()), drawn, _lines(filter(None, said))]
+    return [title, table_of(head, zip(*columns, strict=True), words=()), drawn, lines_of(filter(None, said))]
 
 
 def _shapes(value: Any) -> Any:
@@ -334,15 +218,15 @@ def _shapes(value: Any) -> Any:
 
 
 def _chain(value: Any) -> list[str]:
-    by = [_many(value.segments, "segment"), f"rule {value.rule.name}"] if value.rule else []
-    many = [_many(value.pieces, "piece"), _many(value.elastic_modes, "elastic mode")]
+    by = [counted(value.segments, "segment"), f"rule {value.rule.name}"] if value.rule else []
+    many = [counted(value.pieces, "piece"), counted(value.elastic_modes, "elastic mode")]
     springs, own = value.joint_stiffness, 1.0 / float(value.units.stiffness)
     ratio = {"k / (EI/ℓ)": springs * own} if value.rule else {}
     columns = {"x [m]": value.hinge_position, "k [N m/rad]": springs, **ratio}
     return [
-        _title("Chain", value.boundary.name, *by, *many),
+        title_of("Chain", value.boundary.name, *by, *many),
         _drawing(value),
-        _numbered(("hinge", *columns), *columns.values()) if len(springs) else "",
+        numbered_table(("hinge", *columns), *columns.values()) if len(springs) else "",
     ]
 
 
@@ -350,8 +234,8 @@ def _axial_chain(value: Any) -> list[str]:
     unit = "N m/rad" if value.boundary.motion == "twist" else "N/m"
     where = f"{value.boundary.name} in {value.boundary.motion}"
     return [
-        _title("AxialChain", where, _many(value.segments, "segment"), f"rule {value.rule.name}"),
-        _numbered(
+        title_of("AxialChain", where, counted(value.segments, "segment"), f"rule {value.rule.name}"),
+        numbered_table(
             ("hinge", "x [m]", f"k [{unit}]"),
             np.cumsum(value.length)[: len(value.joint_stiffness)],
             value.joint_stiffness,
@@ -364,18 +248,24 @@ def _axial_chain(value: Any) -> list[str]:
 def _spatial_chain(value: Any) -> list[str]:
     head = ("hinge", "s [m]", "k twist [N m/rad]", "k about y", "k about z")
     return [
-        _title("SpatialChain", str(value.ends), _many(value.segments, "segment"), f"rule {value.rule.name}"),
+        title_of(
+            "SpatialChain", str(value.ends), counted(value.segments, "segment"), f"rule {value.rule.name}"
+        ),
         _drawing(value),
-        _numbered(head, value.hinge_position, *value.joint_stiffness.T) if len(value.hinge_position) else "",
+        numbered_table(head, value.hinge_position, *value.joint_stiffness.T)
+        if len(value.hinge_position)
+        else "",
     ]
 
 
 def _structure_chain(value: Any) -> list[str]:
     counts = " + ".join(map(str, value.segments))
     return [
-        _title("StructureChain", f"{counts} segments", f"rule {value.rule.name}", f"of {value.structure!r}"),
+        title_of(
+            "StructureChain", f"{counts} segments", f"rule {value.rule.name}", f"of {value.structure!r}"
+        ),
         _drawing(value),
-        _table(("hinge", "k [N m/rad]"), [(hinge.name, hinge.stiffness) for hinge in value.hinges]),
+        table_of(("hinge", "k [N m/rad]"), [(hinge.name, hinge.stiffness) for hinge in value.hinges]),
     ]
 
 
@@ -393,16 +283,16 @@ def _structure(value: Any) -> list[str]:
         for rest in [told_fields(station)[1:]]
     ]
     return [
-        _title("Structure", _many(len(joints), "joint"), _many(len(members), "member")),
+        title_of("Structure", counted(len(joints), "joint"), counted(len(members), "member")),
         _plan(value),
-        _table(("joint", "x [m]", "y [m]", "support", "mass [kg]"), joints, words=(0, 3)),
-        _table(("member", "length [m]", "EI [N m²]", "ρA [kg/m]"), members),
-        _table(("station on", "x [m]", ""), stations, words=(0, 2)) if stations else "",
+        table_of(("joint", "x [m]", "y [m]", "support", "mass [kg]"), joints, words=(0, 3)),
+        table_of(("member", "length [m]", "EI [N m²]", "ρA [kg/m]"), members),
+        table_of(("station on", "x [m]", ""), stations, words=(0, 2)) if stations else "",
     ]
 
 
 def _told(name: str, value: Any, unit: str) -> str:
-    return f"{name.replace('_', ' ')} {_text(value)} {unit}"
+    return f"{name.replace('_', ' ')} {text_of(value)} {unit}"
 
 
 def _held(support: Any) -> str:
@@ -452,7 +342,7 @@ def _statics(value: Any) -> list[str]:
     units = {"deflection": "m", "rotation": "rad", "midspan_deflection": "m"}
     of = {"tip_force": "1 N at the tip", "tip_moment": "1 N m at the tip", "uniform_load": "1 N/m all along"}
     rows = [(name.replace("_", " "), getattr(value, name), unit) for name, unit in units.items()]
-    return [_title("Statics", f"under {of.get(value.load, value.load)}"), _pairs(rows)]
+    return [title_of("Statics", f"under {of.get(value.load, value.load)}"), pairs_table(rows)]
 
 
 def _structure_statics(value: Any) -> list[str]:
@@ -464,10 +354,10 @@ def _structure_statics(value: Any) -> list[str]:
     svg = inline_svg(draw_statics(value, size=8.0), width=width, height=height)
     moved = _without_rounding([(name, *where) for name, where in value.displacements.items()])
     return [
-        _title("StructureStatics", repr(value.structure)),
+        title_of("StructureStatics", repr(value.structure)),
         f'<div style="margin: 0.3em 0">{svg}</div>',
-        _table(("reaction at", "F_x [N]", "F_y [N]", "M [N m]"), rows),
-        _table(("displacement of", "x [m]", "y [m]", "rotation [rad]"), moved),
+        table_of(("reaction at", "F_x [N]", "F_y [N]", "M [N m]"), rows),
+        table_of(("displacement of", "x [m]", "y [m]", "rotation [rad]"), moved),
     ]
 
 
@@ -486,7 +376,7 @@ def _equilibrium(value: Any) -> list[str]:
         ("largest tension", float(value.tension.max()), "N"),
         ("load", value.load, ""),
     ]
-    return [_title("Equilibrium", str(value.chain)), _drawing(value.chain, value), _pairs(rows)]
+    return [title_of("Equilibrium", str(value.chain)), _drawing(value.chain, value), pairs_table(rows)]
 
 
 def _spatial_equilibrium(value: Any) -> list[str]:
@@ -497,20 +387,21 @@ def _spatial_equilibrium(value: Any) -> list[str]:
         ("load", value.load, ""),
         ("joints", value.law.name, ""),
     ]
-    return [_title("SpatialEquilibrium", str(value.chain)), _drawing(value.chain, value), _pairs(rows)]
+    return [title_of("SpatialEquilibrium", str(value.chain)), _drawing(value.chain, value), pairs_table(rows)]
 
 
 def _verdict(audit: Any) -> str:
     """Return whether the errors are small enough, on green or on red."""
-    verdict = f"{'meets' if audit.meets else 'does not meet'} {100 * audit.tolerance:.3g} %"
+    from beammodes.auditing.told_audit import meets_or_not
+
     return (
         f'<span style="background: {"#1a7f37" if audit.meets else "#b3261e"}; color: #ffffff; '
-        f'padding: 0.1em 0.5em; border-radius: 0.3em">{verdict}</span>'
+        f'padding: 0.1em 0.5em; border-radius: 0.3em">{meets_or_not(audit)}</span>'
     )
 
 
 def _audit(value: Any) -> list[str]:
-    errors = list(map(_percent, value.errors.tolist()))
+    errors = list(map(percent_of, value.errors.tolist()))
     columns = {"mode": range(1, len(errors) + 1), "f [Hz]": value.angular_frequency / (2.0 * math.pi)}
     columns |= {"error [%]": errors}
     ratios = np.asarray(getattr(value, "damping_ratio", 0.0))
@@ -522,22 +413,22 @@ def _audit(value: Any) -> list[str]:
     better = [(motion, *_suggested(each)) for motion, one in motions.items() for each in one.suggestions]
     head = ("motion", "better springs", "hinges", "k", "errors [%]")
     first = 0 if any(motion for motion, *_ in better) else 1
-    springs = _table(head[first:], [row[first:] for row in better], words=range(3)) if better else ""
+    springs = table_of(head[first:], [row[first:] for row in better], words=range(3)) if better else ""
     said = [("given", line) for line in value.given] + [("assumed", line) for line in value.assumed]
-    given = _table(("", ""), said, words=(0, 1), most=_MOST_LISTED) if said else ""
+    given = table_of(("", ""), said, words=(0, 1), most=_MOST_LISTED) if said else ""
     chain = f"{value.boundary} chain" if hasattr(value, "boundary") else "chain in space"
     chain += f" in {value.motion}" if hasattr(value, "motion") else ""
     return [
         f"<div><b>{escape(type(value).__name__)}</b> of a {escape(chain)}: {_verdict(value)}</div>",
-        _table(tuple(columns), zip(*columns.values(), strict=True), words=()),
-        _lines(value.found[1:]),
+        table_of(tuple(columns), zip(*columns.values(), strict=True), words=()),
+        lines_of(value.found[1:]),
         springs,
         f"<details><summary>what was given and what is assumed</summary>{given}</details>" if said else "",
     ]
 
 
 def _suggested(way: Any) -> tuple[Any, ...]:
-    errors = ", ".join(map(_percent, way.errors.tolist()))
+    errors = ", ".join(map(percent_of, way.errors.tolist()))
     return (way.name, "moved" if way.moves_hinges else "as they are", way.joint_stiffness, errors)
 
 
@@ -545,8 +436,8 @@ def _mended(value: Any) -> list[str]:
     rows = zip(value.hinge_names, value.old_number, value.new_number, strict=True)
     return [
         f"<div><b>MendedFile</b> {escape(value.path.name)}: {_verdict(value.audit)}</div>",
-        _lines([value.promise, *filter(None, [value.not_mended]), *value.notes]),
-        _table(("hinge", "was", "is"), rows),
+        lines_of([value.promise, *filter(None, [value.not_mended]), *value.notes]),
+        table_of(("hinge", "was", "is"), rows),
     ]
 
 
@@ -557,8 +448,8 @@ def _recommendations(value: Sequence[Any]) -> list[str]:
             "segments": " + ".join(map(str, way.stretches)) or way.segments,
             "frequency error [%]": f"{100 * way.largest_error:.3g}",
             "in mode": way.mode,
-            "static error [%]": _percent(max(way.static_error.values(), key=abs, default=math.nan)),
-            "theory error [%]": _percent(way.theory_error),
+            "static error [%]": percent_of(max(way.static_error.values(), key=abs, default=math.nan)),
+            "theory error [%]": percent_of(way.theory_error),
             "stable step [s]": f"{way.stable_time_step:.4g}",
             "cost": f"{float(f'{way.cost:.3g}'):,.0f}",
         }
@@ -566,12 +457,14 @@ def _recommendations(value: Sequence[Any]) -> list[str]:
     ]
     # What is known of none has no column.
     head = [name for name in rows[0] if any(row[name] != "–" for row in rows)] if rows else []
-    title = _title("Recommendation") if len(rows) == 1 else _title("Recommendations", "the cheapest first")
+    title = (
+        title_of("Recommendation") if len(rows) == 1 else title_of("Recommendations", "the cheapest first")
+    )
     remarks = dict.fromkeys(remark for way in value for remark in way.remarks)
     return [
         title,
-        _table(head, [[row[name] for name in head] for row in rows], most=_MOST_LISTED),
-        _lines(remarks),
+        table_of(head, [[row[name] for name in head] for row in rows], most=_MOST_LISTED),
+        lines_of(remarks),
     ]
 
 
@@ -579,7 +472,7 @@ def _recommendation(value: Any) -> list[str]:
     springs = (
         ("joint stiffness", value.joint_stiffness, "N m/rad") if value.joint_stiffness.ndim == 1 else None
     )
-    return [*_recommendations([value]), _pairs([springs] if springs else [])]
+    return [*_recommendations([value]), pairs_table([springs] if springs else [])]
 
 
 def _study(value: Any) -> list[str]:
@@ -589,24 +482,24 @@ def _study(value: Any) -> list[str]:
         rows.append((axis.name, axis.size, listed, axis.dimension or "shared by all"))
     computed = ", ".join(quantity.name for quantity in value.quantities)
     return [
-        _title("Study", f"of {computed}: {value.size} points, {value.chunk} in a chunk"),
-        _table(("axis", "values", "", "dimension"), rows, words=(0, 2, 3)),
+        title_of("Study", f"of {computed}: {value.size} points, {value.chunk} in a chunk"),
+        table_of(("axis", "values", "", "dimension"), rows, words=(0, 2, 3)),
     ]
 
 
 def _case(value: Any) -> list[str]:
     return [
-        _title("Case"),
-        _pairs((name, getattr(each, "name", each), "") for name, each in value.values.items()),
+        title_of("Case"),
+        pairs_table((name, getattr(each, "name", each), "") for name, each in value.values.items()),
     ]
 
 
 def _law(value: Any) -> list[str]:
     if math.isnan(value.coefficient):
-        return [_title("ErrorLaw"), _lines(["the leading terms cancel for this mode: no law holds"])]
-    rows = [(n, _percent(float(value.at(n)))) for n in (5, 10, 20, 50, 100)]
-    law = f"e ~ {_number(value.coefficient)} / N^{value.order}"
-    return [_title("ErrorLaw", law), _table(("N", "e [%] by the law"), rows, words=())]
+        return [title_of("ErrorLaw"), lines_of(["the leading terms cancel for this mode: no law holds"])]
+    rows = [(n, percent_of(float(value.at(n)))) for n in (5, 10, 20, 50, 100)]
+    law = f"e ~ {number_of(value.coefficient)} / N^{value.order}"
+    return [title_of("ErrorLaw", law), table_of(("N", "e [%] by the law"), rows, words=())]
 
 
 def _per_segment(number: Fraction) -> str:
@@ -627,7 +520,11 @@ def _rule(value: Any) -> list[str]:
         ("used by", value.used_by or None, ""),
         ("source", value.source or None, ""),
     ]
-    return [_title("Rule", value.name), _lines([value.summary] if value.summary else []), _pairs(rows)]
+    return [
+        title_of("Rule", value.name),
+        lines_of([value.summary] if value.summary else []),
+        pairs_table(rows),
+    ]
 
 
 def _integrator(value: Any) -> list[str]:
@@ -639,7 +536,7 @@ def _integrator(value: Any) -> list[str]:
         ("in engines", ", ".join(value.engines) or None, ""),
         ("source", value.source, ""),
     ]
-    return [_title("Integrator", value.name), _pairs(rows)]
+    return [title_of("Integrator", value.name), pairs_table(rows)]
 
 
 def _model(value: Any) -> list[str]:
@@ -650,15 +547,15 @@ def _model(value: Any) -> list[str]:
         ("load", value.load, ""),
     ]
     shape = getattr(value, "equilibrium", None)
-    return [_title(type(value).__name__, str(value.chain)), _drawing(value.chain, shape), _pairs(rows)]
+    return [title_of(type(value).__name__, str(value.chain)), _drawing(value.chain, shape), pairs_table(rows)]
 
 
 def _derived(value: Any) -> list[str]:
     omega = value.angular_frequency
     rows = zip(range(1, len(omega) + 1), omega / (2.0 * math.pi), omega, strict=True)
     return [
-        _title("DerivedChain", str(value.chain), "from its equations of motion in symbols"),
-        _table(("mode", "f [Hz]", "ω [rad/s]"), rows, words=()),
+        title_of("DerivedChain", str(value.chain), "from its equations of motion in symbols"),
+        table_of(("mode", "f [Hz]", "ω [rad/s]"), rows, words=()),
     ]
 
 
@@ -666,13 +563,13 @@ def _matched_springs(value: Any) -> list[str]:
     ratio, springs = value.stiffness_ratio.tolist(), value.chain.joint_stiffness.tolist()
     rows = [(k, *row) for k, row in enumerate(zip(ratio, springs, strict=True), start=1)]
     motion = getattr(value.boundary, "motion", "bending")
-    met = f"{_many(value.modes, 'mode')} of the beam met"
+    met = f"{counted(value.modes, 'mode')} of the beam met"
     unit = "N/m" if motion == "stretch" else "N m/rad"
     return [
-        _title(type(value).__name__, str(value.boundary), _many(value.segments, "segment"), met),
+        title_of(type(value).__name__, str(value.boundary), counted(value.segments, "segment"), met),
         _drawing(value.chain) if motion == "bending" else "",
-        _table(("hinge", "k over the beam's own", f"k [{unit}]"), rows, words=()),
-        _pairs([("stable step, rk4", value.stable_time_step, "s")]),
+        table_of(("hinge", "k over the beam's own", f"k [{unit}]"), rows, words=()),
+        pairs_table([("stable step, rk4", value.stable_time_step, "s")]),
     ]
 
 
@@ -682,7 +579,7 @@ def _flutter(value: Any) -> list[str]:
         ("compression", value.compression, "N"),
         ("swings", value.is_flutter, ""),
     ]
-    return [_title("FlutterLoad"), _pairs(rows)]
+    return [title_of("FlutterLoad"), pairs_table(rows)]
 
 
 def _catalogue(value: Any) -> list[str]:
@@ -692,7 +589,7 @@ def _catalogue(value: Any) -> list[str]:
         told = [getattr(record, column) for column in columns] if columns else [_one_line(name, record)]
         rows.append([name, *(", ".join(each) if isinstance(each, tuple) else each for each in told)])
     head = ["name", *(column.replace("_", " ") for column in columns or ("",))]
-    return [_title(f"{len(rows)} {value.what}"), _table(head, rows, range(len(head)), most=_MOST_LISTED)]
+    return [title_of(f"{len(rows)} {value.what}"), table_of(head, rows, range(len(head)), most=_MOST_LISTED)]
 
 
 def _one_line(name: str, record: Any) -> str:
