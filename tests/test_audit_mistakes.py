@@ -56,6 +56,10 @@ def asked(
     [
         (bodies([0.2, 0.2, 0.3, 0.2, 0.2]), "segment 3 is 0.3 m long, most others 0.2 m"),
         (bodies(masses={2: 0.01}), "segment 3 is of 0.05 kg/m, most others of 0.5 kg/m"),
+        (
+            bodies([0.1] * 10, masses={0: 0.02, 9: 0.03}),
+            "segment 1 is of 0.2 kg/m, segment 10 of 0.3 kg/m, most others of 0.5 kg/m",
+        ),
         (bodies(springs=10 * math.pi / 180), "springs given per degree"),
         (bodies(springs=10 * 180 / math.pi), "springs turned from degrees twice"),
     ],

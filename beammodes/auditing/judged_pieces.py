@@ -542,7 +542,11 @@ class JudgedPieces:
         odd = np.flatnonzero(np.abs(values / usual - 1) > _SAME) if usual > 0 else np.arange(0)
         if not 0 < len(odd) <= len(values) / 4:
             return ""
-        return ": " + ", ".join(f"segment {i + 1} is {said.format(values[i], usual)}" for i in odd[:_NAMED])
+        one, rest = said.split(", ")
+        named = [
+            f"segment {i + 1} {'is ' if i == odd[0] else ''}{one.format(values[i])}" for i in odd[:_NAMED]
+        ]
+        return f": {', '.join([*named, rest.format(usual)])}"
 
 
 def _of_hinges(name: str, values: Columns | None, springs: Floats) -> Floats:
