@@ -218,7 +218,7 @@ class Catalogue(Shown, Mapping[str, _V]):
 
 
 def unwrapped(name: str, value: Any, unit: str | None = None) -> Any:
-    """Return quantities as plain numbers in SI, an array without axes as its number, all else as it is.
+    """Return quantities as numbers in SI, labelled arrays as plain ones, one without axes as its number.
 
     Parameters
     ----------
@@ -240,7 +240,7 @@ def unwrapped(name: str, value: Any, unit: str | None = None) -> Any:
     """
     if "pint" in sys.modules:
         value = _in_si(name, value, unit)
-    if type(value).__name__ == "DataArray":
+    if type(value).__name__ in ("DataArray", "Series"):
         value = value.values
     if (
         not isinstance(value, np.generic)
@@ -346,6 +346,8 @@ def small_fraction(name: str, value: object) -> float:
     TypeError, ValueError
         As `positive_real`, or if it is one half or more.
     """
+    if isinstance(value, str) and value.endswith("%"):
+        raise TypeError(f"{name} must be a fraction, such as 0.01 for 1 %, got {shown(value)}")
     number = positive_real(name, value)
     if number >= 0.5:
         meant = f"; for {number:g} % give {number / 100:g}" if number <= 50 else ""

@@ -110,6 +110,9 @@ def test_rigid_body_modes(name: str) -> None:
         ("Guided-Fre", "guided-free"),
         (("pined", "free"), "pinned-free"),
         ("clampedfree", "clamped-free"),
+        ("cantilever", "clamped-free"),
+        ("clamped", "clamped-free"),
+        ("Simply supported", "pinned-pinned"),
     ],
 )
 def test_near_matches_are_offered(typed: Any, meant: str) -> None:

@@ -217,7 +217,7 @@ def test_what_is_refused(options: dict[str, Any], message: str, tmp_path: Path) 
         ({"path": 3}, "path must be a string or a Path"),
         ({"format": 3}, "format must be one of"),
         ({"second": 3}, "second must be a Chain or None"),
-        ({"damping": 0.1}, "damping must be a Damping or None"),
+        ({"damping": 0.1}, r"damping must be a Damping or None, got 0.1; joint_dampers\(chain, 0.01\)"),
         ({"load": 9.81}, "load must be a Load or None"),
         ({"timestep": "1"}, "timestep must be a real number"),
     ],

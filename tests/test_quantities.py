@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pandas
 import pytest
 import xarray
 from test_hostile_calls import CALLS
@@ -244,6 +245,9 @@ def test_arrays_without_axes_and_dataarrays_are_numbers() -> None:
     assert (chain.beam.length, chain.beam.bending_stiffness, chain.segments) == (1.2, 85.0, 3)
     # An array inside: xarray looks for the shape of a bare quantity, which has none.
     assert bm.End(mass=xarray.DataArray(Q(np.array(500.0), "g"))).mass == 0.5
+    places, stiffness = pandas.Series([0.0, 1.2]), pandas.Series([85.0, 40.0])
+    assert bm.Table(places, stiffness) == bm.Table([0.0, 1.2], [85.0, 40.0])
+    assert bm.Beam(1.2, stiffness, 0.5) == bm.Beam(1.2, [85.0, 40.0], 0.5)
     assert bm.Load(gravity=np.array([0.0, -9.81])) == bm.Load(gravity=xarray.DataArray([0.0, -9.81]))
     for wrong in (np.array([1.0]), np.array(True), np.array("1"), xarray.DataArray([1.0, 2.0])):
         with pytest.raises(TypeError, match="length must be a real number"):

@@ -318,8 +318,8 @@ class Chain(Shown, ChainNumbers):
         return position
 
     def _line(self) -> str:
-        by = f", segments={self.segments}, rule={self.rule.name!r}" if self.rule else ""
-        return f"<Chain {self.boundary.name}: {self.pieces} pieces{by}>"
+        by = f"segments={self.segments}, rule={self.rule.name!r}" if self.rule else f"{self.pieces} pieces"
+        return f"<Chain {self.boundary.name}: {by}>"
 
 
 def cut_by_rule(rule: Layout, boundary: Boundary, segments: int) -> tuple[list[Fraction], list[Number]]:

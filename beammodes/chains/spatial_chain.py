@@ -118,10 +118,7 @@ class SpatialChain(Shown):
         return self.rod.frames(self.node_position)[1]
 
     def _line(self) -> str:
-        return (
-            f"<SpatialChain {self.ends}: {self.tree.pieces} pieces, segments={self.segments}, "
-            f"rule={self.rule.name!r}>"
-        )
+        return f"<SpatialChain {self.ends}: segments={self.segments}, rule={self.rule.name!r}>"
 
 
 def _hinges(rod: Rod, ends: RodEnds, count: int, rule: Layout) -> tuple[Floats, Floats]:

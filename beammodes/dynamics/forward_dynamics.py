@@ -36,7 +36,7 @@ from beammodes.dynamics.timed_loads import COLUMNS, TimedLoad, pattern
 from beammodes.equations.mechanics import coordinate_names, tip_names
 from beammodes.problem.loading import Load, checked_load
 from beammodes.progress import pause
-from beammodes.vibration.damping import Damping
+from beammodes.vibration.damping import Damping, checked_damping
 
 __all__ = ["ChainState", "checked_system", "forward_dynamics"]
 
@@ -51,9 +51,10 @@ def checked_system(chain: Chain, load: Load | None, damping: Damping | None, bas
         writes = "export_chain writes it for engines that move it"
         hint = instead(chain, SpatialChain=writes, StructureChain=writes)
         raise TypeError(f"chain must be a Chain, got {shown(chain)}{hint}")
-    for name, value, kind in (("damping", damping, Damping), ("base", base, BaseMotion)):
-        if value is not None and not isinstance(value, kind):
-            raise TypeError(f"{name} must be a {kind.__name__} or None, got {shown(value)}")
+    checked_damping(damping)
+    if base is not None and not isinstance(base, BaseMotion):
+        course = "; BaseMotion(angle=course) turns by a course" if callable(base) else ""
+        raise TypeError(f"base must be a BaseMotion or None, got {shown(base)}{course}")
     given, (left, right) = checked_load(load), (chain.boundary.left, chain.boundary.right)
     if given.spin_rate:
         raise ValueError(

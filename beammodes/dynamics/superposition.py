@@ -39,7 +39,7 @@ from beammodes.problem.beam import Beam
 from beammodes.problem.ends import Boundary, BoundaryLike, check_no_hub
 from beammodes.problem.profiles import mean_over
 from beammodes.version import SOURCE
-from beammodes.vibration.damping import Damping, damping_ratios
+from beammodes.vibration.damping import Damping, checked_damping, damping_ratios
 
 if TYPE_CHECKING:
     import xarray
@@ -148,8 +148,7 @@ def modal_response(
 
 def _ratios(damping_ratio: ArrayLike | None, damping: Damping | None, omega: Floats) -> Floats:
     """Return ζ of each mode."""
-    if damping is not None and not isinstance(damping, Damping):
-        raise TypeError(f"damping must be a Damping or None, got {shown(damping)}")
+    checked_damping(damping)
     given = damping or Damping()
     if np.any(np.asarray(given.joint)):
         raise ValueError(f"damping of a beam must be without joint dampers, as it has no hinges, got {given}")

@@ -316,6 +316,8 @@ def _theory_words(modes: _Judged) -> tuple[str, str]:
         solid = (
             f": 1 % or less if it is a solid one, assumed, no higher than L/{float(f'{slenderness:.2g}'):g}"
         )
+        if modes.beam.shear_stiffness is not None and not modes.beam.has_rotary_inertia:
+            return "theory error not known without rotary inertia", solid
         return "theory error not known without a section", solid
     told = f"theory error {row_shown(100.0 * errors, '{:+.3g}', '%')}"
     assumed = f", assumed: {', '.join(modes.theory[1])}" if modes.theory and modes.theory[1] else ""

@@ -309,7 +309,8 @@ def _completed(beam: Beam, shear: PropertyLike | None, rotary: PropertyLike | No
     if rotary is None and known_rotary is None:
         raise ValueError(
             "rotary_inertia_per_length must be given, rho I in kg m, for a beam that has neither one nor a "
-            "radius of gyration, got None; Beam.from_section knows it, and 0 leaves it out"
+            "radius of gyration, got None; Beam.from_section knows it, from_sections by rotary_inertia=True, "
+            "and 0 leaves it out"
         )
     given_shear = known_shear if shear is None else shear
     given_rotary = known_rotary if rotary is None else rotary

@@ -28,7 +28,7 @@ from beammodes.files import file_target, write_atomically
 from beammodes.numerics.blas import one_thread
 from beammodes.problem.load_in_space import SpatialLoad
 from beammodes.problem.loading import Load
-from beammodes.vibration.damping import Damping
+from beammodes.vibration.damping import Damping, checked_damping
 from beammodes.vibration.integrators import INTEGRATORS
 from beammodes.vibration.modes_in_space import spatial_modes
 
@@ -177,7 +177,8 @@ def export_chain(
             takers = ", ".join(each.name for each in FORMATS.values() if what in each.takes)
             raise ValueError(f"{what} must be left out for {kind.name} files: it is for {takers}")
     loads = SpatialLoad if isinstance(chain, SpatialChain) else Load
-    for what, known in (("second", Chain), ("damping", Damping), ("load", loads), ("at", Equilibrium)):
+    checked_damping(damping)
+    for what, known in (("second", Chain), ("load", loads), ("at", Equilibrium)):
         if not isinstance(given[what], known | None):
             article = "an" if known is Equilibrium else "a"
             raise TypeError(f"{what} must be {article} {known.__name__} or None, got {shown(given[what])}")

@@ -632,11 +632,18 @@ def end_of(part: object, whole: object) -> End:
 _end_of_text = lru_cache(maxsize=1024)(end_from_text)
 
 
+#: What people call a pair of ends that is no pair of words.
+_SPOKEN = {"cantilever": "clamped-free", "clamped": "clamped-free", "fixed": "clamped-free"} | dict.fromkeys(
+    ("simply-supported", "simple", "pinned", "hinged"), "pinned-pinned"
+)
+
+
 def _refuse(value: object) -> NoReturn:
     """Raise the error for an unreadable boundary, with the nearest readable name."""
     either_order = [f"{a}-{b}" for a in ENDS for b in ENDS]
     text = "-".join(map(str, value)) if isinstance(value, tuple | list) else str(value)
-    near = difflib.get_close_matches(text[:60].strip().lower().replace("/", "-"), either_order, n=1)
+    said = re.sub(r"[\s_/,-]+", "-", text[:60].strip().lower())
+    near = [_SPOKEN[said]] if said in _SPOKEN else difflib.get_close_matches(said, either_order, n=1)
     hint = f' (did you mean "{near[0]}"?)' if near else ""
     raise ValueError(
         f'boundary must name two of the ends {", ".join(ENDS)}, such as "clamped-free", '

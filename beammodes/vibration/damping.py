@@ -54,6 +54,7 @@ __all__ = [
     "Damping",
     "DampingFitWarning",
     "ModalDamping",
+    "checked_damping",
     "damped_eigenvalues",
     "damped_modes",
     "damped_pairs",
@@ -65,6 +66,24 @@ __all__ = [
     "modes_with_ratios",
     "ratios_of_modes",
 ]
+
+
+def checked_damping(value: object, *, or_none: bool = True) -> None:
+    """Raise TypeError unless `value` is a `Damping`, or None where that may be; a ratio is told its maker.
+
+    Examples
+    --------
+    >>> checked_damping(None)
+    >>> checked_damping(0.01)
+    Traceback (most recent call last):
+        ...
+    TypeError: damping must be a Damping or None, got 0.01; joint_dampers(chain, 0.01) makes one of 1 %
+    """
+    if isinstance(value, Damping) or (or_none and value is None):
+        return
+    makes = "joint_dampers(chain, 0.01) makes one of 1 %"
+    hint = instead(value, float=makes, int=makes, str=makes, list=makes, Quantity=makes)
+    raise TypeError(f"damping must be a Damping{' or None' if or_none else ''}, got {shown(value)}{hint}")
 
 
 class DampingFitWarning(UserWarning):
@@ -171,8 +190,7 @@ def damping_of_modes(chain: Chain, damping: Damping, load: Load | None = None) -
         ratio = "Damping(stiffness=b) alone gives each of its modes the ratio b ω/2"
         hint = instead(chain, SpatialChain=ratio, AxialChain=ratio)
         raise TypeError(f"chain must be a Chain, got {shown(chain)}{hint}")
-    if not isinstance(damping, Damping):
-        raise TypeError(f"damping must be a Damping, got {shown(damping)}")
+    checked_damping(damping, or_none=False)
     if len(chain.scaled.joint_stiffness) > MAX_DENSE:
         raise ValueError(
             f"chain must have at most {MAX_DENSE} hinges here, where all its modes are needed, "

@@ -24,7 +24,7 @@ from beammodes.checks import Shown, real, shown
 from beammodes.deferred import Deferred
 from beammodes.numerics.arrays import Floats
 from beammodes.version import SOURCE
-from beammodes.vibration.damping import Damping, damping_of_modes
+from beammodes.vibration.damping import Damping, checked_damping, damping_of_modes
 from beammodes.vibration.linear import linearize
 from beammodes.vibration.modes import MAX_DENSE, solve_modes
 
@@ -223,8 +223,7 @@ def flutter_load(chain: Chain, *, damping: Damping | None = None) -> FlutterLoad
 def _followed(chain: Chain, damping: Damping | None) -> _Followed:
     if not isinstance(chain, Chain):
         raise TypeError(f"chain must be a Chain, got {shown(chain)}")
-    if damping is not None and not isinstance(damping, Damping):
-        raise TypeError(f"damping must be a Damping or None, got {shown(damping)}")
+    checked_damping(damping)
     if len(chain.scaled.joint_stiffness) > MAX_DENSE:
         raise ValueError(
             f"chain must have at most {MAX_DENSE} hinges here, where all its modes are needed, "

@@ -29,6 +29,7 @@ from beammodes.vibration.axial_spectrum import highest_axial_frequency
 from beammodes.vibration.damping import (
     Damping,
     ModalDamping,
+    checked_damping,
     damped_eigenvalues,
     damping_along,
     damping_of_modes,
@@ -178,8 +179,7 @@ def stable_time_step(
         raise TypeError(
             f"chain must be a Chain, AxialChain, SpatialChain or StructureChain, got {shown(chain)}"
         )
-    if damping is not None and not isinstance(damping, Damping):
-        raise TypeError(f"damping must be a Damping or None, got {shown(damping)}")
+    checked_damping(damping)
     if isinstance(chain, SpatialChain):
         return _step_in_space(record, chain, load, damping)
     if isinstance(load, SpatialLoad):
