@@ -250,6 +250,9 @@ class Beam(Shown):
     twice, and those of `breaks`: a function's steps and kinks, and the kinks of a table that are meant as
     such. A table's other kinks are no breaks: a fine table of a taper is a taper. See `breaks` below.
 
+    Bending needs EI, ρA and, if it counts, ρI. κGA and r are for `timoshenko` and `theory_errors`, which tell
+    what shear does: no chain has it. GJ and ρIp are for twist, EA and ρA for stretch.
+
     Parameters
     ----------
     length : float [m]
@@ -275,11 +278,7 @@ class Beam(Shown):
     breaks : sequence of float, optional [m]
         Positions inside the beam where a property has a step or a kink that it does not tell itself, in any
         order. Two of them also show where a function has a feature narrower than L/4096, the distance of the
-        places at which functions are looked at (see `problem.smooth_parts`).
-
-    κGA and r are left out of the equation above, and of every chain: `timoshenko`, which keeps them in,
-    and `theory_errors`, which says what leaving them out does, read them. GJ and ρIp are for twist, EA (with
-    ρA) for stretch, of which bending knows nothing: see `problem.motions`.
+        places at which functions are looked at.
 
     Raises
     ------

@@ -106,6 +106,7 @@ def _settings() -> dict[str, object]:
         "html_static_path": ["_static"],
         "html_css_files": ["site.css"],
         "html_extra_path": ["_extra"],
+        "html_show_copyright": False,
         "html_show_sourcelink": False,
         "html_copy_source": False,
         "html_use_index": True,
@@ -153,6 +154,8 @@ def _with_pictures(text: str, pictures: Path, figures: Path) -> str:
     text = re.sub(r"\]\((?:\.\./)*(?:\.\./)?beammodes/pages/", "](", text)
     text = re.sub(r"\]\((?:\.\./)*\.github/CONTRIBUTING\.md", "](contributing.md", text)
     text = re.sub(r"\]\((?:\.\./)+figures/", "](figures/", text)
+    # The line that ends a doctest before its fence is nothing to show.
+    text = re.sub(r"^(```\w+\n.*?)\n+(^```$)", r"\1\n\2", text, flags=re.MULTILINE | re.DOTALL)
     for name in set(re.findall(r"\]\(figures/([\w.]+)\)", text)):
         target = pictures / name
         target.write_bytes((figures / name).read_bytes())
