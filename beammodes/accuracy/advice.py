@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -381,6 +382,10 @@ def _set_by(judge: JudgedMotion, record: Any, segments: int) -> str:
     raise AssertionError("a recommended chain has all wanted modes")
 
 
+# All rules of one answer have the same beam.
+_exact_statics = lru_cache(maxsize=len(LOADS))(beam_statics)
+
+
 def _static_errors(chain: Chain) -> dict[str, float]:
     """Return relative errors of the tip's deflection, or of the middle's where the ends hold the tip."""
     ends = chain.boundary
@@ -389,7 +394,7 @@ def _static_errors(chain: Chain) -> dict[str, float]:
     assert chain.beam is not None
     found = {}
     for load in LOADS:
-        ours, exact = chain_statics(chain, load), beam_statics(chain.beam, chain.boundary, load)
+        ours, exact = chain_statics(chain, load), _exact_statics(chain.beam, chain.boundary, load)
         for quantity in ("deflection", "midspan_deflection"):
             reference = getattr(exact, quantity)
             if math.isfinite(reference) and reference:

@@ -69,7 +69,7 @@ LOADS: tuple[str, ...] = tuple(_LENGTHS)
 STATIC_QUANTITIES = ("tip_deflection", "tip_rotation", "midspan_deflection")
 
 # Tip force, tip moment and load per length.
-_Loads = tuple[Fraction, Fraction, Fraction]
+_Loads = tuple[Any, Any, Any]
 
 
 class Response(NamedTuple):
@@ -460,7 +460,9 @@ def _hinged_response(
 ) -> Response:
     """Return the response of hinges with springs, the firmer end at 0."""
     arms = [length - x for x in hinges]
-    loads = _unit_loads(load)
+    # Fractions beside floats would cost most of the time.
+    point, couple, spread = map(type(length), _unit_loads(load))
+    loads = (point, couple, spread)
     root_angle, force, moment = _reactions(pair, length, arms, flexibility, loads)
     moments = [_moment(loads, arm) + force * arm + moment for arm in arms]
     turns = [f * m for f, m in zip(flexibility, moments, strict=True)]
@@ -487,10 +489,11 @@ def _reactions(
 ) -> list[Any]:
     """Return θ₀ and the tip's reactions R and S from one condition each."""
 
-    def total(values: Iterable[Any]) -> Any:
-        return sum((f * value for f, value in zip(flexibility, values, strict=True)), Fraction(0))
+    zero, one = type(length)(0), type(length)(1)
 
-    zero, one = Fraction(0), Fraction(1)
+    def total(values: Iterable[Any]) -> Any:
+        return sum((f * value for f, value in zip(flexibility, values, strict=True)), zero)
+
     bent = [_moment(loads, arm) for arm in arms]
     rows: list[list[Any]] = [[one, zero, zero], [zero, one, zero], [zero, zero, one]]
     rest: list[Any] = [zero, zero, zero]
