@@ -49,6 +49,8 @@ __all__ = [
 MAX_ITEMS = 10**7
 
 _SHOWN_CHARACTERS = 60
+#: NumPy registers spans of time as whole numbers.
+_NO_NUMBERS = (bool, np.timedelta64)
 _SHOWN_NUMBERS = 6
 _LINE = 120
 
@@ -299,9 +301,9 @@ def real(name: str, value: object, unit: str | None = None) -> float:
     ValueError
         If it is not finite, or too large for a float.
     """
-    if isinstance(value, bool) or not isinstance(value, numbers.Real):
+    if not _is_real(value):
         value = unwrapped(name, value, unit)
-    if isinstance(value, bool) or not isinstance(value, numbers.Real):
+    if not _is_real(value):
         raise TypeError(f"{name} must be a real number, got {shown(value)}")
     try:
         number = float(value)
@@ -370,7 +372,7 @@ def whole_number(name: str, value: object, *, least: int = 1, most: int | None =
     allowed = f"a whole number of at least {least}" + (f" and at most {most}" if most is not None else "")
     if not isinstance(value, int):
         value = unwrapped(name, value)
-    if isinstance(value, bool) or not isinstance(value, numbers.Integral):
+    if isinstance(value, _NO_NUMBERS) or not isinstance(value, numbers.Integral):
         raise TypeError(f"{name} must be {allowed}, got {shown(value)}")
     number = int(value)
     if number < least or (most is not None and number > most):
@@ -542,11 +544,14 @@ def plain_array(name: str, value: Any, unit: str | None = None) -> NDArray[Any]:
         except ValueError:
             raise TypeError(f"{name} must be one regular array, got {shown(value)}") from None
     array = np.asarray(value)
+    if array.dtype.kind in "mM":
+        # As objects, those in nanoseconds would be plain integers.
+        raise TypeError(f"{name} must be an array of numbers, not of times, got {shown(value)}")
     return array if array.dtype.kind in "iufc" else array.astype(object)
 
 
 def _is_real(item: object) -> bool:
-    return isinstance(item, numbers.Real) and not isinstance(item, bool)
+    return isinstance(item, numbers.Real) and not isinstance(item, _NO_NUMBERS)
 
 
 def whole_numbers(name: str, value: ArrayLike, *, least: int = 1, most: int) -> NDArray[np.int64]:
@@ -564,7 +569,7 @@ def whole_numbers(name: str, value: ArrayLike, *, least: int = 1, most: int) -> 
         return np.asarray(whole_number(name, array.item(), least=least, most=most))
     if array.dtype.kind not in "iu":
         items = array.ravel().tolist()
-        if not all(isinstance(item, numbers.Integral) and not isinstance(item, bool) for item in items):
+        if not all(isinstance(item, numbers.Integral) and not isinstance(item, _NO_NUMBERS) for item in items):
             allowed = f"whole numbers of at least {least} and at most {most}"
             raise TypeError(f"{name} must be {allowed}, got {shown(value)}")
         whole = [whole_number(name, item, least=least, most=most) for item in items]

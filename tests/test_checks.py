@@ -11,7 +11,16 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from beammodes.checks import bounded, choice, positive_real, real, shown, whole_number
+from beammodes.checks import (
+    bounded,
+    choice,
+    positive_real,
+    real,
+    real_numbers,
+    shown,
+    whole_number,
+    whole_numbers,
+)
 
 WORDS = ["clamped", "pinned", "guided", "free"]
 
@@ -67,6 +76,16 @@ def test_what_is_no_real_number(value: object) -> None:
         with pytest.raises(TypeError, match=r"^length must be a real number, got ") as info:
             check("length", value)
         assert shown(value) in str(info.value)
+
+
+@pytest.mark.parametrize("unit", ["ns", "s", "D"])
+def test_spans_of_time_are_no_numbers(unit: str) -> None:
+    # NumPy registers them as Integral, and those in nanoseconds turn into ints.
+    span = np.timedelta64(5, unit)
+    for value in (span, np.array(span), [span], np.array([span, span])):
+        for check in (real, whole_number, real_numbers, lambda *pair: whole_numbers(*pair, most=9)):
+            with pytest.raises(TypeError, match=r"^length must be "):
+                check("length", value)
 
 
 @pytest.mark.parametrize("value", [math.nan, math.inf, -math.inf, 10**400, -(10**400), Fraction(10**400)])

@@ -190,6 +190,15 @@ def test_units_are_converted_and_cycles_told_from_radians() -> None:
     assert bm.Beam(1.0, other, 1.0).bending_stiffness == pytest.approx(3.0, rel=1e-15)
 
 
+@pytest.mark.parametrize("style", ["~", "~P", "L", "C"])
+def test_cycles_are_told_from_radians_however_a_registry_prints_its_units(style: str) -> None:
+    unit = pint.UnitRegistry()
+    unit.formatter.default_format = style
+    for rate in (unit.Quantity(1, "Hz"), unit.Quantity(60, "rpm"), unit.Quantity(0.001, "kHz")):
+        assert bm.Load(spin_rate=rate).spin_rate == pytest.approx(2 * np.pi, rel=1e-15)
+        assert bm.Sine(rate).frequency == pytest.approx(1.0, rel=1e-15)
+
+
 def test_properties_along_a_beam_are_taken_in_rows_tables_and_functions_with_units() -> None:
     beam = bm.Beam(
         Q(1200, "mm"),

@@ -170,6 +170,11 @@ def plain_number(value: Any, unit: str) -> Any:
     found = value.to(
         "*".join(f"{base}**{power:g}" for base, power in zip(("kg", "m", "s"), kind, strict=True))
     )
-    if unit == "Hz" and "radian" in str(value.to_root_units().units):
+    if unit == "Hz" and "radian" in _words(value.to_root_units()):
         return found.magnitude / (2.0 * math.pi)
-    return found.magnitude * (2.0 * math.pi if unit == "rad/s" and "hertz" in str(value.units) else 1.0)
+    return found.magnitude * (2.0 * math.pi if unit == "rad/s" and "hertz" in _words(value) else 1.0)
+
+
+def _words(value: Any) -> str:
+    """Return the names of a quantity's units, which its registry may print shortened or as LaTeX."""
+    return " ".join(name for name, _ in value.unit_items())
