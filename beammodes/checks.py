@@ -146,7 +146,12 @@ def brief(text: str) -> str:
     --------
     >>> brief("Table(" + ", ".join(["1.25"] * 100) + ")")[-22:]
     '1.25, 1.25, 1.25, ...)'
+    >>> brief("<Structure: a" + chr(10) + "b>") == "<Structure: a" + chr(92) + "nb>"
+    True
     """
+    if not text.isprintable():
+        # Names of joints and members may be any text.
+        text = "".join(c if c.isprintable() else ascii(c)[1:-1] for c in text)
     if len(text) <= _LINE:
         return text
     return f"{text[: _LINE - 6].rpartition(', ')[0] or text[: _LINE - 6]}, ...{text[-1]}"
@@ -303,7 +308,7 @@ def real(name: str, value: object, unit: str | None = None) -> float:
     """
     if not _is_real(value):
         value = unwrapped(name, value, unit)
-    if not _is_real(value):
+    if isinstance(value, _NO_NUMBERS) or not isinstance(value, numbers.Real):
         raise TypeError(f"{name} must be a real number, got {shown(value)}")
     try:
         number = float(value)
@@ -554,6 +559,10 @@ def _is_real(item: object) -> bool:
     return isinstance(item, numbers.Real) and not isinstance(item, _NO_NUMBERS)
 
 
+def _is_whole(item: object) -> bool:
+    return isinstance(item, numbers.Integral) and not isinstance(item, _NO_NUMBERS)
+
+
 def whole_numbers(name: str, value: ArrayLike, *, least: int = 1, most: int) -> NDArray[np.int64]:
     """Return `value` as int64, refusing what is not whole numbers in `least..most` in one regular array.
 
@@ -569,7 +578,7 @@ def whole_numbers(name: str, value: ArrayLike, *, least: int = 1, most: int) -> 
         return np.asarray(whole_number(name, array.item(), least=least, most=most))
     if array.dtype.kind not in "iu":
         items = array.ravel().tolist()
-        if not all(isinstance(item, numbers.Integral) and not isinstance(item, _NO_NUMBERS) for item in items):
+        if not all(map(_is_whole, items)):
             allowed = f"whole numbers of at least {least} and at most {most}"
             raise TypeError(f"{name} must be {allowed}, got {shown(value)}")
         whole = [whole_number(name, item, least=least, most=most) for item in items]

@@ -183,6 +183,9 @@ def test_any_path_is_written_or_refused(
         ({"name": "two words"}, "name must be a word"),
         ({"name": '"/><x'}, "name must be a word"),
         ({"name": ""}, "name must be a word"),
+        # Of SDFormat; Drake's parser refuses them, too.
+        ({"path": "beam.sdf", "name": "world"}, "name must be no word that sdf files reserve"),
+        ({"path": "beam.sdf", "name": "__arm__"}, "name must be no word that sdf files reserve"),
         ({"integrator": "implicitfas"}, 'did you mean "implicitfast"'),
         ({"timestep": 0.0}, "timestep must be greater than 0"),
         ({"timestep": 1.0}, "timestep must be less than .* RK4"),
@@ -368,6 +371,12 @@ def test_yaml_numbers_have_a_point(value: float, tmp_path: Path) -> None:
     (found,) = re.findall(r"stiffness: ([^,]+),", springs)
     assert "." in found
     assert float(found) == value
+
+
+def test_the_springs_name_their_model_where_yaml_takes_the_word_for_none(tmp_path: Path) -> None:
+    for name in ("no", "null", "on"):
+        springs = export_chain(CHAIN, tmp_path / f"{name}.urdf", name=name)[1]
+        assert yaml.safe_load(springs.read_text(encoding="utf-8"))["model"] == name
 
 
 def rewritten(text: str, how: str) -> str:

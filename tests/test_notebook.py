@@ -156,6 +156,10 @@ def test_what_users_type_is_text_and_not_html() -> None:
         html = html_of(value)
         assert faults(html) == [] and "<script" not in html, value
         assert "&lt;script" in html or type(value) is bm.JointLaw, value
+    lines = {"a\nb\u2028": bm.Joint(0, 0, "clamped"), "c": bm.Joint(1, 0)}
+    frame = bm.Structure.of_bars(lines, [("a\nb\u2028", "c")], bending_stiffness=1.0, mass_per_length=1.0)
+    for value in (frame, bm.StructureChain(frame, 2)):
+        assert repr(value).isprintable()
 
 
 def test_the_line_is_what_a_user_types() -> None:

@@ -133,6 +133,19 @@ def test_scripts_run_as_they_are(tmp_path: Path, capsys: pytest.CaptureFixture[s
         assert [float(word) for word in answer.split()] == pytest.approx(known, rel=1e-7)
 
 
+def test_scripts_of_long_chains_print_the_first_frequency(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    # Its square is 5e-11 of the highest one's, as little as rounding leaves of a rigid body's motion.
+    pytest.importorskip("exudyn")
+    chain = bm.Chain(BEAM, "clamped-free", segments=300)
+    path = bm.export_chain(chain, tmp_path / "long.py", format="exudyn")[0]
+    runpy.run_path(str(path), run_name="__main__")
+    answer = capsys.readouterr().out.partition("natural frequencies [Hz]: ")[2]
+    first = bm.euler_bernoulli(BEAM, "clamped-free", 1).frequency[0]
+    assert float(answer.split()[0]) == pytest.approx(first, rel=1e-5)
+
+
 def test_files_carry_gravity_where_engines_look_for_it(tmp_path: Path) -> None:
     load, down = bm.Load(gravity=(0.0, -9.81)), [0.0, 0.0, -9.81]
     dart = pytest.importorskip("dartpy")

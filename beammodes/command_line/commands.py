@@ -726,6 +726,12 @@ def _audit(options: argparse.Namespace) -> Answer:
         "hinges": _stiffness_rows(found.hinge_names, found.joint_stiffness.tolist()),
         "suggestions": [_suggestion(found, item) for item in found.suggestions],
         "step": None,
+        # The names of springs and places say SI's; with --units they are in that system.
+        "units": {
+            "system": _system(options),
+            "stiffness_n_m_per_rad": _units(options)["joint_stiffness"],
+            "position_m": _units(options)["length"],
+        },
     }
     if found.step is not None:
         answer["step"] = {

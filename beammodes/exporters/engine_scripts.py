@@ -87,8 +87,10 @@ if __name__ == "__main__":
     system = container.AddSystem()
     add_chain(system)
     system.Assemble()
-    squares = numpy.asarray(system.ComputeODE2Eigenvalues()[0])
-    found = numpy.sqrt(squares[squares > 1e-9 * max(squares)]) / (2 * numpy.pi)
+    squares = numpy.sort(system.ComputeODE2Eigenvalues()[0])
+    # Every spring adds a mode; without them the chain moves as a rigid body does.
+    elastic = sum(spring > 0 for _, _, spring, *_ in LINKS)
+    found = numpy.sqrt(squares[len(squares) - elastic :]) / (2 * numpy.pi)
     print("natural frequencies [Hz]:", *(f"{{each:.8g}}" for each in found[:3]))
 '''
 
@@ -159,8 +161,9 @@ if __name__ == "__main__":
     roots = numpy.zeros(len(inertia))
     roots[len(inertia) - len(springs) :] = numpy.sqrt(list(springs.values()))
     # M = L Lᵀ; the singular values of L⁻¹ √K are the angular frequencies.
-    found = numpy.linalg.svd(numpy.linalg.solve(numpy.linalg.cholesky(inertia), numpy.diag(roots)))[1][::-1]
-    found = found[found > 1e-6 * max(found)] / (2 * numpy.pi)
+    found = numpy.linalg.svd(numpy.linalg.solve(numpy.linalg.cholesky(inertia), numpy.diag(roots)))[1]
+    # Every spring adds a mode; without them the chain moves as a rigid body does.
+    found = found[: numpy.count_nonzero(roots)][::-1] / (2 * numpy.pi)
     print("natural frequencies [Hz]:", *(f"{{each:.8g}}" for each in found[:3]))
     pybullet.disconnect(client)
 '''

@@ -184,6 +184,8 @@ def export_chain(
             raise TypeError(f"{what} must be {article} {known.__name__} or None, got {shown(given[what])}")
     if not isinstance(name, str) or not re.fullmatch(r"[A-Za-z_][A-Za-z0-9_]{0,59}", name):
         raise ValueError(f'name must be a word of letters, digits and _ such as "beam", got {shown(name)}')
+    if re.fullmatch(kind.reserved, name):
+        raise ValueError(f"name must be no word that {kind.name} files reserve, got {shown(name)}")
     paths = kind.paths(place)
     for each in paths:
         file_target(each, new=not force)

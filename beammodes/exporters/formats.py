@@ -127,6 +127,8 @@ class Format:
         It can support both ends.
     balls : bool
         It has ball joints with springs.
+    reserved : str
+        Pattern of names that its models must not have.
     """
 
     name: str
@@ -140,6 +142,7 @@ class Format:
     because: str = ""
     ties: bool = False
     balls: bool = False
+    reserved: str = ""
 
     def paths(self, path: Path) -> tuple[Path, ...]:
         """Return the path of each file."""
@@ -367,6 +370,7 @@ def _joint_of(body: Body, joint: Joint | None) -> tuple[str, str]:
     ("fragment", "second", "damping", "timestep", "load"),
     engine="Drake discrete",
     most_bodies=_MAX_LINKS,
+    reserved="world|__.*__",
 )
 def _sdf(model: Model) -> Sequence[Iterable[str]]:
     step, gravity = f"{model.timestep!r} s", model.gravity
@@ -507,7 +511,8 @@ def _urdf_link(body: Body, thickness: float) -> Iterator[str]:
 def _springs_yaml(model: Model) -> Iterator[str]:
     about = "hinges in N m/rad, slides in N/m; the force is -stiffness * (position - rest)"
     yield from (f"# {line}" for line in (f"springs of {model.name}: {about}", *model.facts))
-    yield f"model: {model.name}"
+    # Without quotes "no" and "null" are no text.
+    yield f'model: "{model.name}"'
     joints = [joint for body in model.tree.bodies for joint in body.joints if joint.stiffness]
     yield "springs:" if joints else "springs: []"
     for joint in joints:

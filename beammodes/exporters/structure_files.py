@@ -296,7 +296,7 @@ def _urdf(name: str, tree: StructureTree, facts: tuple[str, ...], run: Run) -> l
     springs = [f"# {fact}" for fact in facts]
     springs += [
         "# hinges in N m/rad; the moment is -stiffness * (position - rest)",
-        f"model: {name}",
+        f'model: "{name}"',
         "springs:",
     ]
     for body in bodies:
