@@ -14,6 +14,7 @@ from drawn_ends import RULES_DRAWN
 from page_reading import same, stiffnesses
 
 import beammodes as bm
+from beammodes.problem.motions import unit_beam
 from studies.page import atlas_data, build, rods_data
 
 playwright = pytest.importorskip("playwright.sync_api")
@@ -179,6 +180,147 @@ def test_twist_in_the_atlas(page: Any, address: str) -> None:
     assert stiffnesses(_state(page)["springs"]) == [0.75, 1.5, 0.75, 3.0]
     page.get_by_label("Motion", exact=True).select_option("bending")
     _wait_for(page, "free-clamped", "simpson", 4)
+
+
+#: Ends with bodies as the page's address has them, and as the library does: rule, N, modes.
+BODIES = (
+    ("left=clamped&right=free&massRight=0.5", "clamped-free(mass=0.5)", "gregory", 12, 5),
+    (
+        "left=clamped&right=free&massRight=2&inertiaRight=0.01",
+        "clamped-free(mass=2, rotary_inertia=0.01)",
+        "mitiguy",
+        10,
+        3,
+    ),
+    (
+        "left=free&right=pinned&massLeft=1e-3&inertiaLeft=1e-5",
+        "free(mass=0.001, rotary_inertia=0.00001)-pinned",
+        "rigid_stub_corrected",
+        21,
+        4,
+    ),
+    (
+        "left=free&right=free&massLeft=30&inertiaLeft=.2&massRight=0.1",
+        "free(mass=30, rotary_inertia=0.2)-free(mass=0.1)",
+        "half_stub_corrected",
+        40,
+        5,
+    ),
+    ("left=free&right=guided&inertiaLeft=4", "free(rotary_inertia=4)-guided", "simpson", 8, 5),
+    ("left=clamped&right=free&massRight=0.2", "clamped-free(mass=0.2)", "hencky", 2, 3),
+)
+
+
+def _shown(page: Any, address: str, chosen: str) -> dict[str, Any]:
+    page.goto(f"{address}#atlas?{chosen}")
+    page.wait_for_function("due => document.querySelector('#atlas-form').elements.rule.value === due"
+                           " && document.querySelector('#atlas-state').innerText.includes(`rule ${due}`)",
+                           arg=chosen.split("rule=")[1].split("&")[0])  # fmt: skip
+    return _state(page)
+
+
+@pytest.mark.parametrize(("ends", "pair", "rule", "n", "modes"), BODIES)
+def test_bodies_at_the_ends_are_computed_as_the_library_does(
+    page: Any, address: str, ends: str, pair: str, rule: str, n: int, modes: int
+) -> None:
+    shown = _shown(page, address, f"{ends}&rule={rule}&segments={n}&modes={modes}&tolerance=0.02")
+    chain = bm.Chain(bm.Beam.unit(), pair, n, rule)
+    assert stiffnesses(shown["springs"]) == pytest.approx((chain.joint_stiffness / n).tolist(), rel=1e-12)
+    same(shown["step"].split()[0], bm.stable_time_step(chain))
+    exact = bm.euler_bernoulli(bm.Beam.unit(), pair, modes).angular_frequency
+    errors = bm.chain_errors(chain, modes)
+    cells = [row.locator("td").all_inner_texts() for row in page.locator("#atlas-errors tbody tr").all()]
+    assert len(cells) == modes
+    for (error, law, beam, solved), value, omega in zip(cells, errors, exact, strict=True):
+        same("–" if error == "no such mode" else error, 100 * value)
+        same(beam, omega)
+        same(solved, omega * (1 + value))
+        assert law == "–"
+    needed = bm.segments_needed(pair, 0.02, modes, rule)
+    assert shown["needed"] == (str(needed) if needed <= atlas_data.SEGMENTS else "more than 60")
+    assert "in this browser" in page.locator("#atlas-where").inner_text()
+    # The other rules follow one by one.
+    page.wait_for_function("!document.querySelector('#atlas-rules tbody').innerText.includes('…')")
+    other = page.locator("#atlas-rules tbody tr", has_text="gregory2").locator("td").first.inner_text()
+    needed = bm.segments_needed(pair, 0.02, modes, "gregory2")
+    assert other == (str(needed) if needed <= atlas_data.SEGMENTS else "over 60")
+
+
+def test_discs_in_twist_are_computed_as_the_library_does(page: Any, address: str) -> None:
+    ends = "motion=twist&left=free&right=free&inertiaLeft=0.3&inertiaRight=5&rule=gregory&segments=9&modes=4"
+    shown = _shown(page, address, ends)
+    pair = "free(inertia=0.3)-free(inertia=5)"
+    chain = bm.AxialChain(unit_beam(), pair, 9, "gregory", motion="twist")
+    assert stiffnesses(shown["springs"]) == pytest.approx((chain.joint_stiffness / 9).tolist(), rel=1e-12)
+    same(shown["step"].split()[0], bm.stable_time_step(chain))
+    for error, value in zip(shown["errors"], bm.chain_errors(chain, 4), strict=True):
+        same(error, 100 * value)
+
+
+def test_answers_in_si_units(page: Any, address: str) -> None:
+    numbers = "length=2&EI=1400&rhoA=0.5"
+    beam = bm.Beam(2.0, 1400.0, 0.5)
+    for body, pair in (("", "clamped-free"), ("&massRight=0.25&inertiaRight=0.003",
+                                              "clamped-free(mass=0.25, rotary_inertia=0.003)")):  # fmt: skip
+        shown = _shown(page, address, f"{numbers}{body}&rule=gregory&segments=6&modes=2")
+        chain = bm.Chain(beam, pair, 6, "gregory")
+        assert stiffnesses(shown["springs"]) == pytest.approx(chain.joint_stiffness.tolist(), rel=1e-5)
+        assert "N m/rad" in page.locator("#atlas-springs-label").inner_text()
+        value, unit, *_ = shown["step"].split()
+        same(value, bm.stable_time_step(chain))
+        assert unit == "s" and page.locator("#atlas-beam-head").inner_text() == "beam, Hz"
+        exact = bm.euler_bernoulli(beam, pair, 2).frequency
+        solved = bm.solve_modes(bm.linearize(chain), 2).frequency
+        for row, *frequencies in zip(
+            page.locator("#atlas-errors tbody tr").all(), exact, solved, strict=True
+        ):
+            for cell, frequency in zip(row.locator("td").all_inner_texts()[2:], frequencies, strict=True):
+                same(cell, frequency)
+    page.goto(f"{address}#atlas?motion=twist&left=fixed&length=2&GJ=80&rhoIp=8e-6&rule=naive&segments=4")
+    page.wait_for_function("document.querySelector('#atlas-state').innerText.includes('twist')")
+    shaft = bm.Beam(2.0, 1.0, 1.0, torsional_stiffness=80.0, polar_inertia_per_length=8e-6)
+    chain = bm.AxialChain(shaft, "fixed-free", 4, "naive")
+    assert stiffnesses(_state(page)["springs"]) == pytest.approx(chain.joint_stiffness.tolist(), rel=1e-5)
+    same(_state(page)["step"].split()[0], bm.stable_time_step(chain))
+
+
+def test_numbers_that_cannot_be_are_named(page: Any) -> None:
+    problem = page.locator("#atlas-problem")
+    assert problem.inner_text() == ""
+    cases = (
+        ("Segments N", "61", "10", "Segments N must be a whole number from 1 to 60, got 61."),
+        ("EI, N m²", "-2", "", "EI in N m² must be a number greater than 0, got -2."),
+        ("Mass, right end, ρAL", "x", "", "mass at the right end must be a number from 0 on, got x."),
+        ("Rotary inertia, right end, ρAL³", "1e9", "", "must be 0, or from 10⁻⁹ to 10⁶ times"),
+    )
+    for label, bad, good, said in cases:
+        field = page.get_by_label(label, exact=True)
+        field.fill(bad)
+        assert said in problem.inner_text() and field.get_attribute("aria-invalid") == "true"
+        _check(page, "clamped", "free", "mitiguy", 10, 3, 0.01)
+        field.fill(good)
+        assert problem.inner_text() == "" and field.get_attribute("aria-invalid") == "false"
+    page.get_by_label("L, m", exact=True).fill("2")
+    assert "give EI in N m² and ρA in kg/m too" in page.locator("#atlas-units").inner_text()
+    assert "length=2" in page.evaluate("location.href") and "EI=" not in page.evaluate("location.href")
+
+
+def test_on_a_phone_pictures_open_large_and_wide_tables_say_so(page: Any) -> None:
+    page.set_viewport_size({"width": 390, "height": 844})
+    # A moment later: the page hears of its new width.
+    page.wait_for_function("document.querySelector('#errors .scroll').classList.contains('wide')")
+    wide = (
+        "[...document.querySelectorAll('.scroll')]"
+        ".map((box) => [box.scrollWidth > box.clientWidth + 1, box.classList.contains('wide')])"
+    )
+    page.wait_for_function(f"{wide}.every(([is, says]) => is === says)")
+    assert {is_wide for is_wide, _ in page.evaluate(wide)} == {True, False}
+    picture = page.locator("#picture-figure_6 .enlarge")
+    small = picture.locator("img").bounding_box()["width"]
+    picture.click()
+    assert page.locator("#large img").bounding_box()["width"] > 2 * small
+    page.keyboard.press("Escape")
+    assert not page.locator("#large").is_visible()
 
 
 def test_rods_in_space_are_drawn_and_turned(page: Any, address: str) -> None:

@@ -23,7 +23,7 @@ import studies.__main__
 from beammodes.problem.motions import unit_beam
 from beammodes.vibration.stability import highest_angular_frequency
 from studies import PAGE, c_table, every_study
-from studies.page import atlas_data, build, errors, markup, rods_data
+from studies.page import atlas_data, build, choice, errors, markup, rods_data
 from studies.page.evidence import EVIDENCE, Evidence, agree
 from studies.page.section import SECTION, integral_over_strips
 from studies.runner import missing
@@ -153,6 +153,20 @@ def test_stable_steps(tables: dict[str, list[list[str]]]) -> None:
         for pair, cell in zip(("clamped-free", "clamped-clamped"), cells[::2], strict=True):
             chain = bm.Chain(bm.Beam.unit(), pair, n)
             same(cell, bm.stable_time_step(chain) if chain.elastic_modes else np.nan)
+
+
+def test_the_first_table_is_the_librarys_advice(tables: dict[str, list[list[str]]]) -> None:
+    found = rows(tables, "Springs, segments and step")
+    assert {row[0] for row in found} == set(choice.PAIRS) and len(found) == 6
+    for pair, names, count, springs, error, step in found:
+        for rule in names.split(", "):
+            assert int(count) == bm.segments_needed(pair, choice.TOLERANCE, choice.MODES, rule)
+            chain = bm.Chain(bm.Beam.unit(), pair, int(count), rule)
+            values = [float(Fraction(text)) for text in springs.removesuffix(", …").split(", ")]
+            assert values == pytest.approx(chain.joint_stiffness[: len(values)] / int(count))
+            worst = max(bm.chain_errors(chain, choice.MODES), key=abs)
+            same(error, 100 * worst)
+            same(step, np.sqrt(8) / highest_angular_frequency(chain))
 
 
 # --- The atlas' data -------------------------------------------------------------------------------------
@@ -293,8 +307,8 @@ def test_every_source_is_referred_to(page: str) -> None:
 
 def test_nothing_is_fetched_and_everything_is_there(page: str) -> None:
     assert (
-        len(page.encode()) < 10_000_000
-    )  # small enough to send by mail; 7.9 million today, figures are added
+        len(page.encode()) < 9_000_000
+    )  # small enough to send by mail; 6.9 million today, figures are added
     targets = re.findall(r'(?:src|href|action)="([^"]{0,60})', page)
     assert targets and all(target.startswith(("data:", "#")) for target in targets)
     assert not re.search(
@@ -328,6 +342,13 @@ def test_a_table_that_disagrees_stops_the_page(tmp_path: Path) -> None:
         errors.parts(tmp_path)
     with pytest.raises(ArithmeticError, match="nan"):
         agree(float("nan"), 1.0)
+
+
+def test_pictures_lose_only_what_is_not_seen() -> None:
+    path = '<path d="M 1.23456 -7.001 \nL 2 3.14159"/>'
+    drawn = f"<?xml?>\n<svg>\n <!-- it's --><metadata>x</metadata>\n {path}\n</svg>"
+    kept = "data:image/svg+xml,%3Csvg%3E %3Cpath d='M 1.23 -7.00 L 2 3.14'/%3E %3C/svg%3E"
+    assert markup._vector(drawn) == kept
 
 
 def test_data_cannot_end_their_script_nor_text_its_attribute() -> None:

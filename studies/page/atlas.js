@@ -1,80 +1,72 @@
-// The atlas: what is chosen, in the form and in the address; what the library computed for it, looked up.
+// The atlas: what is chosen, answered in words, tables and curves, in SI units where the beam's numbers are given.
 (() => {
   const data = JSON.parse(document.getElementById("atlas-data").textContent);
-  const form = document.getElementById("atlas-form");
-  const field = (name) => form.elements.namedItem(name);
+  const chains = atlasChains(data);
   const show = (id, text) => { document.getElementById(id).textContent = text; };
-  const motions = Object.keys(data.motions);
-  const endsOf = (motion) => data.motions[motion].ends;
   const units = {
-    bending: { spring: "EI/ℓ", step: "h = C L² √(ρA/EI)", omega: "√(EI/ρAL⁴)" },
-    twist: { spring: "GJ/ℓ", step: "h = C L √(ρIₚ/GJ)", omega: "√(GJ/ρIₚL²)" },
+    bending: { spring: "EI/ℓ", step: "h = C L² √(ρA/EI)", omega: "√(EI/ρAL⁴)", mass: "ρAL", inertia: "ρAL³" },
+    twist: { spring: "GJ/ℓ", step: "h = C L √(ρIₚ/GJ)", omega: "√(GJ/ρIₚL²)", inertia: "ρIₚL" },
   };
-  const rules = data.rules.map((rule) => rule.name);
-  const standard = {
-    motion: "bending", left: "clamped", right: "free", rule: "mitiguy", beside: "gregory", segments: "10", modes: "3",
-    tolerance: "0.01",
-  };
-  const allowed = (motion) => ({
-    motion: motions, left: endsOf(motion), right: endsOf(motion), rule: rules, beside: ["", ...rules],
-    segments: Array.from({ length: data.segments }, (_, i) => String(i + 1)),
-    modes: Array.from({ length: data.modes }, (_, i) => String(i + 1)),
-    tolerance: data.tolerances.map(String),
-  });
-
-  const { number, percent } = pageNumbers;
+  const { number, percent, superscript } = pageNumbers;
   const tolerance = (value) => `${+(100 * value).toPrecision(3)} %`;
 
-  function fill(name, values, word = (value) => value) {
-    field(name).replaceChildren(...values.map((value) => new Option(word(value), value)));
-  }
+  const found = (state, rule) => chains.record(state, rule);
 
-  // The record of a rule on the chosen ends; whether the library lists the pair the other way round.
-  function lookUp(state, rule) {
-    const { pairs, chains } = data.motions[state.motion];
-    const listed = pairs.indexOf(`${state.left}-${state.right}`);
-    const turned = listed < 0;
-    const pair = turned ? pairs.indexOf(`${state.right}-${state.left}`) : listed;
-    return { record: data.records[chains[pair][rules.indexOf(rule)]], turned };
-  }
-
-  function springs({ record, turned }, segments) {
-    const text = data.springs[record.springs[segments - 1]];
+  function springs(record, segments, scale) {
+    const text = record.springs(segments);
     if (!text) return "none: no hinge has a spring";
-    return turned ? text.split(", ").reverse().join(", ") : text;
+    if (!scale || text.startsWith("none")) return text;
+    const size = (part) => number(chains.values(part)[0] * scale.spring * segments, 6);
+    return text.split(", ").map((part) => (part.includes("×") ? `${part.split("×")[0]}×\u00a0${size(part)}` : size(part))).join(", ");
   }
 
-  const needed = (record, state) =>
-    record.needed[Number(state.modes) - 1][data.tolerances.indexOf(Number(state.tolerance))];
+  function named(state) {
+    const carried = chains.bodies(state);
+    const scale = chains.scales(state);
+    const unit = scale ? { mass: "kg", inertia: "kg m²" } : units[state.motion];
+    const body = (sizes, end) => {
+      const parts = ["mass", "inertia"].filter((kind) => sizes[kind])
+        .map((kind) => `${number(sizes[kind] * (scale ? scale[kind] : 1), 3)} ${unit[kind]}`);
+      return parts.length ? `, at the ${end} end ${parts.join(" and ")}` : "";
+    };
+    const pair = `${state.left}-${state.right}${state.motion === "bending" ? "" : ` in ${state.motion}`}`;
+    return `${pair}${body(carried.left, "left")}${body(carried.right, "right")}`;
+  }
 
   function render(state) {
-    const found = lookUp(state, state.rule);
-    const { record } = found;
+    const record = found(state, state.rule);
     const segments = Number(state.segments);
     const modes = Number(state.modes);
     const omega = record.omega[segments - 1];
-    const wanted = needed(record, state);
+    const wanted = chains.needed(record, state);
+    const scale = chains.scales(state);
     const first = modes === 1 ? "first frequency" : `first ${modes} frequencies`;
-    const pair = `${state.left}-${state.right}${state.motion === "bending" ? "" : ` in ${state.motion}`}`;
-    const title = `${pair}, rule ${state.rule}, N = ${segments}`;
+    const title = `${named(state)}, rule ${state.rule}, N = ${segments}`;
     const unit = units[state.motion];
     show("atlas-state", title);
-    show("atlas-springs-label", `Springs, in ${unit.spring}, from the left`);
-    show("atlas-step-label", `Longest stable step of Runge-Kutta, C = 2√2/ω of the highest mode in ${unit.step}`);
-    show("atlas-springs", springs(found, segments));
+    show("atlas-springs-label", `Springs, in ${scale ? "N m/rad" : unit.spring}, from the left`);
+    show("atlas-step-label", scale
+      ? "Longest stable step of Runge-Kutta, 2√2/ω of the highest mode, in s"
+      : `Longest stable step of Runge-Kutta, C = 2√2/ω of the highest mode in ${unit.step}`);
+    show("atlas-springs", springs(record, segments, scale));
+    const none = chains.hasChain(record, segments) ? "any: the chain has no elastic mode" : "no chain has this N";
+    const highest = scale && omega ? `${number(omega / (2 * Math.PI * scale.time))} Hz` : omega && `ω = ${number(omega)} ${unit.omega}`;
     show("atlas-step", omega
-      ? `${number(data.limit / omega)}   (highest ω = ${number(omega)} ${unit.omega})`
-      : "any: the chain has no elastic mode");
+      ? `${number((data.limit / omega) * (scale ? scale.time : 1))}${scale ? " s" : ""}   (highest ${highest})` : none);
     show("atlas-needed-label", `Segments needed for ${tolerance(Number(state.tolerance))} in the ${first}`);
-    show("atlas-wanted", wanted ? String(wanted) : `more than ${data.longest}`);
-    const { summary, usedBy } = data.rules[rules.indexOf(state.rule)];
-    show("atlas-rule", `${state.motion === "bending" ? "" : "In bending: "}${summary} Used by: ${usedBy}. Order ${record.order} between these ends.`);
-    errors(record, segments, modes);
-    everyRule(state, first);
+    show("atlas-wanted", wanted.count ? String(wanted.count) : `more than ${wanted.most}`);
+    const { summary, usedBy } = data.rules[chains.rules.indexOf(state.rule)];
+    const order = record.order ? ` Order ${record.order} between these ends.` : "";
+    show("atlas-rule", `${state.motion === "bending" ? "" : "In bending: "}${summary} Used by: ${usedBy}.${order}`);
+    show("atlas-where", chains.isComputed(state)
+      ? `Computed in this browser, for N up to ${data.segments}: the chain's frequencies from its mass matrix and springs, the beam's from its determinant. A body with rotary inertia stands behind a hinge of its own.`
+      : "Looked up: errors, springs, steps and N were computed by the library; the beam's frequencies are computed in this browser.");
+    errors(record, state, scale);
+    everyRule(state, first, scale);
     const lines = [];
     for (const [rule, dashed] of [[state.beside, true], [state.rule, false]]) {
       if (!rule || (dashed && rule === state.rule)) continue;
-      for (let mode = 1; mode <= modes; mode += 1) lines.push({ errors: lookUp(state, rule).record.error, mode, dashed });
+      for (let mode = 1; mode <= modes; mode += 1) lines.push({ errors: found(state, rule).error, mode, dashed });
     }
     atlasPlot.draw(document.getElementById("atlas-plot"), {
       lines, segments, last: data.segments, tolerance: Number(state.tolerance),
@@ -94,17 +86,35 @@
     return made;
   }
 
-  function errors(record, segments, modes) {
+  // No more digits than rounding leaves.
+  function sized(error, rounding) {
+    if (!rounding) return percent(error);
+    const digits = Math.floor(Math.log10(Math.abs(error) / rounding));
+    return digits < 1 ? `within 10${superscript(Math.ceil(Math.log10(rounding)) + 3)}` : percent(error, Math.min(4, digits));
+  }
+
+  function errors(record, state, scale) {
+    const [segments, modes] = [Number(state.segments), Number(state.modes)];
+    const unit = scale ? "Hz" : `ω in ${units[state.motion].omega}`;
+    const size = (omega) => number(scale ? omega / (2 * Math.PI * scale.time) : omega, 6);
+    const exact = chains.exact(state);
     const rows = [];
     for (let mode = 1; mode <= modes; mode += 1) {
       const error = record.error[segments - 1][mode - 1];
-      rows.push(row([String(mode), percent(error), error === null ? "–" : law(record, segments, mode)]));
+      const missing = chains.hasChain(record, segments) ? "no such mode" : "no such chain";
+      rows.push(row(error === null
+        ? [String(mode), missing, "–", size(exact[mode - 1]), "–"]
+        : [String(mode), sized(error, record.rounding && record.rounding[segments - 1][mode - 1]), law(record, segments, mode),
+          size(exact[mode - 1]), size(exact[mode - 1] * (1 + error))]));
     }
     document.querySelector("#atlas-errors tbody").replaceChildren(...rows);
+    show("atlas-beam-head", `beam, ${unit}`);
+    show("atlas-chain-head", `chain, ${unit}`);
   }
 
-  // No law before it tells the error: a rule of order 4 may have the other sign there.
+  // No law before it tells the error: a rule of order 4 may have the other sign there. None is known here with bodies.
   function law(record, segments, mode) {
+    if (!record.law) return "–";
     const coefficient = record.law[mode - 1];
     const from = record.lawFrom[mode - 1];
     if (coefficient === null || from === null) return "–";
@@ -112,71 +122,33 @@
     return percent(coefficient / segments ** record.lawOrder[mode - 1]);
   }
 
-  function everyRule(state, first) {
-    const rows = rules.map((rule) => {
-      const found = lookUp(state, rule);
-      const count = needed(found.record, state);
-      const text = count && count <= data.segments ? springs(found, count) : `not kept over N = ${data.segments}`;
-      const made = row([rule, count ? String(count) : `over ${data.longest}`, text], rule === state.rule);
+  // What has to be computed comes a rule at a time, so that the page stays at hand.
+  let waiting = 0;
+  function everyRule(state, first, scale) {
+    const fill = (rule) => {
+      const record = found(state, rule);
+      const { count, most } = chains.needed(record, state);
+      const text = count && count <= data.segments ? springs(record, count, scale) : `not kept over N = ${data.segments}`;
+      return listed([rule, count ? String(count) : `over ${most}`, text], rule === state.rule);
+    };
+    const listed = (cells, current) => {
+      const made = row(cells, current);
       made.children[0].className = made.children[2].className = "word";
       return made;
-    });
+    };
+    const later = chains.isComputed(state);
+    const rows = chains.rules.map((rule) => (later ? listed([rule, "…", "…"], rule === state.rule) : fill(rule)));
     document.querySelector("#atlas-rules tbody").replaceChildren(...rows);
-    const caption = `All rules, ${state.left}-${state.right} in ${state.motion}: N for ${tolerance(Number(state.tolerance))} in the ${first}`;
+    show("atlas-rules-springs", `springs at that N, ${scale ? "N m/rad" : units[state.motion].spring}, from the left`);
+    const caption = `All rules, ${named(state)}${state.motion === "bending" ? " in bending" : ""}: N for ${tolerance(Number(state.tolerance))} in the ${first}`;
     document.querySelector("#atlas-rules caption").textContent = caption;
+    clearTimeout(waiting);
+    const next = (i) => {
+      rows[i].replaceWith(fill(chains.rules[i]));
+      if (i + 1 < rows.length) waiting = setTimeout(next, 0, i + 1);
+    };
+    if (later) waiting = setTimeout(next, 0, 0);
   }
 
-  // In the address: #atlas?left=clamped&right=free… What is not allowed is left out.
-  function fromAddress() {
-    const given = new URLSearchParams(location.hash.split("?")[1] || "");
-    const motion = motions.includes(given.get("motion")) ? given.get("motion") : standard.motion;
-    const able = allowed(motion);
-    const kept = Object.keys(standard).filter((key) => able[key].includes(given.get(key) ?? " "));
-    return { ...inMotion(standard, motion), ...Object.fromEntries(kept.map((key) => [key, given.get(key)])) };
-  }
-
-  // The ends as another motion has them: a clamp is a fixed end, and what twist does not know is free.
-  function inMotion(state, motion) {
-    const other = (word) => (endsOf(motion).includes(word) ? word : endsOf(motion).at(["clamped", "fixed"].includes(word) ? 0 : -1));
-    return { ...state, motion, left: other(state.left), right: other(state.right) };
-  }
-
-  let current = standard;
-
-  function intoForm(state) {
-    fill("left", endsOf(state.motion));
-    fill("right", endsOf(state.motion));
-    for (const [key, value] of Object.entries(state)) field(key).value = value;
-    current = state;
-    render(state);
-  }
-
-  function fromForm() {
-    let state = Object.fromEntries(Object.keys(standard).map((key) => [key, field(key).value]));
-    if (state.motion !== current.motion) state = inMotion(state, state.motion);
-    const able = allowed(state.motion);
-    const bad = Object.keys(state).find((key) => !able[key].includes(state[key]));
-    field("segments").setAttribute("aria-invalid", bad === "segments" ? "true" : "false");
-    if (bad) return;
-    history.replaceState(null, "", `#atlas?${new URLSearchParams(state)}`);
-    if (state.motion !== current.motion) {
-      intoForm(state);
-      return;
-    }
-    current = state;
-    render(state);
-  }
-
-  const able = allowed(standard.motion);
-  fill("motion", motions);
-  fill("rule", rules);
-  fill("beside", able.beside, (value) => value || "none");
-  fill("modes", able.modes);
-  fill("tolerance", able.tolerance, (value) => tolerance(Number(value)));
-  form.addEventListener("input", fromForm);
-  form.addEventListener("submit", (event) => event.preventDefault());
-  addEventListener("hashchange", () => { if (location.hash.startsWith("#atlas?")) intoForm(fromAddress()); });
-  addEventListener("resize", () => render(current));
-  intoForm(fromAddress());
-  if (location.hash.startsWith("#atlas?")) document.getElementById("atlas").scrollIntoView();
+  atlasForm(data, chains, render);
 })();

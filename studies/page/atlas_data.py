@@ -101,7 +101,14 @@ def atlas() -> dict[str, Any]:
     return {
         "motions": motions,
         "rules": [
-            {"name": rule.name, "summary": rule.summary, "usedBy": rule.used_by} for rule in bm.RULES.values()
+            {
+                "name": rule.name,
+                "summary": rule.summary,
+                "usedBy": rule.used_by,
+                "stub": float(rule.stub),
+                "rotaryInertia": float(rule.rotary_inertia),
+            }
+            for rule in bm.RULES.values()
         ],
         "segments": SEGMENTS,
         "modes": MODES,

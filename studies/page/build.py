@@ -10,7 +10,7 @@ from string import Template
 import beammodes as bm
 from beammodes.numerics.blas import one_thread
 from studies import PAGE, every_study
-from studies.page import added, errors, rods_data, springs, steps, systems
+from studies.page import added, choice, errors, rods_data, springs, steps, systems
 from studies.page.atlas_data import atlas
 from studies.page.evidence import EVIDENCE, note, source_list
 from studies.page.markup import escaped, figure, picture
@@ -19,7 +19,7 @@ from studies.runner import write_bytes
 __all__ = ["page", "unused", "write"]
 
 FOLDER = Path(__file__).parent
-TEXTS = ("source", "added", "atlas", "rods")
+TEXTS = ("choice", "atlas", "rods", "added", "source", "corrections")
 
 
 def page(folder: Path) -> str:
@@ -43,9 +43,9 @@ def _put_together(folder: Path) -> str:
         content, agreed = module.parts(folder)
         parts |= content
         agreements |= agreed
-    content, agreed = rods_data.parts()
-    parts |= content
-    agreements |= agreed
+    for content, agreed in (choice.parts(), rods_data.parts()):
+        parts |= content
+        agreements |= agreed
     parts |= {"atlas_data": _json(atlas()), "rods_data": _json(rods_data.rods())}
     parts |= {name: _read(f"{file}.js") for name, file in _SCRIPTS.items()}
     texts = {name: _read(f"{name}.html") for name in TEXTS}
@@ -60,6 +60,7 @@ def _put_together(folder: Path) -> str:
     others = [name for name, study in every_study().items() if study.reproducible and name not in placed]
     whole["further"] = "\n".join(_figure(folder, name) for name in others)
     whole |= {"sources": source_list(agreements), "style": _read("style.css"), "version": bm.__version__}
+    whole["reading_script"] = _read("reading.js")
     return Template(_read("report.html")).substitute(whole)
 
 
@@ -76,6 +77,10 @@ _SCRIPTS = {
     "numbers_script": "numbers",
     "atlas_script": "atlas",
     "atlas_plot_script": "atlas_plot",
+    "exact_beam_script": "exact_beam",
+    "chain_modes_script": "chain_modes",
+    "atlas_chains_script": "atlas_chains",
+    "atlas_form_script": "atlas_form",
     "rods_script": "rods",
 }
 

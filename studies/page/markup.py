@@ -5,6 +5,7 @@ from __future__ import annotations
 import base64
 import html
 import math
+import re
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 from urllib.parse import quote
@@ -99,15 +100,20 @@ def _cell(tag: str, content: str, style: str, scope: str = "") -> str:
 def picture(folder: Path, name: str) -> str:
     """Return a study's picture as an image that is part of the page."""
     source = _vector((folder / f"{name}.svg").read_text(encoding="utf-8"))
-    return f'<img src="{source}" alt="{escaped(every_study()[name].caption)}">'
+    alt = escaped(every_study()[name].caption)
+    return f'<button type="button" class="enlarge"><img src="{source}" alt="{alt}"></button>'
 
 
 def _vector(svg: str) -> str:
     body = svg[svg.index("<svg") :]
+    # Nothing that is seen: what the drawing program notes, and places beyond a hundredth of a point.
+    body = re.sub(r"<!--.*?-->|<metadata>.*?</metadata>", "", body, flags=re.DOTALL)
+    body = re.sub(r'(?<=[ "])-?\d+\.\d{3,}(?=[\s"])', lambda found: f"{float(found[0]):.2f}", body)
+    body = re.sub(r"\s*\n\s*", " ", body)
     if "'" in body:
         return f"data:image/svg+xml;base64,{base64.b64encode(body.encode()).decode()}"
     # Quotation marks of the other kind need no escape in the attribute, and most of the rest none at all.
-    return "data:image/svg+xml," + quote(body.replace('"', "'"), safe=" !$'()*+,/:;=?@[]|{}^`\n~")
+    return "data:image/svg+xml," + quote(body.replace('"', "'"), safe=" !$'()*+,/:;=?@[]|{}^`~")
 
 
 def figure(content: str, caption: str, name: str) -> str:

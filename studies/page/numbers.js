@@ -5,7 +5,8 @@ const pageNumbers = (() => {
     const [mantissa, power] = value.toPrecision(digits).split("e");
     return mantissa.replace("-", "−") + (power ? ` × 10${superscript(Number(power))}` : "");
   };
-  const percent = (value) => (value === null ? "no such mode" : (value > 0 ? "+" : "") + number(100 * value));
+  const percent = (value, digits = 4) =>
+    (value === null ? "no such mode" : (value > 0 ? "+" : "") + number(100 * value, digits));
   const node = (parent, name, attributes, text) => {
     const made = document.createElementNS("http://www.w3.org/2000/svg", name);
     for (const [key, value] of Object.entries(attributes)) made.setAttribute(key, value);
