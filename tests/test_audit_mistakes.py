@@ -60,6 +60,7 @@ def asked(
             bodies([0.1] * 10, masses={0: 0.02, 9: 0.03}),
             "segment 1 is of 0.2 kg/m, segment 10 of 0.3 kg/m, most others of 0.5 kg/m",
         ),
+        (bodies(masses=dict.fromkeys(range(5), 100.0)), "off the beam's (1000 times it: in other units?)"),
         (bodies(springs=10 * math.pi / 180), "springs given per degree"),
         (bodies(springs=10 * 180 / math.pi), "springs turned from degrees twice"),
     ],

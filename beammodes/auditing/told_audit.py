@@ -91,7 +91,19 @@ def off_the_beam(parts: Mapping[str, float]) -> list[str]:
     >>> off_the_beam({"length": 0.0, "mass": 0.05})
     ["mass is +5 % off the beam's"]
     """
-    return [f"{name} is {percent(part)} off the beam's" for name, part in parts.items() if abs(part) > _SAME]
+    return [
+        f"{name} is {percent(part)} off the beam's{_in_other_units(part)}"
+        for name, part in parts.items()
+        if abs(part) > _SAME
+    ]
+
+
+def _in_other_units(part: float) -> str:
+    """Return what is said of a thousand times what is due, or a thousandth: mm, g or t, most likely."""
+    for times, words in ((1000.0, "1000 times it"), (0.001, "a thousandth of it")):
+        if abs((1 + part) / times - 1) < 0.05:
+            return f" ({words}: in other units?)"
+    return ""
 
 
 def told_ratios(ratios: Floats, joints: str) -> str:
