@@ -134,7 +134,7 @@ def test_springs_name_the_rule_of_least_error_and_recommend_where_the_default_st
     assert main(["recommend", "clamped-free", "--tolerance", "1%"]) == 0
     need = bm.segments_needed("clamped-free", 0.01)
     assert (
-        f"mitiguy, the default of other commands, is the report's rule: N = {need} here"
+        f"mitiguy, the default of other commands, is that of Mitiguy's report: N = {need} here"
         in capsys.readouterr().out
     )
 

@@ -209,7 +209,8 @@ class Audit(ToldAudit):
             with_rods = listed_errors(self.errors_with_rods)
             found += self.matter
             found.append(
-                f"with the beam's own rods the same springs give {with_rods}; the rest is due to matter"
+                f"with the beam's own rods the same springs give {with_rods}; "
+                "the rest is due to mass and inertia that are not the beam's"
             )
         return tuple(found)
 

@@ -109,7 +109,8 @@ class AxialAudit(ToldAudit):
         if off_the_beam({body: self.inertia_mismatch}):
             errors = listed_errors(self.errors_with_beam_inertia)
             found.append(
-                f"between pieces of the beam the same springs give {errors}; the rest is due to matter"
+                f"between pieces of the beam the same springs give {errors}; "
+                "the rest is due to mass and inertia that are not the beam's"
             )
         return tuple(found)
 

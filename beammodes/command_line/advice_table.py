@@ -54,7 +54,7 @@ def advice_lines(ways: Sequence[Recommendation], integrator: str, time: str) -> 
     usual = [way.segments for way in ways if way.rule == DEFAULT_RULE]
     if usual and ways[0].rule != DEFAULT_RULE:
         notes.append(
-            f"{DEFAULT_RULE}, the default of other commands, is the report's rule: N = {usual[0]} here"
+            f"{DEFAULT_RULE}, the default of other commands, is that of Mitiguy's report: N = {usual[0]} here"
         )
     notes.append(f"cost: segments times {integrator} steps in one period of the first mode")
     if rods:

@@ -1004,7 +1004,7 @@ def _rules_compared(options: argparse.Namespace) -> tuple[dict[str, Any], list[s
     best = min(errors, key=lambda name: abs(errors[name]))
     if abs(errors[best]) > (1 - 1e-9) * abs(own):
         best = options.rule
-    said = "the default, as in the report" if options.rule == DEFAULT_RULE else options.rule
+    said = "the default, as in Mitiguy's report" if options.rule == DEFAULT_RULE else options.rule
     rest = "no rule has less" if best == options.rule else f"{percent(errors[best])} with --rule {best}"
     text = f"first mode: {percent(own)} with {said}; {rest}"
     return {"first_mode_error": own, "best_rule": best, "best_first_mode_error": errors[best]}, [text]

@@ -33,7 +33,7 @@ def listed_rules() -> Answer:
     lines = [
         *(f"{row['rule']} (order {row['order_at_a_clamped_end']})\n    {row['summary']}" for row in rows),
         "order: the power of 1/N with which errors fall at a clamped end; between other ends it may be more",
-        f"{DEFAULT_RULE} is the default, here and in the library: the report's own rule",
+        f"{DEFAULT_RULE} is the default, here and in the library: that of Mitiguy's report",
         "the fewest segments between your ends: beammodes recommend; more on rules: beammodes guide rules",
     ]
     return {"rules": rows}, "\n".join(lines)
