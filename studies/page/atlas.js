@@ -95,7 +95,8 @@
 
   function errors(record, state, scale) {
     const [segments, modes] = [Number(state.segments), Number(state.modes)];
-    const unit = scale ? "Hz" : `ω in ${units[state.motion].omega}`;
+    const unit = scale ? "Hz" : "ω";
+    show("atlas-omega", scale ? "" : `; ω in ${units[state.motion].omega}`);
     const size = (omega) => number(scale ? omega / (2 * Math.PI * scale.time) : omega, 6);
     const exact = chains.exact(state);
     const rows = [];

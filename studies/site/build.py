@@ -195,10 +195,11 @@ All names are in the package: ``import beammodes as bm``, then ``bm.Beam`` and s
 {listed}
 """
 
-_ATLAS = f"""# The report regenerated, and the atlas
+_ATLAS = f"""# The atlas, and the report regenerated
 
-One page of its own has the whole report regenerated, ours beside what it prints, and an atlas of all ends
-and rules: errors, springs, stable steps, segments needed, in bending and twist, and of rods in space (6 MB).
+One page of its own (7 MB). First an atlas of all ends and rules, in bending and twist: springs, segments
+needed, stable steps and errors, in SI units if the beam's numbers are given, with bodies at free ends; and
+rods in space. Then the whole report regenerated, ours beside what it prints.
 
 <a href="{ATLAS_FILE}">Open the page.</a>
 """
