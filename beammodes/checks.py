@@ -548,7 +548,11 @@ def plain_array(name: str, value: Any, unit: str | None = None) -> NDArray[Any]:
             return np.asarray(value, dtype=object)
         except ValueError:
             raise TypeError(f"{name} must be one regular array, got {shown(value)}") from None
-    array = np.asarray(value)
+    try:
+        array = np.asarray(value)
+    except (TypeError, ValueError):
+        # What an xarray.Dataset raises, which has no one array.
+        raise TypeError(f"{name} must be an array or a list, got {shown(value)}") from None
     if array.dtype.kind in "mM":
         # As objects, those in nanoseconds would be plain integers.
         raise TypeError(f"{name} must be an array of numbers, not of times, got {shown(value)}")

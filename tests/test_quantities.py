@@ -194,7 +194,8 @@ def test_units_are_converted_and_cycles_told_from_radians() -> None:
 def test_cycles_are_told_from_radians_however_a_registry_prints_its_units(style: str) -> None:
     unit = pint.UnitRegistry()
     unit.formatter.default_format = style
-    for rate in (unit.Quantity(1, "Hz"), unit.Quantity(60, "rpm"), unit.Quantity(0.001, "kHz")):
+    rates = ((1, "Hz"), (60, "rpm"), (0.001, "kHz"), (2 * np.pi, "rad*Hz"), (1, "turn*Hz"))
+    for rate in (unit.Quantity(*each) for each in rates):
         assert bm.Load(spin_rate=rate).spin_rate == pytest.approx(2 * np.pi, rel=1e-15)
         assert bm.Sine(rate).frequency == pytest.approx(1.0, rel=1e-15)
 
@@ -263,6 +264,19 @@ def test_arrays_without_axes_and_dataarrays_are_numbers() -> None:
             bm.Beam(wrong, 1.0, 1.0)
     with pytest.raises(ValueError, match="length must have no masked values"):
         bm.Beam(np.ma.masked, 1.0, 1.0)
+
+
+def test_numbers_without_a_unit_and_dataarrays_that_do_not_meet() -> None:
+    # Whole numbers stay such, and percent in a DataArray are no fractions.
+    assert bm.Chain(bm.Beam.unit(), "clamped-free", Q(3, "")).segments == 3
+    errors = functools.partial(bm.response_error, "clamped-free", segments=6, mode=1)
+    percent = errors(damping_ratio=xarray.DataArray(Q([1.0, 2.0], "percent"), dims="z"))
+    assert percent.values == pytest.approx(errors(damping_ratio=[0.01, 0.02]), rel=1e-12)
+    few, other = (xarray.DataArray([4, 5], dims="n", coords={"n": labels}) for labels in ([1, 2], [2, 3]))
+    with pytest.raises(ValueError, match="DataArrays must agree along dimensions that they share"):
+        bm.frequency_error("clamped-free", segments=few, mode=other)
+    with pytest.raises(TypeError, match=r"segments must be an array or a list, got <xarray\.Dataset>"):
+        bm.frequency_error("clamped-free", segments=xarray.Dataset({"n": few}), mode=1)
 
 
 def test_units_of_datasets_can_be_read_by_pint() -> None:

@@ -279,7 +279,7 @@ class DivergedWarning(UserWarning):
 
 
 class NothingMovesWarning(UserWarning):
-    """A motion without a start, a load or a base that moves."""
+    """A motion without a start, a load that bends or a base that moves."""
 
 
 class UnsavedMotion(OSError):
@@ -493,7 +493,7 @@ def _taken(motion: Motion, kind: str | None, step: float | None, longest: float)
     return chosen(motion, kind, longest)
 
 
-_NOTHING = "nothing moves: give a start (mode_start makes one), a load or a base that moves"
+_NOTHING = "nothing moves: give a start (mode_start makes one), a load that bends or a base that moves"
 
 
 def _remark(motion: Motion) -> str:

@@ -60,8 +60,8 @@ class Motion:
 
     @property
     def rests(self) -> bool:
-        """True if neither a load nor the base moves anything."""
-        return self.load == Load() and self.drive.base == BaseMotion() and not self.drive.loads
+        """True if neither a load nor the base moves a straight chain, which a load along it does not."""
+        return not self.load.bends and self.drive.base == BaseMotion() and not self.drive.loads
 
 
 @dataclass(frozen=True)
@@ -238,7 +238,7 @@ def _modes_wanted(motion: Motion, pulled: LinearModel) -> tuple[int, str]:
     with np.errstate(over="ignore", invalid="ignore"):
         shares = np.nan_to_num(_shares(motion, min(_MOST, there)), posinf=0.0)
     number = min(int(np.searchsorted(shares, _SHARE)) + 1, len(shares)) if shares.any() else 0
-    if not motion.rests:
+    if not motion.rests or motion.load != Load():
         # A pull makes modes of what was rigid-body motion.
         number = min(max(number + pulled.elastic_modes - there, _EXCITED), pulled.elastic_modes)
         return number, f"modes to {number} are what loads, the base and the start are taken to excite"

@@ -144,8 +144,16 @@ def keeps_labels(function: _F) -> _F:
         arrays = {name: each for name, each in given.items() if isinstance(each, named)}
         if not arrays or xarray is None:
             return function(*args, **options)
-        together = dict(zip(arrays, xarray.broadcast(*arrays.values()), strict=True))
-        plain = given | {name: each.values for name, each in together.items()}
+        try:
+            met = xarray.broadcast(*xarray.align(*arrays.values(), join="exact", copy=False))
+        except ValueError as error:
+            raise ValueError(f"DataArrays must agree along dimensions that they share: {error}") from None
+        together = dict(zip(arrays, met, strict=True))
+        # Quantities of a library of units keep them.
+        plain = given | {
+            name: each.data if hasattr(each.data, "to_root_units") else each.values
+            for name, each in together.items()
+        }
         found = function(
             *(plain[place] for place in range(len(args))), **{name: plain[name] for name in options}
         )

@@ -167,12 +167,18 @@ def plain_number(value: Any, unit: str) -> Any:
     kind = kind_of_quantity(value)
     if math.isnan(kind[0]) or (unit != ANY and kind not in map(kind_of, unit.split(" or "))):
         return None
+    if unit == "1" and not _words(value):
+        # Whole numbers stay such.
+        return value.magnitude
     found = value.to(
         "*".join(f"{base}**{power:g}" for base, power in zip(("kg", "m", "s"), kind, strict=True))
     )
-    if unit == "Hz" and "radian" in _words(value.to_root_units()):
+    # 2π rad times a frequency in Hz is in rad/s already.
+    in_radians = "radian" in _words(value.to_root_units())
+    if unit == "Hz" and in_radians:
         return found.magnitude / (2.0 * math.pi)
-    return found.magnitude * (2.0 * math.pi if unit == "rad/s" and "hertz" in _words(value) else 1.0)
+    cycles = unit == "rad/s" and "hertz" in _words(value) and not in_radians
+    return found.magnitude * (2.0 * math.pi if cycles else 1.0)
 
 
 def _words(value: Any) -> str:
