@@ -462,7 +462,8 @@ def distinct(
     if isinstance(value, single) or not isinstance(value, Iterable):
         return [read(value)], np.asarray(0)
     several = not isinstance(value, np.ndarray)
-    array = np.asarray(bounded(name, value) if several else value, dtype=None if _is_text(value) else object)
+    words = isinstance(value, np.ndarray) and value.dtype.kind == "U"
+    array = np.asarray(bounded(name, value) if several else value, dtype=None if words else object)
     flat = array.ravel().tolist()
     keys = flat if set(map(type, flat)) <= {str} else list(map(id, flat))
     found: dict[Any, int] = {}
@@ -493,10 +494,6 @@ def together(**arrays: NDArray[Any]) -> tuple[NDArray[Any], ...]:
         raise ValueError(
             f"{', '.join(names)} and {last} must broadcast together, got shapes {shapes}"
         ) from None
-
-
-def _is_text(value: object) -> bool:
-    return isinstance(value, np.ndarray) and value.dtype.kind == "U"
 
 
 def _check_unmasked(name: str, value: object) -> None:

@@ -10,7 +10,7 @@ import argparse
 import math
 import shlex
 from collections.abc import Callable, Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from beammodes.checks import choice, percent, positive_real
 from beammodes.command_line.options import (
@@ -45,20 +45,18 @@ from beammodes.command_line.text_tables import (
     DECLARED,
     GIVEN,
     OWN,
+    SHOWN_HINGES,
     declared,
     frequency_rows,
     frequency_table,
     hinge_table,
+    more_hinges,
     number,
     percents,
     ratio_said,
     text_table,
     typed_in,
 )
-
-if TYPE_CHECKING:
-    from beammodes.auditing.audit import Audit, Suggestion
-    from beammodes.auditing.mended_files import MendedFile
 
 __all__ = ["COMMANDS"]
 
@@ -77,8 +75,6 @@ _CHAIN = (BOUNDARY, SEGMENTS, *_BEAM, RULE)
 _CASE = {
     "holds_for": "for small vibration about the straight Euler-Bernoulli beam, in vacuum and without gravity"
 }
-#: A longer list of springs shows those that change, and the first others.
-_SHOWN_HINGES = 12
 
 #: The one option of another motion that bending takes, too: hinges about both axes.
 _ACROSS = ("export", "--ei-across")
@@ -386,14 +382,14 @@ def _damping(options: argparse.Namespace) -> Answer:
     heads = ["mode", f"frequency [{units[key]}]", *(f"ratio, {name}" for name in tables)]
     rows = [
         [str(row["mode"]), number(row["frequency"]), *(ratio_said(row[f"ratio_{name}"]) for name in tables)]
-        for row in answer["modes"][:_SHOWN_HINGES]
+        for row in answer["modes"][:SHOWN_HINGES]
     ]
     lines += [text_table(heads, rows)]
     if len(answer["modes"]) > len(rows):
         lines += [f"{len(answer['modes']) - len(rows)} more modes: see --json"]
-    rows = [[str(j), number(x), typed_in(d)] for j, (x, d) in enumerate(places[:_SHOWN_HINGES], start=1)]
+    rows = [[str(j), number(x), typed_in(d)] for j, (x, d) in enumerate(places[:SHOWN_HINGES], start=1)]
     lines += ["", text_table(["hinge", f"position [{units['length']}]", f"damper [{unit}]"], rows)]
-    lines += [*_more_hinges(len(places) - len(rows)), *_units_note(options)]
+    lines += [*more_hinges(len(places) - len(rows)), *_units_note(options)]
     return answer, "\n".join(lines)
 
 
@@ -702,169 +698,12 @@ def _export(options: argparse.Namespace) -> Answer:
     moving=("twist", "stretch", "space"),
 )
 def _audit(options: argparse.Namespace) -> Answer:
-    from beammodes.auditing.audit_model import audit_file
-    from beammodes.auditing.mended_files import mend_file
+    from beammodes.command_line.audit_answers import audited_in_bending
 
     beam = _beam(options)
     if options.length is None:
         raise ValueError("--length, --ei and --rho-a must be given, or --length, --section and --material")
-    asked = {name: getattr(options, name) for name in ("modes", "tolerance", "chain", "plane", "springs")}
-    mended = None
-    if options.write is not None:
-        how = {"suggestion": options.suggestion, "force": options.force}
-        mended = mend_file(options.file, options.write, beam, options.boundary, **how, **asked)
-    elif options.suggestion is not None or options.force:
-        flag = "--force" if options.suggestion is None else "--suggestion"
-        raise ValueError(f"{flag} must be left out without --write")
-    found = mended.before if mended else audit_file(options.file, beam, options.boundary, **asked)
-    rows = _audited_modes(found)
-    answer: dict[str, Any] = {"file": str(options.file)}
-    answer |= {name: list(getattr(found, name)) for name in ("given", "assumed", "found")}
-    answer |= {"boundary": found.boundary.name} | {name: getattr(found, name) for name in _AUDITED}
-    answer |= {
-        "modes": rows,
-        "hinges": _stiffness_rows(found.hinge_names, found.joint_stiffness.tolist()),
-        "suggestions": [_suggestion(found, item) for item in found.suggestions],
-        "step": None,
-        # The names of springs and places say SI's; with --units they are in that system.
-        "units": {
-            "system": _system(options),
-            "stiffness_n_m_per_rad": _units(options)["joint_stiffness"],
-            "position_m": _units(options)["length"],
-        },
-    }
-    if found.step is not None:
-        answer["step"] = {
-            "timestep_s": found.step.timestep,
-            "longest_stable_s": found.step.limit,
-            "integrator": found.step.integrator,
-            "with_weight": found.step.with_weight,
-            "stable": found.step.is_stable,
-        }
-    lines = [*_verdict(found), frequency_table(rows), *_changes(found, _units(options))]
-    if mended is not None:
-        answer["written"] = _written(mended)
-        lines += ["", "written", *(f"  {line}" for line in mended.text.splitlines())]
-    return answer, "\n".join(lines)
-
-
-def _written(mended: MendedFile) -> dict[str, Any]:
-    return {
-        "file": str(mended.path),
-        "suggestion": mended.suggestion.name,
-        "meets": mended.audit.meets,
-        "promise": mended.promise,
-        "not_mended": mended.not_mended,
-        "notes": list(mended.notes),
-        "modes": _audited_modes(mended.audit),
-        "numbers": [
-            {"hinge": name, "old": old, "new": new}
-            for name, old, new in zip(
-                mended.hinge_names, mended.old_number.tolist(), mended.new_number.tolist(), strict=True
-            )
-        ],
-    }
-
-
-_AUDITED = (
-    "meets",
-    "tolerance",
-    "layout",
-    "segments",
-    "order",
-    "remark",
-    "length_mismatch",
-    "mass_mismatch",
-    "rotary_inertia_mismatch",
-    "centre_mismatch",
-)
-
-
-def _audited_modes(found: Audit) -> list[dict[str, Any]]:
-    hertz = (found.angular_frequency / (2 * math.pi)).tolist()
-    costs = (found.errors.tolist(), found.errors_without_armature.tolist(), found.damping_ratio.tolist())
-    rows = []
-    for n, (frequency, error, bare, ratio) in enumerate(zip(hertz, *costs, strict=True), start=1):
-        row = {
-            "frequency_hz": frequency,
-            "exact_frequency_hz": frequency / (1 + error) if error > -1 else None,
-            "relative_error": error,
-            "relative_error_without_armature": bare,
-            "damping_ratio": ratio,
-            "swings": ratio < 1,
-        }
-        exists = math.isfinite(error)
-        rows.append({"mode": n} | {name: value if exists else None for name, value in row.items()})
-    return rows
-
-
-def _stiffness_rows(names: tuple[str, ...], stiffness: list[float]) -> list[dict[str, Any]]:
-    return [
-        {"hinge": name, "stiffness_n_m_per_rad": value} for name, value in zip(names, stiffness, strict=True)
-    ]
-
-
-def _suggestion(found: Audit, item: Suggestion) -> dict[str, Any]:
-    names = tuple(f"hinge {i + 1}" for i in range(len(item.joint_stiffness)))
-    rows = _stiffness_rows(names if item.moves_hinges else found.hinge_names, item.joint_stiffness.tolist())
-    return {
-        "name": item.name,
-        "moves_hinges": item.moves_hinges,
-        "relative_errors": item.errors.tolist(),
-        "hinges": [
-            row | {"position_m": x} for row, x in zip(rows, item.hinge_position.tolist(), strict=True)
-        ],
-    }
-
-
-def _verdict(found: Audit) -> list[str]:
-    verdict = "meets" if found.meets else "does not meet"
-    count = f"{len(found.errors)} mode{'s' * (len(found.errors) > 1)}"
-    lines = []
-    for head in ("given", "assumed"):
-        listed = getattr(found, head)
-        lines += [head, *(f"  {line}" for line in listed)] if listed else []
-    lines += ["found", f"  {verdict} {100 * found.tolerance:.4g} % in {count}"]
-    return [*lines, *(f"  {line}" for line in found.found[1:]), ""]
-
-
-def _changes(found: Audit, units: Mapping[str, Any]) -> list[str]:
-    """Return the changes that are suggested, the errors they leave, and their numbers."""
-    if not found.suggestions:
-        return []
-
-    def errors(of: Audit | Suggestion) -> list[str]:
-        return [percents(each) if math.isfinite(each) else "no such mode" for each in of.errors.tolist()]
-
-    rows = [["as it is", "", *errors(found)]]
-    for item in found.suggestions:
-        rows.append([item.name, "hinges moved" if item.moves_hinges else "same hinges", *errors(item)])
-    heads = ["springs", "hinges", *(f"error {n + 1} [%]" for n in range(len(found.errors)))]
-    lines = ["", "what to change, and what it buys", text_table(heads, rows, names=2)]
-    kept = [item for item in found.suggestions if not item.moves_hinges]
-    if kept:
-        lines += ["", f"stiffness for the same hinges [{units['joint_stiffness']}]"]
-        lines += _kept_hinges(found, kept, units)
-    for item in found.suggestions:
-        if item.moves_hinges:
-            pairs = [*zip(item.hinge_position.tolist(), item.joint_stiffness.tolist(), strict=True)]
-            lines += ["", f"{item.name}, hinges moved", hinge_table(pairs[:_SHOWN_HINGES], units)]
-            lines += _more_hinges(len(pairs) - _SHOWN_HINGES)
-    return lines
-
-
-def _kept_hinges(found: Audit, kept: list[Suggestion], units: Mapping[str, Any]) -> list[str]:
-    columns = [found.joint_stiffness.tolist(), *(item.joint_stiffness.tolist() for item in kept)]
-    whole = [*zip(found.hinge_names, kept[0].hinge_position.tolist(), *columns, strict=True)]
-    changed = [row for row in whole if any(abs(value - row[2]) > 1e-9 * row[2] for value in row[3:])]
-    listed = whole if len(whole) <= _SHOWN_HINGES else changed[:_SHOWN_HINGES]
-    rows = [[name, number(place), *map(typed_in, values)] for name, place, *values in listed]
-    heads = ["hinge", f"position [{units['length']}]", "now", *(item.name for item in kept)]
-    return [text_table(heads, rows, names=1), *_more_hinges(len(whole) - len(listed))]
-
-
-def _more_hinges(count: int) -> list[str]:
-    return [f"{count} more hinges: see --json"] if count > 0 else []
+    return audited_in_bending(options, beam, _system(options), _units(options))
 
 
 @_command(_ABOUT, "rules", "which rules are there, and what are their springs?", "")

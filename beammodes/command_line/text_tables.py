@@ -15,11 +15,13 @@ __all__ = [
     "DECLARED",
     "GIVEN",
     "OWN",
+    "SHOWN_HINGES",
     "UNITS",
     "declared",
     "frequency_rows",
     "frequency_table",
     "hinge_table",
+    "more_hinges",
     "number",
     "percents",
     "ratio_said",
@@ -27,6 +29,8 @@ __all__ = [
     "typed_in",
 ]
 
+#: A longer list of springs shows those that change, and the first others.
+SHOWN_HINGES = 12
 
 #: Units in each system that the user may declare, for heads of tables and JSON; numbers stay as they are.
 DECLARED: Mapping[str, Mapping[str, Any]] = MappingProxyType(
@@ -180,3 +184,14 @@ def ratio_said(value: float | None) -> str:
     if value is None:
         return ""
     return f"{value:.4g}" if value < 1 else f"{value:.4g}: does not swing"
+
+
+def more_hinges(count: int) -> list[str]:
+    """Return the line below a table that leaves so many hinges out, none where it has all.
+
+    Examples
+    --------
+    >>> more_hinges(3), more_hinges(0)
+    (['3 more hinges: see --json'], [])
+    """
+    return [f"{count} more hinges: see --json"] if count > 0 else []
