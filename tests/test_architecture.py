@@ -105,7 +105,7 @@ def module(stem: str) -> str:
 def test_the_reader_of_imports_reads_imports() -> None:
     assert {"beam", "chain", "ends", "exact_beam", "rules", "__init__", "__main__"} <= set(FILES)
     assert rooms("beam") == {"arrays", "checks", "deferred", "profiles", "sections"}
-    assert {"chain", "beam", "advice"} <= rooms("commands")  # the first two inside functions
+    assert {"chain", "beam", "advice_table"} <= rooms("commands")  # inside functions
     assert "numpy" in imports("chain", inside_functions=False)
 
 

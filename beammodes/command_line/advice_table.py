@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from beammodes.command_line.options import DEFAULT_RULE
 from beammodes.command_line.text_tables import number, percents, text_table
 
 if TYPE_CHECKING:
+    import argparse
+
     from beammodes.accuracy.advice import Recommendation
 
-__all__ = ["advice_lines", "advice_rows"]
+__all__ = ["advised"]
 
 _NUMBERS = (
     "rule",
@@ -28,7 +30,34 @@ _NUMBERS = (
 )
 
 
-def advice_rows(ways: Sequence[Recommendation]) -> list[dict[str, Any]]:
+def advised(
+    options: argparse.Namespace, units: Mapping[str, Any], boundary: Any, beam: Any, **how: Any
+) -> tuple[Sequence[Recommendation], dict[str, Any], list[str], dict[str, Any]]:
+    """Return what `recommend` answers to options: for scripts, as lines, and the units of its numbers.
+
+    `how` goes to `recommend`.
+    """
+    from beammodes.accuracy.advice import recommend
+
+    ways = recommend(
+        boundary,
+        options.tolerance,
+        options.modes,
+        beam=beam,
+        rules=options.rule.split(",") if options.rule else None,
+        integrator=options.integrator,
+        **how,
+    )
+    said = {
+        "joint_stiffness": units["joint_stiffness"],
+        "highest_angular_frequency": units["angular_frequency"],
+        "stable_time_step": units["time"],
+    }
+    lines = _advice_lines(ways, options.integrator, units["time"])
+    return ways, {"recommendations": _advice_rows(ways)}, lines, said
+
+
+def _advice_rows(ways: Sequence[Recommendation]) -> list[dict[str, Any]]:
     """Return recommendations for scripts."""
     rows = []
     for way in ways:
@@ -37,7 +66,7 @@ def advice_rows(ways: Sequence[Recommendation]) -> list[dict[str, Any]]:
     return rows
 
 
-def advice_lines(ways: Sequence[Recommendation], integrator: str, time: str) -> list[str]:
+def _advice_lines(ways: Sequence[Recommendation], integrator: str, time: str) -> list[str]:
     """Return the table of recommendations and what its columns are; `time` is the unit of steps."""
     rods = ways[0].joint_stiffness.ndim > 1
     static = any(way.static_error for way in ways)

@@ -136,27 +136,11 @@ def _chain(case: AxialCase) -> Any:
 
 
 def _recommend(case: AxialCase) -> Answer:
-    from beammodes.accuracy.advice import recommend
-    from beammodes.command_line.advice_table import advice_lines, advice_rows
+    from beammodes.command_line.advice_table import advised
 
-    options, units = case.options, case.units
-    ways = recommend(
-        case.boundary,
-        options.tolerance,
-        options.modes,
-        beam=case.beam,
-        rules=options.rule.split(",") if options.rule else None,
-        integrator=options.integrator,
-        motion=case.motion,
-    )
-    said = case.said(
-        "joint_stiffness",
-        highest_angular_frequency=units["angular_frequency"],
-        stable_time_step=units["time"],
-    )
-    lines = [*advice_lines(ways, options.integrator, units["time"]), case.holds_for, *case.notes()]
-    answer = {"motion": case.motion.name, "recommendations": advice_rows(ways)}
-    return answer | said, "\n".join(lines)
+    _, answer, lines, units = advised(case.options, case.units, case.boundary, case.beam, motion=case.motion)
+    said = {"motion": case.motion.name} | answer | case.said(**units)
+    return said, "\n".join([*lines, case.holds_for, *case.notes()])
 
 
 def _segments(case: AxialCase) -> Answer:

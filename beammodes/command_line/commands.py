@@ -37,6 +37,7 @@ from beammodes.command_line.options import (
     as_vector,
     damping_of,
     elsewhere,
+    exported,
     modes,
     motions,
     option,
@@ -155,32 +156,18 @@ def _in_any_motion(
     as_rod=f"{_ARC} --rule gregory,mitiguy",
 )
 def _recommend(options: argparse.Namespace) -> Answer:
-    from beammodes.accuracy.advice import recommend
-    from beammodes.command_line.advice_table import advice_lines, advice_rows
+    from beammodes.command_line.advice_table import advised
 
-    ways = recommend(
-        options.boundary,
-        options.tolerance,
-        options.modes,
-        load=_load(options),
-        beam=_beam(options),
-        rules=options.rule.split(",") if options.rule else None,
-        integrator=options.integrator,
-    )
-    units = _units(options)
-    said = _said_units(
-        options,
-        "joint_stiffness",
-        highest_angular_frequency=units["angular_frequency"],
-        stable_time_step=units["time"],
+    ways, answer, told, units = advised(
+        options, _units(options), options.boundary, _beam(options), load=_load(options)
     )
     lines = [
-        *advice_lines(ways, options.integrator, units["time"]),
+        *told,
         _CASE["holds_for"],
         f"next: beammodes springs {_typed(options)} --segments {ways[0].segments} --rule {ways[0].rule}",
         *_units_note(options),
     ]
-    return {"recommendations": advice_rows(ways)} | said | _CASE, "\n".join(lines)
+    return answer | _said_units(options, **units) | _CASE, "\n".join(lines)
 
 
 @_command(
@@ -628,7 +615,6 @@ def _mujoco() -> str:
     in_space=(JOINTS,),
 )
 def _export(options: argparse.Namespace) -> Answer:
-    from beammodes.exporters.export import export_chain
     from beammodes.problem.loading import Load
 
     _beam(options)
@@ -642,21 +628,8 @@ def _export(options: argparse.Namespace) -> Answer:
     if options.ei_across is not None:
         stiffness = positive_real("--ei-across", options.ei_across)
         second = _chain(argparse.Namespace(**vars(options) | {"ei": stiffness}))
-    written = export_chain(
-        chain,
-        options.output,
-        format=options.format,
-        name=options.name,
-        fragment=options.fragment,
-        second=second,
-        damping=damping_of(options, chain),
-        timestep=options.timestep,
-        integrator=options.integrator,
-        load=None if load == Load() and options.gravity is None else load,
-        units=_system(options) if options.units is not None else None,
-        force=options.force,
-    )
-    names = [str(path) for path in written]
+    given = None if load == Load() and options.gravity is None else load
+    names = exported(options, chain, given, _system(options), second=second)
     return {"files": names}, "\n".join(names)
 
 

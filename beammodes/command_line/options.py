@@ -37,6 +37,7 @@ __all__ = [
     "as_vector",
     "damping_of",
     "elsewhere",
+    "exported",
     "help_text",
     "modes",
     "motions",
@@ -426,3 +427,27 @@ def _within(flag: str, value: Any) -> float:
     if not 1e-100 <= found <= 1e100:
         raise ValueError(f"{flag} must be from 1e-100 to 1e100, got {shown(value)}")
     return found
+
+
+def exported(options: argparse.Namespace, chain: Any, load: Any, system: str, **how: Any) -> list[str]:
+    """Write a chain as the options of the command export say, and return the names of the files.
+
+    `system` is that of `--units`, of which nothing is said without that option; `how` goes to `export_chain`.
+    """
+    from beammodes.exporters.export import export_chain
+
+    written = export_chain(
+        chain,
+        options.output,
+        format=options.format,
+        name=options.name,
+        fragment=options.fragment,
+        damping=damping_of(options, chain),
+        timestep=options.timestep,
+        integrator=options.integrator,
+        load=load,
+        units=system if options.units is not None else None,
+        force=options.force,
+        **how,
+    )
+    return [str(path) for path in written]

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from beammodes.checks import percent
 from beammodes.command_line.audit_answers import audited_in_space
-from beammodes.command_line.options import Answer, damping_of
+from beammodes.command_line.options import Answer, damping_of, exported
 from beammodes.command_line.rod_options import RodCase
 from beammodes.command_line.text_tables import (
     frequency_rows,
@@ -31,25 +31,11 @@ _NOTHING = 1e-9
 
 
 def _recommend(case: RodCase) -> Answer:
-    from beammodes.accuracy.advice import recommend
-    from beammodes.command_line.advice_table import advice_lines, advice_rows
+    from beammodes.command_line.advice_table import advised
 
-    options, units = case.options, case.units
-    ways = recommend(
-        case.ends,
-        options.tolerance,
-        options.modes,
-        beam=case.rod,
-        rules=options.rule.split(",") if options.rule else None,
-        integrator=options.integrator,
-    )
-    said = case.said(
-        "joint_stiffness",
-        highest_angular_frequency=units["angular_frequency"],
-        stable_time_step=units["time"],
-    )
-    lines = [*advice_lines(ways, options.integrator, units["time"]), case.holds_for, *case.notes()]
-    return {"motion": "space", "recommendations": advice_rows(ways)} | said, "\n".join(lines)
+    _, answer, lines, units = advised(case.options, case.units, case.ends, case.rod)
+    said = {"motion": "space"} | answer | case.said(**units)
+    return said, "\n".join([*lines, case.holds_for, *case.notes()])
 
 
 def _segments(case: RodCase) -> Answer:
@@ -228,25 +214,8 @@ def _buckling(case: RodCase) -> Answer:
 
 
 def _export(case: RodCase) -> Answer:
-    from beammodes.exporters.export import export_chain
-
-    options, chain = case.options, case.chain
-    joints = options.joints or "yzx_alternating"
-    written = export_chain(
-        chain,
-        options.output,
-        format=options.format,
-        name=options.name,
-        fragment=options.fragment,
-        damping=damping_of(options, chain),
-        timestep=options.timestep,
-        integrator=options.integrator,
-        load=_load(case),
-        units=case.system if options.units is not None else None,
-        joints=joints,
-        force=options.force,
-    )
-    names = [str(path) for path in written]
+    joints = case.options.joints or "yzx_alternating"
+    names = exported(case.options, case.chain, _load(case), case.system, joints=joints)
     answer = {"files": names, "motion": "space", "joints": joints}
     return answer, "\n".join([*names, *case.notes()])
 
