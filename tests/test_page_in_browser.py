@@ -246,6 +246,37 @@ def test_bodies_at_the_ends_are_computed_as_the_library_does(
     assert other == (str(needed) if needed <= atlas_data.SEGMENTS else "over 60")
 
 
+@pytest.mark.slow
+def test_bodies_of_any_size_are_computed_as_the_library_does(page: Any) -> None:
+    random, words = np.random.default_rng(27), ("clamped", "pinned", "guided", "free")
+    ask = """([state, n]) => {
+        const chains = atlasChains(JSON.parse(document.getElementById("atlas-data").textContent));
+        const found = chains.record(state, state.rule);
+        return [found.error[n - 1], found.rounding[n - 1], chains.exact(state)];
+    }"""
+    for k in range(60):
+        ends, rule = [str(random.choice(words)), "free"][:: 1 - 2 * (k % 2)], str(random.choice(RULES_DRAWN))
+        n = int(random.integers(2, atlas_data.SEGMENTS + 1))
+        state, names = {"motion": "bending", "left": ends[0], "right": ends[1], "rule": rule}, []
+        for word, side in zip(ends, ("Left", "Right"), strict=True):
+            sizes = 10.0 ** random.uniform(-6, 4, 2) * random.integers(0, 2, 2) * (word == "free")
+            state |= {f"mass{side}": repr(float(sizes[0])), f"inertia{side}": repr(float(sizes[1]))}
+            numbers = f"(mass={float(sizes[0])!r}, rotary_inertia={float(sizes[1])!r})"
+            names.append(word + numbers * (word == "free"))
+        if not any(float(state[name]) for name in state if name.startswith(("mass", "inertia"))):
+            continue
+        errors, rounding, exact = page.evaluate(ask, [state, n])
+        pair = "-".join(names)
+        chain = bm.Chain(bm.Beam.unit(), pair, n, rule)
+        count = len(rounding)
+        known = bm.euler_bernoulli(bm.Beam.unit(), pair, len(exact)).angular_frequency
+        assert exact == pytest.approx(known.tolist(), rel=1e-12), pair
+        solved = bm.chain_errors(chain, len(exact))
+        assert [error is not None for error in errors] == (~np.isnan(solved)).tolist()
+        for error, value, moved in zip(errors[:count], solved[:count], rounding, strict=True):
+            assert abs(error - value) <= (1 + value) * (moved + 1e-12), (pair, rule, n)
+
+
 def test_discs_in_twist_are_computed_as_the_library_does(page: Any, address: str) -> None:
     ends = "motion=twist&left=free&right=free&inertiaLeft=0.3&inertiaRight=5&rule=gregory&segments=9&modes=4"
     shown = _shown(page, address, ends)
