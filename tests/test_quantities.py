@@ -267,6 +267,16 @@ def test_arrays_without_axes_and_dataarrays_are_numbers() -> None:
 
 
 def test_numbers_without_a_unit_and_dataarrays_that_do_not_meet() -> None:
+    # One turn is 2π to pint.
+    with pytest.raises(TypeError, match="turns must be a number without a unit, got 1 turn"):
+        bm.Rod.helix(radius=0.1, pitch=0.05, turns=Q(1, "turn"))
+    with pytest.raises(TypeError, match="tolerance must be a number without a unit, got 1 degree"):
+        bm.segments_needed("clamped-free", Q(1, "degree"))
+    chain = bm.Chain(bm.Beam.unit(), "clamped-free", segments=2)
+    start = Q([1.0, 2.0], "degree"), Q([1.0, 0.5], "Hz")
+    moved = bm.simulate(chain, duration=0.01, initial=start).isel(time=0)
+    assert moved.q.values == pytest.approx(np.radians([1.0, 2.0]), rel=1e-15)
+    assert moved.u.values == pytest.approx([2 * np.pi, np.pi], rel=1e-15)
     # Whole numbers stay such, and percent in a DataArray are no fractions.
     assert bm.Chain(bm.Beam.unit(), "clamped-free", Q(3, "")).segments == 3
     errors = functools.partial(bm.response_error, "clamped-free", segments=6, mode=1)

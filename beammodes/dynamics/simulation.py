@@ -161,7 +161,7 @@ def _initial_state(chain: Chain, initial: Any, base: BaseMotion, span: Span | No
             q, u = bounded("initial", initial, most=2)
         except (TypeError, ValueError):
             raise TypeError(f"initial must be coordinates and speeds, got {shown(initial)}") from None
-        q, u = real_numbers("initial", q), real_numbers("initial", u)
+        q, u = real_numbers("initial", q, "rad"), real_numbers("initial", u, "rad/s")
     for part in (q, u):
         if part.shape != (len(names),) or not np.isfinite(part).all():
             raise ValueError(f"initial must be finite numbers for {', '.join(names)}, got {shown(part)}")

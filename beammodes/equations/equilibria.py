@@ -229,7 +229,7 @@ def find_equilibrium(
     given = held_chain_load(chain, checked_load(load))
     if chain.pieces > MAX_BENT_PIECES:
         raise ValueError(f"chain must have at most {MAX_BENT_PIECES} pieces, got {chain.pieces}")
-    if not 1e-13 <= real("tolerance", tolerance) <= MAX_TOLERANCE:
+    if not 1e-13 <= real("tolerance", tolerance, "rad") <= MAX_TOLERANCE:
         raise ValueError(f"tolerance must be 1e-13 to {MAX_TOLERANCE}, got {shown(tolerance)}")
     apart = None if span is None else _checked_span(chain, given, span)
     branches = _checked_branch(branch, given, apart, guess, chain.pieces)

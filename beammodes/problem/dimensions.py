@@ -167,6 +167,10 @@ def plain_number(value: Any, unit: str) -> Any:
     kind = kind_of_quantity(value)
     if math.isnan(kind[0]) or (unit != ANY and kind not in map(kind_of, unit.split(" or "))):
         return None
+    in_radians = "radian" in _words(value.to_root_units())
+    if unit == "1" and in_radians:
+        # One turn would become 6.28 of what has no unit.
+        return None
     if unit == "1" and not _words(value):
         # Whole numbers stay such.
         return value.magnitude
@@ -174,7 +178,6 @@ def plain_number(value: Any, unit: str) -> Any:
         "*".join(f"{base}**{power:g}" for base, power in zip(("kg", "m", "s"), kind, strict=True))
     )
     # 2π rad times a frequency in Hz is in rad/s already.
-    in_radians = "radian" in _words(value.to_root_units())
     if unit == "Hz" and in_radians:
         return found.magnitude / (2.0 * math.pi)
     cycles = unit == "rad/s" and "hertz" in _words(value) and not in_radians
