@@ -18,6 +18,8 @@ class Deferred:
     --------
     >>> Deferred("fractions").Fraction(1, 3)
     Fraction(1, 3)
+    >>> hasattr(Deferred("fractions"), "Fractoin"), hasattr(Deferred("xml"), "sax")
+    (False, True)
     """
 
     def __init__(self, name: str) -> None:
@@ -30,5 +32,12 @@ class Deferred:
         module = import_module(self._name)
         if not hasattr(module, attribute):
             # A module inside a package that nobody has imported yet.
-            import_module(f"{self._name}.{attribute}")
+            whole = f"{self._name}.{attribute}"
+            try:
+                import_module(whole)
+            except ModuleNotFoundError as error:
+                if error.name != whole and error.name != self._name:
+                    raise
+                # So that `hasattr` has its answer.
+                raise AttributeError(f"module {self._name!r} has no attribute {attribute!r}") from None
         return getattr(module, attribute)
