@@ -360,7 +360,7 @@ REFUSED = {
     "a ball": (ROD + '<joint type="ball"/>', "must be a hinge or a ball with a stiffness, got type 'ball'"),
     "a negative armature": (ROD + HINGE.replace("/>", ' armature="-0.01"/>'), "armature of at least 0"),
     "a negative damping": (ROD + HINGE.replace("/>", ' damping="-0.01"/>'), "damping of at least 0"),
-    "a bent rest": (ROD + HINGE.replace("/>", ' springref="3"/>'), "springref equal to ref"),
+    "a bent rest": (ROD + HINGE.replace("/>", ' springref="3"/>'), "must be on one straight line"),
     "a mesh": ('<geom type="mesh" mesh="m" mass="1"/>' + HINGE, "<geom> must be a sphere"),
     "a shell": (ROD.replace("/>", ' shellinertia="true"/>') + HINGE, "filled"),
     "a composite": (ROD + HINGE + '<composite type="rope"/>', "<composite> must be left out"),

@@ -102,7 +102,7 @@ def test_gazebos_own_springs_are_read_too(tmp_path: Path) -> None:
         (flipped() + link("l9") + joint("j4", "l4", "l9"), "name of its own, got 'j4' for a second time"),
         (flipped() + '<xacro:macro name="m"/>', "expanded by xacro"),
         (flipped() + gazebo(100.0), "same in both places, got 100 in <gazebo> and 200"),
-        (flipped() + gazebo(200.0, "<springReference>0.3</springReference>"), "straight at rest"),
+        (flipped() + gazebo(200.0, "<springReference>0.3</springReference>"), "relaxed at the same place"),
         (flipped() + "<drake:linear_bushing_rpy/>", "only joints of a tree are read"),
         (
             flipped() + DRIVE,
@@ -228,7 +228,7 @@ def test_sdformat_without_a_joint_to_the_world_is_free(tmp_path: Path) -> None:
         (
             "<spring_stiffness>200",
             "<spring_reference>1</spring_reference><spring_stiffness>200",
-            "straight at rest",
+            "on one straight line",
         ),
         ('type="revolute"', 'type="universal"', "revolute or universal with its axes, got type 'universal'"),
         ('type="revolute"', 'type="ball"', "revolute or universal with its axes, got type 'ball'"),

@@ -260,7 +260,8 @@ class ModelJoint:
     N m/rad or N/m, `damping` in N m s/rad or N s/m; `armature` [kg m² or kg] is inertia of the relative
     motion, as a motor's rotor behind its gear has. `refusal` says why a chain must not have this joint, empty
     if it may; `place` where the file has the stiffness. `springs` [N m/rad], shape (3, 3), resist turning of
-    a ball beside its stiffness, which is alike about all axes.
+    a ball beside its stiffness, which is alike about all axes. `rest` [rad or m] is where its spring is
+    relaxed, from the pose in which the joint is given.
     """
 
     name: str
@@ -273,6 +274,7 @@ class ModelJoint:
     armature: float = 0.0
     place: SpringPlace | None = None
     springs: Floats | None = None
+    rest: float = 0.0
 
     @property
     def is_sprung(self) -> bool:

@@ -31,6 +31,7 @@ from beammodes.auditing.planar_chain import (
 from beammodes.auditing.read_mjcf import include_files, read_mjcf
 from beammodes.auditing.read_sdf import read_sdf
 from beammodes.auditing.read_urdf import read_springs, read_urdf
+from beammodes.auditing.rest_pose import in_rest_pose
 from beammodes.auditing.serial_chains import (
     HingeLine,
     HingePath,
@@ -175,7 +176,7 @@ def answer_of_file(place: Path, springs: Path | None, answer: Callable[[Model], 
     """Return the answer to a model file, or to what MuJoCo makes of one that is refused without it."""
     root = read_xml(place)
     try:
-        return answer(_model(root, place, springs))
+        return answer(in_rest_pose(_model(root, place, springs)))
     except BadModel as error:
         if root.tag not in ("mujoco", "mujocoinclude"):
             raise
@@ -192,7 +193,8 @@ def answer_of_file(place: Path, springs: Path | None, answer: Callable[[Model], 
         expanded, version = expanded_by_mujoco(root, place, include_files)
     except BadModel as why:
         raise BadModel(f"{refusal}; {why}") from None
-    return answer(with_places_of_no_file(read_mjcf(expanded, place.parent), version, element))
+    read = read_mjcf(expanded, place.parent)
+    return answer(in_rest_pose(with_places_of_no_file(read, version, element)))
 
 
 def _model(root: XmlElement, place: Path, springs: Path | None) -> Model:

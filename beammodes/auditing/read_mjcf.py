@@ -701,19 +701,27 @@ class _Reader:
         axis = child.direction(own.numbers("axis", 3, "0 0 1"))
         position = frame.point(np.array(own.numbers("pos", 3, "0 0 0")))
         stiffness = _linear(own, "stiffness", "spring")
+        rest = self._rest(own, kind) if stiffness else 0.0
         return ModelJoint(
             f"{name}{suffix}{more}",
             kind,
             frame.rotation @ axis,
             position,
             stiffness,
-            self._why_not(own, kind, stiffness) or self.acted_joints.get(name, ""),
+            self._why_not(own, kind, stiffness, rest) or self.acted_joints.get(name, ""),
             _linear(own, "damping", "damper") + self.dampers.get(("joint", name), 0.0),
             child.at_least_0("armature", own.number("armature", "0")),
             _place(child, kind, copied=bool(suffix + more)),
+            rest=rest * (self.angle if kind == "hinge" else 1.0),
         )
 
-    def _why_not(self, joint: XmlElement, kind: str, stiffness: float) -> str:
+    def _rest(self, joint: XmlElement, kind: str) -> float:
+        """Return where a spring is relaxed, from the file's pose, in the file's units; a ball's is there."""
+        return (
+            joint.number("springref", "0") - joint.number("ref", "0") if kind in ("hinge", "slide") else 0.0
+        )
+
+    def _why_not(self, joint: XmlElement, kind: str, stiffness: float, rest: float) -> str:
         if kind not in ("hinge", "slide", "free", "ball"):
             return f"{joint.where} must be a hinge, a slide, a ball or free, got type {shown(kind)}"
         if kind == "free" and stiffness:
@@ -722,14 +730,12 @@ class _Reader:
             return f"{joint.where} must have no frictionloss: dry friction holds a hinge still"
         if min(joint.numbers("springdamper", 2, "0 0")) > 0:
             return f"{joint.where} must have its stiffness said, not left to springdamper"
-        reference = joint.number("ref", "0")
+        reference = joint.number("ref", "0") + rest
         if kind != "free" and self._is_limited(joint):
             low, high = joint.numbers("range", 2, "0 0")
             # The range of a ball is its largest angle; what is said as the least is not used.
             if not (-1.0 if kind == "ball" else low) < reference < high:
                 return f"{joint.where} must be at rest within its range, not at a stop or beyond"
-        if stiffness and kind != "ball" and joint.number("springref", "0") != reference:
-            return f"{joint.where} must have springref equal to ref: the chain must be straight at rest"
         return ""
 
     def _within(self, outer: str, *tags: str) -> Iterator[XmlElement]:

@@ -293,6 +293,7 @@ def _coordinate(joint: XmlElement, axis: XmlElement, name: str, frame: Frame, sc
     )
     joint.at_least_0("stiffness", stiffness)
     joint.at_least_0("damping", damping)
+    relaxed = rest if stiffness else 0.0
     limit = axis.first("limit")
     limits = None
     if limit is not None:
@@ -301,17 +302,17 @@ def _coordinate(joint: XmlElement, axis: XmlElement, name: str, frame: Frame, sc
             limit_number(limit, "upper", limit.child_text("upper"), math.inf),
         )
     refusals = [
-        f"{joint.where} must have spring_reference 0: straight at rest" if stiffness and rest else "",
         why_driven(joint, joint),
         f"{joint.where} must not mimic another joint" if axis.first("mimic") is not None else "",
-        why_not_free(joint, limits, friction),
+        why_not_free(joint, limits, friction, relaxed),
     ]
     refusal = next(filter(None, refusals), "")
     kind = _KINDS[joint.attributes["type"]]
     spring = dynamics.first("spring_stiffness")
     place = None if spring is None else SpringPlace("text", spring.start, spring.file)
     at = frame.position
-    return ModelJoint(name, kind, turned @ direction, at, stiffness, refusal, damping, place=place)
+    along_axis = turned @ direction
+    return ModelJoint(name, kind, along_axis, at, stiffness, refusal, damping, place=place, rest=relaxed)
 
 
 def _matter(link: XmlElement) -> tuple[Inertial, list[Floats]]:

@@ -125,11 +125,11 @@ def reach_of(kind: str, values: Sequence[float], frame: Frame) -> tuple[Floats, 
     return frame.points(ends_of(kind, sizes))
 
 
-def why_not_free(joint: XmlElement, limits: tuple[float, float] | None, friction: float) -> str:
-    """Return why a joint does not swing freely about 0, empty if it does."""
+def why_not_free(joint: XmlElement, limits: tuple[float, float] | None, friction: float, rest: float) -> str:
+    """Return why a joint does not swing freely about where it rests, empty if it does."""
     if friction:
         return f"{joint.where} must have no friction: dry friction holds a hinge still"
-    if limits is not None and not limits[0] < 0 < limits[1]:
+    if limits is not None and not limits[0] < rest < limits[1]:
         return f"{joint.where} must be at rest within its limits, not at a stop or beyond"
     return ""
 
@@ -223,13 +223,14 @@ def _joint(
             limit_number(limit, "lower", lower, -math.inf),
             limit_number(limit, "upper", upper, math.inf),
         )
+    spring = springs.get(name)
+    rest = spring.rest if spring and spring.stiffness else 0.0
     refusals = [
         f"{joint.where} must not mimic another joint" if joint.first("mimic") is not None else "",
         "" if kind in _KINDS else f"{joint.where} must be revolute, got type {shown(kind)}",
         driven.get(name, ""),
-        why_not_free(joint, limits, dynamics.number("friction", "0")),
+        why_not_free(joint, limits, dynamics.number("friction", "0"), rest),
     ]
-    spring = springs.get(name)
     stiffness = joint.at_least_0("stiffness", spring.stiffness if spring else 0.0)
     return (
         ModelJoint(
@@ -241,6 +242,7 @@ def _joint(
             next(filter(None, refusals), ""),
             joint.at_least_0("damping", dynamics.number("damping", "0")),
             place=spring.place if spring else None,
+            rest=rest,
         ),
     )
 
@@ -283,10 +285,9 @@ def _gazebo_springs(root: XmlElement) -> dict[str, PlacedSpring]:
         if spring is not None and "reference" in element.attributes:
             (stiffness,) = spring.read("springStiffness", spring.text, 1)
             place = SpringPlace("text", spring.start, spring.file)
-            found[element.attributes["reference"]] = PlacedSpring(stiffness, place)
             rest = element.first("springReference")
-            if rest is not None and rest.read("springReference", rest.text, 1)[0]:
-                rest.refuse("must be 0: the chain must be straight at rest")
+            relaxed = 0.0 if rest is None else rest.read("springReference", rest.text, 1)[0]
+            found[element.attributes["reference"]] = PlacedSpring(stiffness, place, relaxed)
     return found
 
 
@@ -301,8 +302,10 @@ def _both_springs(
                 f"springs must be the same in both places, got {one:g} in <gazebo> and "
                 f"{other:g} in the file beside for joint {shown(name)}"
             )
+        if gazebo[name].rest != beside[name].rest:
+            raise BadModel(f"springs must be relaxed at the same place in both files, of joint {shown(name)}")
         why = f"joint {shown(name)} has its spring both in <gazebo> and in the file beside"
-        found[name] = PlacedSpring(one, replace(beside[name].place, refusal=why))
+        found[name] = replace(beside[name], place=replace(beside[name].place, refusal=why))
     return found
 
 
@@ -316,10 +319,11 @@ _MAX_DEPTH = 6
 
 @dataclass(frozen=True)
 class PlacedSpring:
-    """The stiffness of a spring, and where a file has it."""
+    """The stiffness of a spring, where a file has it, and where it is relaxed [rad or m]."""
 
     stiffness: float
     place: SpringPlace
+    rest: float = 0.0
 
 
 def read_springs(path: Path) -> dict[str, PlacedSpring]:
@@ -327,7 +331,7 @@ def read_springs(path: Path) -> dict[str, PlacedSpring]:
 
     The file may have been rewritten by any YAML tool: in blocks, in braces, quoted, in another order. Below
     `springs` stands a list of springs: `joint` and `stiffness`, and if they are given the `type`, hinge or
-    slide, and the position at `rest`, which must be 0; `model` beside `springs` is a name. Anything else is
+    slide, and the position at `rest` [rad or m]; `model` beside `springs` is a name. Anything else is
     refused by its line: a key twice, tags, anchors, aliases, a second document.
     """
     try:
@@ -345,22 +349,21 @@ def read_springs(path: Path) -> dict[str, PlacedSpring]:
         keys["model"].text("model must be a name")
     found: dict[str, PlacedSpring] = {}
     for row in keys["springs"].items("springs must be a list of springs, [] if there are none"):
-        name, stiffness = _spring(row)
+        name, stiffness, rest = _spring(row)
         if name in found:
             row.refuse(f"must not give joint {shown(name)} a second spring")
         place = SpringPlace("scalar", stiffness.node.start_mark.index, str(path.absolute()))
-        found[name] = PlacedSpring(stiffness.number("stiffness"), place)
+        found[name] = PlacedSpring(stiffness.number("stiffness"), place, rest)
     return found
 
 
-def _spring(row: _YamlNode) -> tuple[str, _YamlNode]:
+def _spring(row: _YamlNode) -> tuple[str, _YamlNode, float]:
     wanted = "must be a spring with the keys joint and stiffness, and no other but type and rest"
     keys = row.keys(wanted, ("joint", "type", "stiffness", "rest"), {"joint", "stiffness"})
     if "type" in keys:
         keys["type"].one_of("type", keys["type"].text("type must be a word"), ("hinge", "slide"))
-    if "rest" in keys and keys["rest"].number("rest"):
-        keys["rest"].refuse("must have rest 0: the chain must be straight at rest")
-    return keys["joint"].text("joint must be a name"), keys["stiffness"]
+    rest = keys["rest"].number("rest") if "rest" in keys else 0.0
+    return keys["joint"].text("joint must be a name"), keys["stiffness"], rest
 
 
 class _YamlNode:

@@ -429,7 +429,11 @@ def hinge_line(path: HingePath, axis: Floats) -> HingeLine:
     line = HingeLine(axis, along, origin, hinges, places)
     for i, hinge in enumerate(hinges):
         if line.off_line(hinge.position) > OFF_LINE * (line.spacing or size):
-            raise BadModel(f"hinge {hinge.name} must be on one straight line with the others at rest")
+            raise BadModel(
+                f"hinge {hinge.name} must be on one straight line with the others at rest: a curved chain "
+                'is judged by motion="space" beside the rod of its shape (--motion space --shape '
+                '"arc(angle=1.5)")'
+            )
         # The first two may be at one place: a support's spring, a body of no length, the beam's own.
         if i and (places[i] < places[i - 1] or (i > 1 and places[i] == places[i - 1])):
             raise BadModel(f"hinge {hinge.name} must be further along the chain than {hinges[i - 1].name}")

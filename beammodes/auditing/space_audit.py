@@ -23,7 +23,7 @@ from beammodes.auditing.body_tree import Model
 from beammodes.auditing.bounded_xml import BadModel
 from beammodes.auditing.hinge_order import HingeOrder, hinge_order
 from beammodes.auditing.row_modes import RowModes, row_modes
-from beammodes.auditing.serial_chains import letters_of
+from beammodes.auditing.serial_chains import are_parallel, letters_of
 from beammodes.auditing.space_layout import space_layout
 from beammodes.auditing.space_row import (
     FIRST_BENDING,
@@ -54,6 +54,10 @@ _APART = 1e-7
 _ROUNDING = 1e-12
 #: Stiffnesses that are the same.
 _SAME = 1e-3
+#: Places at which a rod's curvature is looked at; a turn that is none [rad].
+_SAMPLES, _FLAT = 65, 1e-9
+#: Fourth root of a stiffness ratio, by modes: frequencies of a rod grow as their number squared.
+_STIFFER = 6
 _LISTED = 5
 _MOTIONS = ("bending", "second_bending", "twist", "stretch")
 
@@ -179,7 +183,7 @@ def audit_along(
             )
     return replace(
         found,
-        given=(*found.given, *_others(row)),
+        given=(*model.given, *found.given, *_others(row)),
         assumed=tuple(assumed),
         step=_step(model, whole.of(which)),
     )
@@ -414,7 +418,7 @@ class _InSpace:
         nodes = len(self.row.nodes)
         told = ", ".join(kinds) or "on no straight line, or oblique to it"
         springs = f"joints with springs at {nodes} node{'s' * (nodes > 1)}"
-        given = [f"chain at body {self.row.name}: {springs}: {told}"]
+        given = [*self.model.given, f"chain at body {self.row.name}: {springs}: {told}"]
         assumed = [*self.model.left_out]
         unlike = self.rod.second_bending_stiffness != self.rod.bending_stiffness
         if self.plane is None and unlike and self._planes:
@@ -429,7 +433,9 @@ class _InSpace:
         rod, row = self.rod, self.row
         ends = self._inferred() if self.ends is None else self._fitting(self.ends)
         found = self.whole.angular_frequency[: self.modes]
-        exact = rod_modes(rod.unstretched, ends, max(len(found), 1)).angular_frequency
+        only = _own_plane(rod, row)
+        judge = rod.unstretched if only is None else _bending_only(rod, only, self.modes)
+        exact = rod_modes(judge, ends, max(len(found), 1)).angular_frequency
         errors = ratios_less_one(found, exact, self.modes)
         mostly = self._mostly[: self.modes]
         mostly += [""] * (self.modes - len(mostly))
@@ -439,7 +445,9 @@ class _InSpace:
             if row.line is not None:
                 why = "centres of mass are off its line, or principal axes oblique to it"
         remarks = [f"bending and twist of the chain move each other: {why}; all modes are judged together"]
-        layout = space_layout(row, rod, ends, errors)
+        if only is not None:
+            remarks = ["hinges bend a curved chain in its own plane only: it is judged there"]
+        layout = space_layout(row, rod if only is None else judge, ends, errors, only)
         remarks += [layout.remark, *([self.order.remark] if self.order.remark else [])]
         given, assumed = self._said()
         told = "clamped-free" if row.root.parent is None else "free-free"
@@ -499,6 +507,35 @@ def are_apart(whole: RowModes, parts: Sequence[RowModes]) -> bool:
     count, rounding = min(len(own), len(both)), _ROUNDING * own.max(initial=0.0)
     off = np.abs(both[:count] - own[:count]) > 2 * _APART * own[:count] + rounding
     return not off.any() and bool((own[count:] <= rounding).all() and (both[count:] <= rounding).all())
+
+
+def _own_plane(rod: Rod, row: SpaceRow) -> int | None:
+    """Return the section's axis, 1 or 2, about which a curved rod bends as a row of parallel hinges does.
+
+    None if hinges turn about more axes, or the rod does not stay in one plane.
+    """
+    axis = row.coordinates[0].axis
+    if any(each.kind != "hinge" or not are_parallel(each.axis, axis) for each in row.coordinates):
+        return None
+    turns = np.abs(rod.curvature_at(np.linspace(0.0, rod.length, _SAMPLES))).max(axis=0) * rod.length
+    able = [at for at in (1, 2) if not (np.delete(turns, at) > _FLAT).any() and turns[at] > _FLAT]
+    return able[0] if able else None
+
+
+def _bending_only(rod: Rod, axis: int, modes: int) -> Rod:
+    """Return the rod that bends about one axis only: what leaves its plane does not move what stays in it.
+
+    Twist and the other bending are made so stiff that their modes are beyond those of the plane.
+    """
+    own = (rod.torsional_stiffness, rod.second_bending_stiffness, rod.bending_stiffness)
+    stiff = mean_over(own[axis], rod.length) * (_STIFFER * modes) ** 4
+    twisting, second, first = (each if at == axis else stiff for at, each in enumerate(own))
+    return replace(
+        rod.unstretched,
+        torsional_stiffness=twisting,
+        second_bending_stiffness=second,
+        bending_stiffness=first,
+    )
 
 
 def _others(row: SpaceRow) -> list[str]:

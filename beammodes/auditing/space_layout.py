@@ -40,15 +40,21 @@ class SpaceLayout:
     remark: str
 
 
-def space_layout(row: SpaceRow, rod: Rod, ends: RodEnds, errors: Floats) -> SpaceLayout:
-    """Return the rule whose nodes and springs a row has, for a rod of any shape at rest."""
+def space_layout(
+    row: SpaceRow, rod: Rod, ends: RodEnds, errors: Floats, only: int | None = None
+) -> SpaceLayout:
+    """Return the rule whose nodes and springs a row has, for a rod of any shape at rest.
+
+    With `only`, hinges turn about that axis of the section, 1 or 2, and others have no springs.
+    """
+    turning = [0, 1, 2] if only is None else [only]
     places, shares, springs = _nodes(row)
     found: tuple[str, int] | None = None
     better: SpatialChain | None = None
     for chain in _alike(places, shares, rod, ends):
         if chain.rule.name == _BETTER:
             better = chain
-        if found is None and _same_springs(chain, springs):
+        if found is None and _same_springs(chain.joint_stiffness[:, turning], springs):
             found = (chain.rule.name, chain.segments)
     if found is None:
         remark = f"{UNKNOWN}: nodes or springs are those of no rule with equal segments"
@@ -57,9 +63,11 @@ def space_layout(row: SpaceRow, rod: Rod, ends: RodEnds, errors: Floats) -> Spac
     if better is not None and (found is None or found[0] != _BETTER):
         own = rod_errors(better, len(errors))
         if abs(own[0]) < abs(errors[0]):
-            told = [", ".join(f"{value:.5g}" for value in node) for node in better.joint_stiffness[:_LISTED]]
+            nodes = better.joint_stiffness[:_LISTED, turning]
+            told = [", ".join(f"{value:.5g}" for value in node) for node in nodes]
+            axes = "x, y and z" if only is None else "xyz"[only]
             remark += (
-                f"; at these nodes {_BETTER} has springs about the section's x, y and z of "
+                f"; at these nodes {_BETTER} has springs about the section's {axes} of "
                 f"({'), ('.join(told)}), ...: {listed_errors(own)}"
             )
     return SpaceLayout(UNKNOWN if found is None else found[0], remark)
@@ -108,10 +116,10 @@ def _alike(places: Floats, masses: Floats, rod: Rod, ends: RodEnds) -> Iterator[
                 yield chain
 
 
-def _same_springs(chain: SpatialChain, springs: list[list[float]]) -> bool:
-    """Return True if every node has the springs of the chain's, in whatever order."""
-    for own, node in zip(chain.joint_stiffness.tolist(), springs, strict=False):
+def _same_springs(stiffness: Floats, springs: list[list[float]]) -> bool:
+    """Return True if every node has the springs of a chain's, in whatever order."""
+    for own, node in zip(stiffness.tolist(), springs, strict=False):
         due = sorted(value for value in own if np.isfinite(value))
         if len(due) != len(node) or not np.allclose(node, due, rtol=_SAME, atol=0.0):
             return False
-    return len(springs) == len(chain.joint_stiffness)
+    return len(springs) == len(stiffness)
