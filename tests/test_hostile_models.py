@@ -289,7 +289,7 @@ SPRINGS = {
     "no such joint": ("springs:\n  - {joint: zz, stiffness: 3}", "must"),
     "no stiffness": ("springs:\n  - {joint: zz}", "with the keys joint and stiffness"),
     "no spring": ("springs:\n  - ab", "with the keys joint and stiffness"),
-    "rest": ("springs:\n  - {joint: ab, stiffness: 3, rest: 0.1}", "must have rest 0"),
+    "rest": ("springs:\n  - {joint: ab, stiffness: 3, rest: .nan}", "line 2: rest must be a finite number"),
     "key": (
         "springs:\n  - {joint: ab, stifness: 3}",
         r'line 2: key must be one of joint, type, stiffness, rest, got .*did you mean "stiffness"',
