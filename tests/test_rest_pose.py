@@ -156,6 +156,9 @@ def test_what_springs_do_not_set_stays(tmp_path: Path) -> None:
     loop = text.replace("</mujoco>", '<equality><connect body1="b7" anchor="0 0 0"/></equality></mujoco>')
     with pytest.raises(BadModel, match="closes a loop"):
         bm.audit_file(write(path, loop), ROD, "clamped-free", motion="space")
+    # A slide in place of a hinge: a row with fewer hinges than nodes.
+    shifted = text.replace('springref="0.15"/>', 'springref="0.15" type="slide"/>', 2)
+    assert bm.audit_file(write(path, shifted), ROD, motion="space").layout == "no known layout"
     tie = '<tendon><fixed stiffness="3"><joint joint="j0" coef="1"/></fixed></tendon></mujoco>'
     with pytest.raises(BadModel, match="as long in the file's pose"):
         bm.audit_file(write(path, text.replace("</mujoco>", tie)), ROD, "clamped-free", motion="space")

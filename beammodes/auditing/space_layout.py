@@ -74,27 +74,29 @@ def space_layout(
 
 
 def _nodes(row: SpaceRow) -> tuple[Floats, Floats, list[list[float]]]:
-    """Return the places of nodes, the masses after each, and the stiffnesses of each, ascending."""
+    """Return the places of hinges, the masses after each place, and the stiffnesses at it, ascending."""
+    places: list[Floats] = []
     springs: list[list[float]] = []
     masses: list[float] = []
     group = -1
-    place: Floats | None = None
     for each in row.coordinates:
         if each.group < 0 or each.kind != "hinge":
             continue
-        if place is None or np.linalg.norm(each.joint.position - place) > _NO_LENGTH:
+        if not places or np.linalg.norm(each.joint.position - places[-1]) > _NO_LENGTH:
             springs.append([])
             masses.append(0.0)
-            place = each.joint.position
+            places.append(each.joint.position)
         if each.group != group:
             masses[-1] += row.groups[each.group].inertial.mass
             group = each.group
         springs[-1].append(each.stiffness)
-    return np.array(row.nodes), np.array(masses), [sorted(node) for node in springs]
+    return np.array(places).reshape(-1, 3), np.array(masses), [sorted(node) for node in springs]
 
 
 def _alike(places: Floats, masses: Floats, rod: Rod, ends: RodEnds) -> Iterator[SpatialChain]:
     """Yield chains of rules that have nodes at these distances, and these shares of mass after each."""
+    if not len(places):
+        return
     step = np.linalg.norm(np.diff(places, axis=0), axis=1)
     reach = np.linalg.norm(places - places[0], axis=1)
     for count in range(max(1, len(places) - 1), len(places) + 2):
