@@ -115,10 +115,11 @@ def audit_file(
     """Judge the chain in a model file: MJCF, URDF, SDFormat, or CSV as `export_chain` writes it.
 
     A chain is a row of bodies on one straight line, each on a hinge with a spring, all hinges parallel (or
-    pairs of hinges about two axes). Files are read without any simulator; what cannot be honoured is refused
-    by name. Hostile files are refused within 5 s and 150 MB, as measured in the tests. What only MuJoCo can
-    expand (attached models, meshes without inertia, ties between copies) it expands where it is installed, in
-    a process that is stopped after 10 s of processor time, or 30 s in all, or at 1 GiB.
+    pairs of hinges about two axes), where all springs are relaxed. Files are read without any simulator; what
+    cannot be honoured is refused by name. Hostile files are refused within 5 s and 150 MB, as measured in the
+    tests. What only MuJoCo can expand (attached models, meshes without inertia, ties between copies) it
+    expands where it is installed, in a process that is stopped after 10 s of processor time, or 30 s in all,
+    or at 1 GiB.
 
     The matter of an outer piece tells where the beam ends: one that is made as its neighbour is a segment,
     and what more it has is a body. The beam's length does not decide that, nor does where in the world the

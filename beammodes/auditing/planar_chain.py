@@ -339,7 +339,8 @@ def _check_matter(group: Group, line: HingeLine, in_space: bool) -> None:
     if distance > max(OFF_LINE * spacing, 1e-12):
         raise BadModel(
             f"body {group.name} must have its centre of mass on the line of the hinges, got it "
-            f"{distance:.3g} m beside that line"
+            f'{distance:.3g} m beside that line: a curved chain is judged by motion="space" beside the rod '
+            "of its shape"
         )
     product = abs(float(line.axis @ own.inertia @ line.across))
     if in_space and product > OFF_LINE * float(np.trace(own.inertia)):
