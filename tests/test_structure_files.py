@@ -270,4 +270,4 @@ def test_no_name_ends_a_comment(suffix: str, tmp_path: Path) -> None:
     ElementTree.parse(path)
     if beside:
         lines = beside[0].read_text("utf-8").splitlines()
-        assert [line for line in lines if line.startswith("model:")] == ["model: chain"]
+        assert [line for line in lines if line.startswith("model:")] == ['model: "chain"']
