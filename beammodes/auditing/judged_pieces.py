@@ -528,13 +528,27 @@ class JudgedPieces:
             found.append(f"rotary inertia of the segments is {off}, {why}")
         if self.centre_mismatch > _SAME:
             part = f"{100 * self.centre_mismatch:.3g} % of a segment's length"
-            found.append(f"centres of mass are up to {part} off the segments' middles")
+            off = f"centres of mass are up to {part} off the segments' middles"
+            found.append(f"{off}{self._centres_beyond()}")
         if self.share_mismatch > _SAME:
             part = f"{100 * self.share_mismatch:.3g} %"
             spread = self.mass[self.length > 0] / self.length[self.length > 0]
             odd = self._odd_ones(spread, "of {:.6g} kg/m, most others of {:.6g} kg/m")
             found.append(f"masses of segments are up to {part} off their shares by length{odd}")
         return found
+
+    def _centres_beyond(self) -> str:
+        """Return what is said of pieces that are one segment before or past where their hinges have them."""
+        if "centre" not in self.pieces:
+            return ""
+        on, centre = self._moving, np.array(self.pieces["centre"], dtype=np.float64)
+        place = centre[on] / self.length[on] - 0.5
+        if np.abs(np.abs(place) - 1).max(initial=0.0) > _KIND or np.ptp(np.sign(place)):
+            return ""
+        return (
+            ": each body lies on the other side of its hinge, so the hinges stand at the far end of their "
+            "segments (a body's hinge belongs at the end towards its parent)"
+        )
 
     def _odd_ones(self, values: Floats, said: str) -> str:
         """Return which pieces have another number than most, if few have."""
