@@ -11,7 +11,9 @@ import pytest
 from beammodes.auditing.audit import Audit
 from beammodes.auditing.audit_model import audit_file
 from beammodes.auditing.bounded_xml import BadModel
+from beammodes.auditing.space_audit import SpatialAudit
 from beammodes.problem.beam import Beam
+from beammodes.problem.rod import Rod
 
 BEAM = Beam(1.0, 2.0, 0.5)
 EQUAL = [0.2] * 5
@@ -77,7 +79,12 @@ def test_pieces_that_are_alike_or_all_unlike_are_not_named(tmp_path: Path) -> No
 @pytest.mark.parametrize(
     ("inside", "after", "boundary", "said"),
     [
-        (bodies(axes={2: "0.01 1 0"}), "", None, r"joint2 .* got one 0\.573 degrees off"),
+        (
+            bodies(axes={2: "0.01 1 0"}),
+            "",
+            None,
+            r"joint2 .* 0\.573 degrees off.*turn the axis of joint2",
+        ),
         (
             bodies(masses={2: 0.1}, tip='<geom size=".01" pos=".2 0 .1" mass=".1"/>'),
             "",
@@ -154,3 +161,40 @@ def test_a_joint_that_is_misspelt_in_the_springs_is_offered(tmp_path: Path) -> N
     path.with_name("model.springs.yaml").write_text("springs:\n  - {joint: Bend1, stiffness: 3}\n")
     with pytest.raises(BadModel, match=r"got 'Bend1' \(did you mean 'bend_1'\?\)"):
         audit_file(path, BEAM)
+
+
+def test_a_turned_axis_leaves_a_chain_beside_the_bending_that_it_has(tmp_path: Path) -> None:
+    path, rod = tmp_path / "model.xml", Rod(1.0, 2.0, 1.5, 0.5, 1e-5)
+    found = []
+    for axes in ({}, {2: "0.01 1 0"}, {2: "0 1 .01"}):
+        path.write_text(f"<mujoco><worldbody>{bodies(axes=axes)}</worldbody></mujoco>", "utf-8")
+        one = audit_file(path, rod, motion="space")
+        assert isinstance(one, SpatialAudit)
+        assert "the file's chain lacks joints" in one.text
+        assert ("joint2 is turned by 0.573 degrees" in one.text) == bool(axes)
+        found.append(one.errors)
+    # A cosine of 0.01 changes frequencies by its square; the rod's own section by 1/1000 of the third.
+    for errors in found[1:]:
+        np.testing.assert_allclose(errors, found[0], atol=2e-3)
+
+
+def test_hinges_at_the_far_ends_of_their_segments_are_named(tmp_path: Path) -> None:
+    one = '<body pos=".2 0 0"><joint name="j{0}" axis="0 1 0" stiffness="10"/>'
+    one += '<geom type="cylinder" size=".005" fromto="-.2 0 0 0 0 0" mass=".1"/>'
+    text = asked(tmp_path, "".join(one.format(i) for i in range(5)) + "</body>" * 5).text
+    assert "the hinges stand at the far end of their segments" in text
+    assert "far end of their" not in asked(tmp_path, bodies()).text
+
+
+def test_sprung_leaves_are_told_what_to_do_with(tmp_path: Path) -> None:
+    leaf = '<body name="leaf{0}" pos=".2 0 0"><joint name="stem{0}" axis="0 1 0" stiffness="1"/>'
+    leaf += '<geom type="box" size=".01 .01 .01" pos=".05 0 0" mass=".01"/></body>'
+    with pytest.raises(BadModel, match=r"spring of its own: .* by chain \('leaf0'\); .* counts by its mass"):
+        asked(tmp_path, bodies(tip=leaf.format(0) + leaf.format(1)))
+
+
+def test_a_sag_beyond_small_deflections_is_no_number(tmp_path: Path) -> None:
+    text = asked(tmp_path, bodies(springs=0.05), gravity="0 0 -9.81").text
+    assert "bends the chain far beyond small deflections" in text
+    assert "find_equilibrium" in text
+    assert "sag by" not in text

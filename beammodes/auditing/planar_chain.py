@@ -315,20 +315,23 @@ def _check(path: HingePath, line: HingeLine, support: RootSupport | None) -> Non
                 by = f", got one {turned:.3g} degrees off" if 1e-4 < turned < _TURNED else ""
                 raise BadModel(
                     f"{other.joints[0].name} on body {group.name} must be a hinge with a spring, parallel "
-                    f"to {line.hinges[0].name}{by}: nothing else may move on the chain. {_what_to_do(other)}"
+                    f"to {line.hinges[0].name}{by}: nothing else may move on the chain. "
+                    f"{_what_to_do(other, by)}"
                 )
     in_space = len(path.axes()) > 1 or path.in_space or (support is not None and support.in_space)
     for group in (*([path.root] if support else []), *path.groups):
         _check_matter(group, line, in_space)
 
 
-def _what_to_do(other: Group) -> str:
-    """Return how a joint that moves something on the chain can be taken."""
+def _what_to_do(other: Group, turned: str) -> str:
+    """Return how a joint that moves something on the chain can be taken; `turned` if nearly parallel."""
+    if turned:
+        return f"If it is meant to be parallel, turn the axis of {other.joints[0].name}"
     if other.joints[0].is_sprung:
         name = other.bodies[-1].name
         return (
-            f"It has a spring of its own: if what is beyond it is meant, name it by chain ('{name}'); if it is "
-            "a body on the chain, weld it there (leave out its joint), so that it counts by its mass"
+            f"It has a spring of its own: if what is beyond it is meant, name it by chain ('{name}'); if it "
+            "is a body on the chain, weld it there (leave out its joint), so that it counts by its mass"
         )
     return (
         "If a motor holds it, say by boundary what the chain's ends are: a hinge without a spring between "

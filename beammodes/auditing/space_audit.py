@@ -59,6 +59,12 @@ _SAMPLES, _FLAT = 65, 1e-9
 #: Fourth root of a stiffness ratio, by modes: frequencies of a rod grow as their number squared.
 _STIFFER = 6
 _LISTED = 5
+#: Axes that are off by less than this are meant to be parallel; by less than the other, they are [degrees].
+_TURNED, _NOT_TURNED = 10.0, 1e-4
+#: Of a chain's reach, up to which its nodes are on a line.
+_STRAIGHT = 1e-6
+#: The section's axes of second bending and of bending.
+_ABOUT_Y, _ABOUT_Z = 1, 2
 _MOTIONS = ("bending", "second_bending", "twist", "stretch")
 
 
@@ -365,7 +371,7 @@ class _InSpace:
         what = (
             "joints about its line" if name == "twist" else f"joints that bend it along {self.labels[motion]}"
         )
-        return f"the file has no {what}: what the rod does in {name}, the chain does not"
+        return f"the file's chain lacks {what}: what the rod does in {name}, it does not"
 
     def _of_balls(self) -> list[str]:
         """Return what is said of balls, which twist as stiffly as they bend."""
@@ -434,6 +440,8 @@ class _InSpace:
         ends = self._inferred() if self.ends is None else self._fitting(self.ends)
         found = self.whole.angular_frequency[: self.modes]
         only = _own_plane(rod, row)
+        lone = self._lone_plane() if only is None else None
+        only = lone if only is None else only
         judge = rod.unstretched if only is None else _bending_only(rod, only, self.modes)
         exact = rod_modes(judge, ends, max(len(found), 1)).angular_frequency
         errors = ratios_less_one(found, exact, self.modes)
@@ -445,7 +453,13 @@ class _InSpace:
             if row.line is not None:
                 why = "centres of mass are off its line, or principal axes oblique to it"
         remarks = [f"bending and twist of the chain move each other: {why}; all modes are judged together"]
-        if only is not None:
+        if lone is not None:
+            remarks = [
+                f"all hinges bend the chain in one plane, but {_turned(row)}: it is judged beside the rod's "
+                f"{'bending' if lone == _ABOUT_Z else 'second_bending'} alone; the file's chain lacks joints "
+                "for the other plane and for twist"
+            ]
+        elif only is not None:
             remarks = ["hinges bend a curved chain in its own plane only: it is judged there"]
         layout = space_layout(row, rod if only is None else judge, ends, errors, only)
         remarks += [layout.remark, *([self.order.remark] if self.order.remark else [])]
@@ -468,6 +482,31 @@ class _InSpace:
             step=_step(self.model, self.whole),
             step_set_by=self._mostly[-1],
         )
+
+    def _lone_plane(self) -> int | None:
+        """Return the section's axis, 1 or 2, about which a straight chain bends whose hinges are alike.
+
+        None if there are hinges for more than one plane, or on no straight line; of two stiffnesses the one
+        is meant that the springs are nearer to.
+        """
+        row, rod = self.row, self.rod
+        if not self._able.is_apart or any(each.kind != "hinge" for each in row.coordinates):
+            return None
+        common = row.coordinates[0].axis
+        reach = row.nodes[-1] - row.nodes[0]
+        across = np.linalg.norm(np.cross(np.asarray(row.nodes) - row.nodes[0], reach), axis=1)
+        size = float(np.linalg.norm(reach))
+        if len(row.nodes) < 2 or across.max() > _STRAIGHT * size**2:
+            return None
+        least = math.cos(math.radians(_TURNED))
+        if min(abs(float(each.axis @ common)) for each in row.coordinates) < least:
+            return None
+        if abs(float(reach @ common)) > _FLAT + size * math.sin(math.radians(_TURNED)):
+            return None
+        spring = float(np.median([each.stiffness for each in row.coordinates]))
+        meant = spring * size / (len(row.nodes) - 1)
+        own = {_ABOUT_Z: rod.bending_stiffness, _ABOUT_Y: rod.second_bending_stiffness}
+        return min(own, key=lambda at: abs(math.log(meant / mean_over(own[at], rod.length))))
 
     @property
     def _is_tied(self) -> bool:
@@ -520,6 +559,21 @@ def _own_plane(rod: Rod, row: SpaceRow) -> int | None:
     turns = np.abs(rod.curvature_at(np.linspace(0.0, rod.length, _SAMPLES))).max(axis=0) * rod.length
     able = [at for at in (1, 2) if not (np.delete(turns, at) > _FLAT).any() and turns[at] > _FLAT]
     return able[0] if able else None
+
+
+def _turned(row: SpaceRow) -> str:
+    """Return which hinges are turned against most of the others, and by how much."""
+    axes = np.array([each.axis for each in row.coordinates])
+    axes *= np.sign(axes @ axes[0])[:, None]
+    usual = np.median(axes, axis=0)
+    usual /= np.linalg.norm(usual)
+    angles = np.degrees(np.arctan2(np.linalg.norm(np.cross(axes, usual), axis=1), axes @ usual))
+    odd = [
+        f"{each.joint.name} is turned by {angle:.3g} degrees"
+        for each, angle in zip(row.coordinates, angles.tolist(), strict=True)
+        if angle > _NOT_TURNED
+    ]
+    return ", ".join(odd[:_LISTED]) or "their axes are oblique to its line"
 
 
 def _bending_only(rod: Rod, axis: int, modes: int) -> Rod:

@@ -76,11 +76,12 @@ def _across(beam: Beam, boundary: Boundary, chain: Chain, across: float) -> str:
         where = "middle" if math.isnan(own.deflection) else "tip"
         name = "midspan_deflection" if where == "middle" else "deflection"
         sags.append(abs(weight * getattr(own, name) + (tip * getattr(end, name) if end else 0.0)))
-    if max(sags) > beam.length:
+    named = zip(("the chain", "the beam"), sags, strict=True)
+    beyond = " and ".join(name for name, sag in named if sag > beam.length)
+    if beyond:
         return (
-            f"gravity of {across:.4g} m/s² across it bends the chain and the beam far beyond small deflections: "
-            "these frequencies are of the straight chain without its weight; find_equilibrium tells how it "
-            "hangs"
+            f"gravity of {across:.4g} m/s² across it bends {beyond} far beyond small deflections: these "
+            "frequencies are of the straight shape without weight; find_equilibrium tells how it hangs"
         )
     far = "; by small deflections, which these are not" if max(sags) > _SMALL * beam.length else ""
     return (
