@@ -375,7 +375,7 @@ def test_what_is_not_there_is_said(tmp_path: Path) -> None:
     springs = np.full((5, 3), 85.0 * 10)
     path.write_text(world(row("fixed", 5, springs, np.full(5, 0.06), np.full((5, 3), 5e-5), "", "")))
     found = bm.audit_file(path, ROD, motion="space")
-    assert "no joints about its line: what the rod does in twist" in found.text
+    assert "lacks joints about its line: what the rod does in twist" in found.text
     assert "in this fixed order at every node: first order in 1/N" in found.text
     assert "reverse it at every other node" in found.text
     # Which plane is which is told by the springs, or by the user.
