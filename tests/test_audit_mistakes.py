@@ -198,3 +198,18 @@ def test_a_sag_beyond_small_deflections_is_no_number(tmp_path: Path) -> None:
     assert "bends the chain far beyond small deflections" in text
     assert "find_equilibrium" in text
     assert "sag by" not in text
+
+
+def test_a_cable_without_twist_is_told_so(tmp_path: Path) -> None:
+    rod = (
+        '<body name="c{0}" pos=".2 0 0">{1}<geom type="capsule" size=".01" fromto="0 0 0 .2 0 0" mass=".1"/>'
+    )
+    rod += '<plugin instance="own"/>'
+    ball = '<joint name="b{0}" type="ball"/>'
+    cable = "".join(rod.format(i, ball.format(i) if i else "") for i in range(5)) + "</body>" * 5
+    plugin = '<extension><plugin plugin="mujoco.elasticity.cable"><instance name="own">'
+    plugin += '<config key="bend" value="1e7"/></instance></plugin></extension>'
+    path = tmp_path / "model.xml"
+    path.write_text(f"<mujoco>{plugin}<worldbody>{cable}</worldbody></mujoco>", "utf-8")
+    with pytest.raises(BadModel, match="a cable whose twist is 0"):
+        audit_file(path, Rod(1.0, 2.0, 1.5, 0.5, 1e-5), motion="space")

@@ -171,6 +171,7 @@ def audit_along(
 ) -> AxialAudit:
     """Judge a model's twist or stretch alone, its other joints at rest; errors as of `audit_file`."""
     row = chosen_row(model, chain)
+    _check_twist(row)
     _check_held(model, row, boundary is None)
     which = TWIST if motion == "twist" else STRETCH
     whole = row_modes(row, model.ties)
@@ -208,6 +209,7 @@ def audit_in_space(
 ) -> SpatialAudit:
     """Judge a model's chain in all its motions; `in_plane` judges bending. Errors as of `audit_file`."""
     row = chosen_row(model, chain)
+    _check_twist(row)
     _check_held(model, row, ends is None)
     # Who says that an end is clamped means the carrier, where it moves.
     held = ends is not None and any(np.isinf(end.stiffness).all() for end in (ends.left, ends.right))
@@ -595,6 +597,16 @@ def _bending_only(rod: Rod, axis: int, modes: int) -> Rod:
 def _others(row: SpaceRow) -> list[str]:
     more = ", ..." if len(row.others) > _LISTED else ""
     return [f"other chains in the file: {', '.join(row.others[:_LISTED])}{more}"] if row.others else []
+
+
+def _check_twist(row: SpaceRow) -> None:
+    """Refuse balls that nothing resists in turning about the chain's line, as of a cable with twist 0."""
+    own = [each for each in row.coordinates if each.motion == TWIST and each.joint.springs is not None]
+    if own and not any(each.stiffness for each in own):
+        raise BadModel(
+            f"chain at body {row.name} must resist twist, got a cable whose twist is 0: give "
+            "it a twist [Pa] above 0, or judge its bending alone (motion bending)"
+        )
 
 
 def _check_held(model: Model, row: SpaceRow, alone: bool) -> None:
