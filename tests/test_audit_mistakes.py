@@ -213,3 +213,10 @@ def test_a_cable_without_twist_is_told_so(tmp_path: Path) -> None:
     path.write_text(f"<mujoco>{plugin}<worldbody>{cable}</worldbody></mujoco>", "utf-8")
     with pytest.raises(BadModel, match="a cable whose twist is 0"):
         audit_file(path, Rod(1.0, 2.0, 1.5, 0.5, 1e-5), motion="space")
+
+
+def test_bodies_that_are_not_nested_are_told_so(tmp_path: Path) -> None:
+    link = '<body pos="{0} 0 0"><joint axis="0 1 0" stiffness="10"/>'
+    link += '<geom type="cylinder" size=".005" fromto="0 0 0 .2 0 0" mass=".1"/></body>'
+    assert "not nested" in asked(tmp_path, "".join(link.format(0.2 * i) for i in range(5))).text
+    assert "not nested" not in asked(tmp_path, bodies()).text

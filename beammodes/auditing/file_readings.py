@@ -260,6 +260,12 @@ def readings_of(model: Model, asked: Request) -> Readings:
     names = [each.name for each in paths if each is not path]
     more = ", ..." if len(names) > _LISTED else ""
     others = f"other chains in the file: {', '.join(names[:_LISTED])}{more}" if names else ""
+    same = all(each.root is path.root and len(each.groups) == 1 for each in paths)
+    if same and len(paths) > 2:
+        others += (
+            "; these bodies are not nested: each is a link of its own on the same parent, so "
+            "none carries the next (a chain has each body inside the one before it)"
+        )
     try:
         read = _of_path(model, path, asked)
     except BadModel as error:
