@@ -78,7 +78,8 @@ def test_there_are_four_pages_for_simulators_with_code_to_run() -> None:
 @pytest.mark.filterwarnings("ignore:.*SWIG|.*pydrake|.*numpy:DeprecationWarning")
 @pytest.mark.parametrize(("stem", "block"), PYTHON, ids=[f"{s}-{i}" for i, (s, _) in enumerate(PYTHON)])
 def test_python_blocks_run(stem: str, block: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    for engine in sorted(ENGINES & set(re.findall(r"(?:import|from) (\w+)", block))):
+    imported = " ".join(re.findall(r"(?:import|from) .*", block))
+    for engine in sorted(ENGINES & set(re.findall(r"\w+", imported))):
         for each in {engine, READERS.get(engine, engine)}:
             if importlib.util.find_spec(each) is None:
                 pytest.skip(f"{each} is not installed")

@@ -55,7 +55,8 @@ def test_a_single_beam_is_the_one_of_the_closed_forms() -> None:
     for pair in ("clamped-free", "free-free", "guided-pinned", ("clamped", body), on_springs):
         found = bm.structure_modes(bm.Structure.of_beam(UNIT, pair), 6)
         judge = bm.euler_bernoulli(UNIT, pair, 6)
-        np.testing.assert_allclose(found.angular_frequency, judge.angular_frequency, rtol=1e-14)
+        # Of two counts of roots in doubles: 1.2e-14 with NumPy 2.5.
+        np.testing.assert_allclose(found.angular_frequency, judge.angular_frequency, rtol=3e-14)
         assert found.rigid_body_modes == judge.rigid_body_modes
 
 

@@ -40,7 +40,8 @@ def nearest_nonnegative(rows: Floats, wanted: Floats, start: Floats) -> Floats |
         x = np.maximum(0.0, start + multipliers @ rows)
         return x, float(x @ x / 2 - wanted @ multipliers), wanted - rows @ x
 
-    size = float(np.abs(wanted).max())
+    # Where all that is wanted is zero, of the sums that it starts from.
+    size = float(np.abs(wanted).max() or np.abs(rows @ np.maximum(0.0, start)).max())
     multipliers = np.zeros(len(wanted))
     x, value, missing = at(multipliers)
     for _ in range(_STEPS):

@@ -11,6 +11,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import fields, is_dataclass
 from fractions import Fraction
 from html import escape
+from inspect import cleandoc
 from types import MappingProxyType
 from typing import Any
 
@@ -84,7 +85,7 @@ def units_of(kind: type) -> Mapping[str, str]:
     """
     found: dict[str, str] = {}
     for each in reversed(kind.__mro__):
-        for names, said in re.findall(r"(?m)^ {4}(\w+(?:, \w+)*) : (.*)$", each.__doc__ or ""):
+        for names, said in re.findall(r"(?m)^(\w+(?:, \w+)*) : (.*)$", cleandoc(each.__doc__ or "")):
             listed, units = names.split(", "), re.findall(r"\[([^\]]+)\]", said)
             split = units if len(units) == len(listed) > 1 else [" or ".join(units)] * len(listed)
             found |= {name: "" if unit == "-" else unit for name, unit in zip(listed, split, strict=True)}
