@@ -102,6 +102,7 @@ def test_every_public_object_has_a_line_and_a_page() -> None:
     classes = {name for name in bm.__all__ if inspect.isclass(getattr(bm, name))} - EXCEPTIONS
     assert classes - seen == {"Layout"}  # a protocol
     before = dict(matplotlib.rcParams)
+    opened = plt.get_fignums()  # by other tests
     for name, value in shown().items():
         if not isinstance(value, Shown):
             assert not type(value).__module__.startswith("beammodes"), name
@@ -118,7 +119,7 @@ def test_every_public_object_has_a_line_and_a_page() -> None:
         if hasattr(value, "frequency") and np.size(value.frequency) and "Sine" not in name:
             assert re.match(r"\S+\(.*?[\d.]+ Hz", line), line
             assert "Hz" in html, name
-    assert dict(matplotlib.rcParams) == before and plt.get_fignums() == []
+    assert (dict(matplotlib.rcParams), plt.get_fignums()) == (before, opened)
 
 
 def test_numbers_have_their_units() -> None:
@@ -192,6 +193,7 @@ def test_nothing_of_it_is_loaded_before_somebody_looks() -> None:
 
 
 def test_plots_without_axes_make_their_own_and_show_them() -> None:
+    opened = plt.get_fignums()  # by other tests
     for drawn in (
         bm.draw_chain(chain()),
         bm.draw_chain(bm.SpatialChain(ROD, "clamped-free", 3)),
@@ -202,7 +204,7 @@ def test_plots_without_axes_make_their_own_and_show_them() -> None:
         assert all(isinstance(ax, matplotlib.axes.Axes) for ax in axes)
         picture: Any = drawn
         assert picture._repr_png_().startswith(b"\x89PNG")
-    assert plt.get_fignums() == []
+    assert plt.get_fignums() == opened
 
 
 def test_a_film_plays_in_the_page_and_stays_small() -> None:
