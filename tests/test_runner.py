@@ -52,7 +52,9 @@ def test_interrupted_studies_keep_what_is_finished(tmp_path: Path) -> None:
     assert running.stderr is not None
     heard = ""
     while "c_table.svg" not in heard:
-        heard += running.stderr.readline()
+        line = running.stderr.readline()
+        assert line, heard  # it ended
+        heard += line
     time.sleep(0.5)
     running.send_signal(signal.SIGINT)
     _, rest = running.communicate(timeout=600)
