@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import xarray
@@ -56,9 +57,9 @@ class Published:
         return max(0.5 * 10.0**-decimals, self.within * abs(float(self.printed)))
 
 
-def _first(boundary: object, mode: int = 1, **more: object) -> float:
-    beam = more.pop("beam", UNIT)
-    return float(bm.euler_bernoulli(beam, boundary, mode, **more).angular_frequency[mode - 1])  # type: ignore[arg-type]
+def _first(boundary: Any, mode: int = 1, *, beam: bm.Beam = UNIT, load: bm.Load | None = None) -> float:
+    """Return a mode's exact frequency, the first one's by default [rad/s]."""
+    return float(bm.euler_bernoulli(beam, boundary, mode, load=load).angular_frequency[mode - 1])
 
 
 def _elastica(force: float) -> tuple[float, float]:

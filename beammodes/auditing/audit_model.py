@@ -185,6 +185,7 @@ def audit_file(
     if kind != "bending":
         return _in_motion(place, beam, boundary, kind, chain, plane, file, modes, tolerance)
     assert isinstance(beam, Beam)
+    # Ends are of the kind of the motion: `of` refuses those of another.
     pair = None if boundary is None else Boundary.of(boundary)  # type: ignore[arg-type]
     asked = Request(beam, pair, chain, plane)
     with _told_of(place):
@@ -223,10 +224,12 @@ def _in_motion(
     judge = beam
     if motion == "space":
         judge = beam if isinstance(beam, Rod) else Rod.from_beam(beam)
+        # As in bending: `of` refuses ends of another motion.
         ends = None if boundary is None else RodEnds.of(boundary)  # type: ignore[arg-type]
     else:
         if plane is not None:
             raise ValueError(f"plane must be left out for motion {motion}, got {shown(plane)}")
+        # A Rod has gone to motion "space"; `of` refuses ends of another motion.
         MOTIONS[motion].numbers(beam)  # type: ignore[arg-type]
         along = None if boundary is None else AxialBoundary.of(boundary, motion)  # type: ignore[arg-type]
 

@@ -47,6 +47,7 @@ def _write_all_digits(mujoco: Any) -> None:
 
 def main(folder: Path) -> None:
     """Write what MuJoCo makes of the model in that folder, or why it refuses it."""
+    # It ships no types.
     import mujoco  # type: ignore[import-untyped]
 
     try:

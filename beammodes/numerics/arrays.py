@@ -10,7 +10,7 @@ import math
 import sys
 from collections.abc import Callable
 from functools import wraps
-from typing import Any, NamedTuple, TypeVar
+from typing import Any, NamedTuple, TypeVar, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -168,4 +168,4 @@ def keeps_labels(function: _F) -> _F:
             )
         return xarray.DataArray(found, dims=first.dims, coords=first.coords)
 
-    return labelled  # type: ignore[return-value]
+    return cast(_F, labelled)

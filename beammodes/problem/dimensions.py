@@ -103,7 +103,9 @@ def kind_of(unit: str) -> Kind:
     total: list[float] = [0, 0, 0]
     for part, sign in ((above, 1), (below, -1)):
         for word in part.split():
-            base, power = re.fullmatch(r"([A-Za-z]+|1)(\d*)", word).groups()  # type: ignore[union-attr]
+            parts = re.fullmatch(r"([A-Za-z]+|1)(\d*)", word)
+            assert parts, word
+            base, power = parts.groups()
             for i, exponent in enumerate(_BASE[base]):
                 total[i] += sign * exponent * int(power or 1)
     return total[0], total[1], total[2]

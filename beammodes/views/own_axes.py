@@ -63,6 +63,7 @@ class _OwnAxes(_Shown, Axes):
     """In the plane."""
 
 
+# mpl_toolkits ships no types, so that its base is Any.
 class _OwnAxes3D(_Shown, Axes3D):  # type: ignore[misc]
     """In space."""
 
