@@ -104,7 +104,7 @@ def _reported(name: str, density: float, poisson_ratio: float) -> Material:
     return Material(name, MODULI[name].pascals[0], density, poisson_ratio)
 
 
-#: Materials of the command line: the report's moduli where it has one number; else values of handbooks.
+#: Materials of the command line: the report's moduli where it has one number; the rest is typical, rounded.
 MATERIALS: Catalogue[Material] = Catalogue(
     "materials",
     {
@@ -114,7 +114,7 @@ MATERIALS: Catalogue[Material] = Catalogue(
             _reported("brass", 8500.0, 0.34),
             _reported("concrete", 2400.0, 0.2),
             _reported("steel", 7850.0, 0.29),
-            # AISI 304 and Ti-6Al-4V.
+            # AISI 304 and Ti-6Al-4V, annealed: data sheets of ASM Aerospace Specification Metals.
             Material("stainless steel", 193e9, 8000.0, 0.29),
             Material("titanium", 113.8e9, 4430.0, 0.342),
         )
